@@ -1,0 +1,83 @@
+"""Geodesic distance on anything that has a Laplacian.
+
+Meshes, point clouds, graphs and what plugins add go through one heat method (Crane, Weischedel and
+Wardetzky, *Geodesics in Heat*, 2013, https://doi.org/10.1145/2516971.2516977).
+
+Everything public is here, and nothing heavy is imported until it is used.
+"""
+
+import importlib
+from typing import TYPE_CHECKING, Any
+
+__version__ = "0.1.0"
+
+if TYPE_CHECKING:
+    from geodesic_toolkit import errors, testing, viz
+    from geodesic_toolkit.api import geodesic_distance
+    from geodesic_toolkit.catalog import operators, readers, solvers
+    from geodesic_toolkit.discretization import (
+        Discretization,
+        EdgeGradient,
+        ElementGradient,
+        Gradient,
+    )
+    from geodesic_toolkit.domains import Domain, Graph, PointCloud, SurfacePoint, TriangleMesh
+    from geodesic_toolkit.exact import exact_distance
+    from geodesic_toolkit.heat import HeatMethod
+    from geodesic_toolkit.io import read
+    from geodesic_toolkit.laplacians.base import LaplaceOperator
+    from geodesic_toolkit.laplacians.cotan import CotanLaplacian
+    from geodesic_toolkit.laplacians.uniform import UniformLaplacian
+    from geodesic_toolkit.linear.base import Factor, LinearSolver
+    from geodesic_toolkit.linear.cg import CG
+    from geodesic_toolkit.linear.superlu import SuperLU
+    from geodesic_toolkit.solver import Diagnosis, GeodesicSolver
+
+_HOMES = {
+    "CG": "linear.cg",
+    "CotanLaplacian": "laplacians.cotan",
+    "Diagnosis": "solver",
+    "Discretization": "discretization",
+    "Domain": "domains",
+    "EdgeGradient": "discretization",
+    "ElementGradient": "discretization",
+    "Factor": "linear.base",
+    "GeodesicSolver": "solver",
+    "Gradient": "discretization",
+    "Graph": "domains",
+    "HeatMethod": "heat",
+    "LaplaceOperator": "laplacians.base",
+    "LinearSolver": "linear.base",
+    "PointCloud": "domains",
+    "SuperLU": "linear.superlu",
+    "SurfacePoint": "domains",
+    "TriangleMesh": "domains",
+    "UniformLaplacian": "laplacians.uniform",
+    "exact_distance": "exact",
+    "geodesic_distance": "api",
+    "operators": "catalog",
+    "read": "io",
+    "readers": "catalog",
+    "solvers": "catalog",
+}
+_SUBPACKAGES = ("errors", "testing", "viz")
+
+__all__ = [  # noqa: PLE0604 - names are strings; they are computed to be listed once
+    "__version__",
+    *_HOMES,
+    *_SUBPACKAGES,
+]
+
+
+def __getattr__(name: str) -> Any:
+    if name in _SUBPACKAGES:
+        return importlib.import_module(f"{__name__}.{name}")
+    if name in _HOMES:
+        value = getattr(importlib.import_module(f"{__name__}.{_HOMES[name]}"), name)
+        globals()[name] = value
+        return value
+    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+
+
+def __dir__() -> list[str]:
+    return sorted(__all__)

@@ -1,0 +1,43 @@
+"""Read-only arrays, kept read-only through pickling and copying."""
+
+from typing import Any, TypeVar
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.sparse import csr_array
+
+__all__ = ["FrozenArrays", "freeze", "freeze_csr"]
+
+Scalar = TypeVar("Scalar", bound=np.generic)
+
+
+def freeze(array: NDArray[Scalar]) -> NDArray[Scalar]:
+    """Return `array`, now read-only (the caller must own its memory)."""
+    array.setflags(write=False)
+    return array
+
+
+def freeze_csr(matrix: csr_array) -> csr_array:
+    """Return `matrix` with sorted rows and read-only arrays.
+
+    Sorting comes first: SciPy sorts in place on demand, which read-only arrays would refuse.
+    """
+    matrix.sum_duplicates()
+    for array in (matrix.data, matrix.indices, matrix.indptr):
+        array.setflags(write=False)
+    return matrix
+
+
+class FrozenArrays:
+    """Mixin for dataclasses of arrays: unpickled and copied arrays are read-only again.
+
+    NumPy drops the flag when it pickles.
+    """
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        self.__dict__.update(state)
+        for value in state.values():
+            if isinstance(value, np.ndarray):
+                freeze(value)
+            elif isinstance(value, csr_array):
+                freeze_csr(value)

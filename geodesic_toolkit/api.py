@@ -1,0 +1,61 @@
+"""The one-liner."""
+
+from typing import Any
+
+from geodesic_toolkit._typing import FloatArray
+from geodesic_toolkit.domains import Domain
+from geodesic_toolkit.laplacians.base import LaplaceOperator
+from geodesic_toolkit.solver import GeodesicSolver
+
+__all__ = ["geodesic_distance"]
+
+
+def geodesic_distance(
+    domain: Domain,
+    sources: Any,
+    *,
+    operator: str | type[LaplaceOperator] | LaplaceOperator = "auto",
+    **options: Any,
+) -> FloatArray:
+    """Return the geodesic distance of every vertex of `domain` from `sources`.
+
+    For more than one source set on a shape make a :class:`GeodesicSolver`, which factorises once.
+
+    Parameters
+    ----------
+    domain : Domain
+        A TriangleMesh, PointCloud or Graph.
+    sources : int, array-like of int, array-like of float, SurfacePoint or sequence of them
+        One set of sources, as :meth:`GeodesicSolver.distance` takes it.
+    operator : str, class or instance
+        The Laplace operator.
+    **options
+        Those of :class:`GeodesicSolver`.
+
+    Returns
+    -------
+    ndarray of shape (N,), float64
+        In the unit of the domain; ``inf`` where no source connects.
+
+    Raises
+    ------
+    GeodesicError
+        What :class:`GeodesicSolver` and its `distance` raise.
+
+    References
+    ----------
+    K. Crane, C. Weischedel, M. Wardetzky, *Geodesics in Heat*, 2013,
+    https://doi.org/10.1145/2516971.2516977
+
+    Examples
+    --------
+    >>> import geodesic_toolkit as gt
+    >>> strip = gt.TriangleMesh(
+    ...     [[0, 0, 0], [1, 0, 0], [2, 0, 0], [0, 1, 0], [1, 1, 0], [2, 1, 0], [9, 9, 9]],
+    ...     [[0, 1, 3], [1, 4, 3], [1, 2, 4], [2, 5, 4]],
+    ... )
+    >>> distance = gt.geodesic_distance(strip, 0)
+    >>> float(distance[0]), float(distance[6])
+    (0.0, inf)
+    """
+    return GeodesicSolver(domain, operator=operator, **options).distance(sources)

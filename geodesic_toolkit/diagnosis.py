@@ -1,0 +1,134 @@
+"""What a shape is like, and what was done about it."""
+
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass
+from typing import Any
+
+import numpy as np
+
+from geodesic_toolkit.discretization import Discretization
+from geodesic_toolkit.domains import Domain, TriangleMesh
+from geodesic_toolkit.geometry.triangles import (
+    edges_of_faces,
+    frames_from_positions,
+    proper_faces,
+)
+from geodesic_toolkit.heat import HeatMethod
+
+__all__ = ["Diagnosis", "diagnose"]
+
+
+@dataclass(frozen=True)
+class Diagnosis:
+    """What a shape is like, and what was done about it.
+
+    Attributes
+    ----------
+    domain, operator : str
+        What was discretized, and how.
+    components : int
+        Connected components of more than one vertex.
+    isolated_vertices : int
+        Vertices connected to nothing; their distance is ``inf``.
+    boundary_vertices : int
+        Vertices on a boundary.
+    non_manifold_edges : int or None
+        Edges of more than two faces; None where there are no faces.
+    minimum_angle : float or None
+        Smallest angle of a face, in degrees; None where there are no faces.
+    positive_off_diagonals : float
+        Share of the off-diagonal entries of the diffusion's stiffness that are positive, where a
+        Laplacian with a maximum principle has none.
+    spacing : float
+        Mean edge length h.
+    time : float
+        Time step t.
+    probe : int
+        The middle vertex of the largest component, from which heat was sent.
+    reached, non_positive, stages : int
+        Vertices connected to the probe; those whose heat was not positive; solves that the range
+        of the heat took.
+    notes : mapping
+        What the operator found or decided.
+    """
+
+    domain: str
+    operator: str
+    components: int
+    isolated_vertices: int
+    boundary_vertices: int
+    non_manifold_edges: int | None
+    minimum_angle: float | None
+    positive_off_diagonals: float
+    spacing: float
+    time: float
+    probe: int
+    reached: int
+    non_positive: int
+    stages: int
+    notes: Mapping[str, Any]
+
+    def as_dict(self) -> dict[str, Any]:
+        """Return the fields as plain Python objects, for JSON."""
+        return asdict(self)
+
+    def __str__(self) -> str:
+        rows = {**self.as_dict(), **{f"notes.{key}": value for key, value in self.notes.items()}}
+        del rows["notes"]
+        width = max(map(len, rows))
+        return "\n".join(f"{key.ljust(width)}  {_shown(value)}" for key, value in rows.items())
+
+
+def _shown(value: Any) -> str:
+    if value is None:
+        return "-"
+    return f"{value:.6g}" if isinstance(value, float) else str(value)
+
+
+def diagnose(domain: Domain, operator: object, method: HeatMethod) -> Diagnosis:
+    """Return the diagnosis of `domain` as `method` sees it."""
+    metric = method.metric
+    sizes = np.bincount(metric.components)
+    members = np.flatnonzero(metric.components == sizes.argmax())
+    probe = int(members[len(members) // 2])
+    report = method.heat_report(probe)
+    manifold, angle = _face_quality(domain)
+    return Diagnosis(
+        domain=repr(domain),
+        operator=repr(operator),
+        components=int((sizes > 1).sum()),
+        isolated_vertices=int((sizes == 1).sum()),
+        boundary_vertices=int(metric.boundary.sum()),
+        non_manifold_edges=manifold,
+        minimum_angle=angle,
+        positive_off_diagonals=_positive_share(method.diffusion),
+        spacing=metric.spacing,
+        time=method.time,
+        probe=probe,
+        reached=report.reached,
+        non_positive=report.non_positive,
+        stages=report.stages,
+        notes=metric.notes,
+    )
+
+
+def _positive_share(discretization: Discretization) -> float:
+    stiffness = discretization.stiffness
+    rows = np.repeat(np.arange(stiffness.shape[0]), np.diff(stiffness.indptr))
+    off_diagonal = stiffness.data[rows != stiffness.indices]
+    rounding = 1e-12 * np.abs(off_diagonal).max(initial=0.0)
+    return float((off_diagonal > rounding).mean()) if off_diagonal.size else 0.0
+
+
+def _face_quality(domain: Domain) -> tuple[int | None, float | None]:
+    """Return the number of non-manifold edges and the smallest angle in degrees, of a mesh."""
+    if not isinstance(domain, TriangleMesh):
+        return None, None
+    faces = domain.faces[proper_faces(domain.faces)]
+    _, face_counts = edges_of_faces(faces, domain.n_vertices)
+    length, along, height = frames_from_positions(domain.vertices, faces).T
+    first = np.arctan2(height, along)
+    second = np.arctan2(height, length - along)
+    smallest = np.minimum(np.minimum(first, second), np.pi - first - second).min()
+    angle = float(np.degrees(smallest)) if np.isfinite(smallest) else 0.0
+    return int((face_counts > 2).sum()), max(angle, 0.0)

@@ -1,0 +1,12 @@
+"""What distances are measured on: triangle meshes, point clouds, graphs.
+
+Domains coerce, validate and freeze; they hold no algorithms.
+"""
+
+from geodesic_toolkit.domains.base import Domain
+from geodesic_toolkit.domains.cloud import PointCloud
+from geodesic_toolkit.domains.graph import Graph
+from geodesic_toolkit.domains.mesh import TriangleMesh
+from geodesic_toolkit.domains.surface_point import SurfacePoint
+
+__all__ = ["Domain", "Graph", "PointCloud", "SurfacePoint", "TriangleMesh"]

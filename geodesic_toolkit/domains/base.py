@@ -1,0 +1,110 @@
+"""The base of all domains, and the coercion of arrays that they share."""
+
+import abc
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from geodesic_toolkit._frozen import FrozenArrays
+from geodesic_toolkit._typing import FloatArray, IntArray
+from geodesic_toolkit.errors import InvalidDomainError
+
+__all__ = ["Domain", "as_floats", "as_indices", "check_indices", "first_bad_row"]
+
+
+class Domain(FrozenArrays, abc.ABC):
+    """A shape that distances are measured on: immutable, validated once, with read-only arrays.
+
+    Third parties may subclass it for a kind of shape that the core does not have; an operator
+    says in :attr:`LaplaceOperator.domains` which kinds it discretizes.
+    """
+
+    @property
+    @abc.abstractmethod
+    def n_vertices(self) -> int:
+        """Number of vertices: the length of every distance field on this domain."""
+
+
+def _as_array(values: ArrayLike, name: str) -> np.ndarray[Any, Any]:
+    try:
+        array = np.asarray(values)
+    except (ValueError, TypeError) as error:  # ragged lists, objects that refuse conversion
+        raise InvalidDomainError(f"{name} cannot be read as an array: {error}") from error
+    if array.dtype.kind not in "iuf":
+        raise InvalidDomainError(
+            f"{name} must hold real numbers, not dtype {array.dtype}; convert them first"
+        )
+    return array
+
+
+def as_floats(values: ArrayLike, name: str, shape: tuple[int | None, ...]) -> FloatArray:
+    """Return a fresh C-ordered float64 copy of `values` after checking its `shape`.
+
+    ``None`` stands for any length. Overflow of wider floats to infinity is left to the caller's
+    check of finiteness.
+    """
+    array = _as_array(values, name)
+    _check_shape(array, name, shape)
+    with np.errstate(over="ignore"):
+        return np.array(array, dtype=np.float64, order="C")
+
+
+def as_indices(values: ArrayLike, name: str, row: str, shape: tuple[int | None, ...]) -> IntArray:
+    """Return a fresh C-ordered int64 copy of `values`; floats must be whole numbers.
+
+    `row` names one row of the array in messages: "face", "edge".
+    """
+    array = _as_array(values, name)
+    if array.size == 0 and array.ndim < len(shape):  # [] says "no rows" as well as (0, 3) does
+        array = array.reshape([length or 0 for length in shape])
+    _check_shape(array, name, shape)
+    if array.dtype.kind == "f":
+        bad = first_bad_row(array == np.floor(array))  # NaN and infinity fail the first or next test
+        if bad is None:
+            bad = first_bad_row(np.abs(array) < 2.0**53)
+        if bad is not None:
+            raise InvalidDomainError(
+                f"{row} {bad} of {name} holds {_row_text(array[bad])}, which are not whole numbers; "
+                "vertex indices must be integers"
+            )
+    elif array.dtype == np.uint64:
+        bad = first_bad_row(array <= np.uint64(np.iinfo(np.int64).max))
+        if bad is not None:
+            raise InvalidDomainError(f"{row} {bad} of {name} holds {_row_text(array[bad])}: too large")
+    return np.array(array, dtype=np.int64, order="C")
+
+
+def check_indices(indices: IntArray, n_vertices: int, row: str) -> None:
+    """Raise for the first row of `indices` that refers to a vertex outside ``0 .. n_vertices - 1``."""
+    if indices.size == 0 or (indices.min() >= 0 and indices.max() < n_vertices):
+        return
+    outside = (indices < 0) | (indices >= n_vertices)
+    bad = int(np.flatnonzero(outside.any(axis=1))[0])
+    index = int(indices[bad][outside[bad]][0])
+    hint = " (are the indices one-based?)" if indices.min() >= 1 and index == n_vertices else ""
+    raise InvalidDomainError(
+        f"{row} {bad} refers to vertex {index}; there are {n_vertices}, numbered from 0{hint}"
+    )
+
+
+def first_bad_row(good: np.ndarray[Any, Any]) -> int | None:
+    """Return the index of the first row in which `good` is not true throughout, or None."""
+    if good.all():
+        return None
+    rows = good.all(axis=tuple(range(1, good.ndim))) if good.ndim > 1 else good
+    return int(np.flatnonzero(~rows)[0])
+
+
+def _check_shape(array: np.ndarray[Any, Any], name: str, shape: tuple[int | None, ...]) -> None:
+    fits = array.ndim == len(shape) and all(
+        wanted is None or wanted == length for wanted, length in zip(shape, array.shape, strict=True)
+    )
+    if not fits:
+        wanted = ", ".join("n" if length is None else str(length) for length in shape)
+        comma = "," if len(shape) == 1 else ""
+        raise InvalidDomainError(f"{name} must have shape ({wanted}{comma}), not {array.shape}")
+
+
+def _row_text(row: np.ndarray[Any, Any]) -> str:
+    return "(" + ", ".join(str(value) for value in np.atleast_1d(row).tolist()) + ")"

@@ -1,0 +1,97 @@
+"""Point clouds."""
+
+from dataclasses import dataclass
+from typing import final
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from geodesic_toolkit._frozen import freeze
+from geodesic_toolkit._typing import BoolArray, FloatArray
+from geodesic_toolkit.domains.base import Domain, as_floats, first_bad_row
+from geodesic_toolkit.errors import InvalidDomainError
+
+__all__ = ["PointCloud"]
+
+
+@final
+@dataclass(frozen=True, eq=False, repr=False, init=False)
+class PointCloud(Domain):
+    """Points sampled from a surface, with or without its normals.
+
+    Points that are not finite (a depth camera's missing pixels) are kept, so that indices stay
+    those of the file; their distance is always ``inf``.
+
+    Parameters
+    ----------
+    points : array-like of shape (N, 3)
+        Positions, in any unit; distances come out in the same one. Copied to float64.
+    normals : array-like of shape (N, 3), optional
+        Surface normals, of any length but zero; used as they are given. Where a point is missing
+        its normal is ignored.
+
+    Attributes
+    ----------
+    points : ndarray of shape (N, 3), float64, read-only
+    normals : ndarray of shape (N, 3), float64, read-only, or None
+        Unit normals.
+    present : ndarray of shape (N,), bool, read-only
+        Where the point is finite.
+
+    Raises
+    ------
+    InvalidDomainError
+        Wrong shape or dtype, no points, none that is finite, a normal that is zero or not finite
+        at a point that is there.
+
+    Examples
+    --------
+    >>> import geodesic_toolkit as gt
+    >>> gt.PointCloud([[0, 0, 0], [1, 0, 0], [float("nan"), 0, 0]])
+    PointCloud(3 points, 1 missing)
+    """
+
+    points: FloatArray
+    normals: FloatArray | None
+    present: BoolArray
+
+    def __init__(self, points: ArrayLike, normals: ArrayLike | None = None) -> None:
+        positions = as_floats(points, "points", (None, 3))
+        if len(positions) == 0:
+            raise InvalidDomainError("the point cloud has no points")
+        present = np.isfinite(positions).all(axis=1)
+        if not present.any():
+            raise InvalidDomainError("no point of the point cloud is finite")
+        object.__setattr__(self, "points", freeze(positions))
+        object.__setattr__(self, "normals", None)
+        object.__setattr__(self, "present", freeze(present))
+        if normals is not None:
+            object.__setattr__(self, "normals", freeze(self._unit_normals(normals)))
+
+    def _unit_normals(self, normals: ArrayLike) -> FloatArray:
+        vectors = as_floats(normals, "normals", (self.n_vertices, 3))
+        largest = np.abs(vectors).max(axis=1)
+        bad = first_bad_row(~self.present | (np.isfinite(largest) & (largest > 0)))
+        if bad is not None:
+            raise InvalidDomainError(
+                f"normal {bad} is zero or not finite: {vectors[bad].tolist()}; "
+                "leave the normals out to have them estimated"
+            )
+        vectors[~self.present] = 0.0
+        vectors /= np.where(largest > 0, largest, 1.0)[:, None]  # against overflow of the square
+        length = np.linalg.norm(vectors, axis=1, keepdims=True)
+        return vectors / np.where(length > 0, length, 1.0)
+
+    @property
+    def n_vertices(self) -> int:
+        """Number of points, the missing ones among them."""
+        return len(self.points)
+
+    def __repr__(self) -> str:
+        missing = self.n_vertices - int(self.present.sum())
+        parts = [f"{self.n_vertices} point{'' if self.n_vertices == 1 else 's'}"]
+        if missing:
+            parts.append(f"{missing} missing")
+        if self.normals is not None:
+            parts.append("with normals")
+        return f"PointCloud({', '.join(parts)})"

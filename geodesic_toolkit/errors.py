@@ -1,0 +1,98 @@
+"""Errors and warnings: one root each, and every error is also the builtin that fits it.
+
+Catching :class:`GeodesicError` catches all of them; catching the builtin
+(``ValueError`` for bad data, ``IndexError`` for a bad source, ...) works too.
+"""
+
+__all__ = [
+    "GeodesicError",
+    "GeodesicWarning",
+    "InvalidDiscretizationError",
+    "InvalidDomainError",
+    "InvalidOptionError",
+    "InvalidSourceError",
+    "MissingDependencyError",
+    "NonPositiveHeatWarning",
+    "NotEnoughMemoryError",
+    "PluginConflictError",
+    "PluginError",
+    "PluginLoadError",
+    "ReadError",
+    "ReadWarning",
+    "SolverError",
+    "UnknownPluginError",
+    "UnsupportedDomainError",
+    "WriteError",
+]
+
+
+class GeodesicError(Exception):
+    """Root of every error that this package raises on purpose."""
+
+
+class InvalidDomainError(GeodesicError, ValueError):
+    """A mesh, cloud or graph that cannot be one: the message names the first bad element."""
+
+
+class UnsupportedDomainError(GeodesicError, TypeError):
+    """A domain of a kind, or in a state, that the chosen operator or function cannot take."""
+
+
+class InvalidSourceError(GeodesicError, IndexError):
+    """Sources that do not name places on the domain."""
+
+
+class InvalidOptionError(GeodesicError, ValueError):
+    """An option outside the values it may have."""
+
+
+class InvalidDiscretizationError(GeodesicError, ValueError):
+    """An operator assembled something that breaks the contract of a discretization."""
+
+
+class ReadError(GeodesicError, ValueError):
+    """A file that cannot be read as a mesh, cloud or graph."""
+
+
+class WriteError(GeodesicError, OSError):
+    """An output that cannot be written; what was there before is untouched."""
+
+
+class MissingDependencyError(GeodesicError, ImportError):
+    """An optional package, or a system library beneath it, is missing; the message says which."""
+
+
+class NotEnoughMemoryError(GeodesicError, MemoryError):
+    """The work would not fit into memory; the message says how much it needs."""
+
+
+class SolverError(GeodesicError, RuntimeError):
+    """A linear solver failed: a singular or indefinite matrix, or no convergence."""
+
+
+class PluginError(GeodesicError):
+    """Root of what can be wrong with plugins."""
+
+
+class UnknownPluginError(PluginError, LookupError):
+    """No plugin of that name; the message lists near misses and what is installed."""
+
+
+class PluginLoadError(PluginError, ImportError):
+    """A plugin is registered but could not be imported, or is not what its group asks for."""
+
+
+class PluginConflictError(PluginError, LookupError):
+    """Two distributions register the same name; the message names both."""
+
+
+class GeodesicWarning(UserWarning):
+    """Root of every warning of this package."""
+
+
+class ReadWarning(GeodesicWarning):
+    """A file was read, but not quite as it stands: polygons were triangulated, say."""
+
+
+class NonPositiveHeatWarning(GeodesicWarning):
+    """The heat is not positive at some vertices, where the distance is not to be trusted."""

@@ -1,0 +1,99 @@
+"""The exact reference: distances along the polyhedron itself."""
+
+from typing import Any
+
+import numpy as np
+from scipy.sparse import coo_array, csr_array
+from scipy.sparse.csgraph import connected_components
+
+from geodesic_toolkit._typing import FloatArray, IntArray
+from geodesic_toolkit.domains import TriangleMesh
+from geodesic_toolkit.errors import SolverError, UnsupportedDomainError
+from geodesic_toolkit.geometry.triangles import edges_of_faces, proper_faces
+from geodesic_toolkit.heat import as_vertices
+
+__all__ = ["exact_distance"]
+
+
+def exact_distance(mesh: TriangleMesh, sources: Any) -> FloatArray:
+    """Return the exact polyhedral distance of every vertex from the nearest source vertex.
+
+    The reference for tests and error reports, by libigl. Its cost grows faster than the number of
+    faces: a second for 7,000 faces, a minute for 100,000.
+
+    Parameters
+    ----------
+    mesh : TriangleMesh
+        No edge with more than two faces in a component that has a source.
+    sources : int or array-like of int
+        Source vertices.
+
+    Returns
+    -------
+    ndarray of shape (N,), float64
+        In the unit of the mesh; ``inf`` in components without a source.
+
+    Raises
+    ------
+    InvalidSourceError
+        No source, an index out of range, something that is no index.
+    UnsupportedDomainError
+        Not a triangle mesh, or a non-manifold one.
+    SolverError
+        The algorithm returned something that is no distance (degenerate faces can do that).
+
+    References
+    ----------
+    J. S. B. Mitchell, D. M. Mount, C. H. Papadimitriou, *The Discrete Geodesic Problem*,
+    SIAM J. Comput. 16, 1987, https://doi.org/10.1137/0216045
+
+    Examples
+    --------
+    >>> import geodesic_toolkit as gt
+    >>> square = gt.TriangleMesh([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]], [[0, 1, 3], [1, 2, 3]])
+    >>> gt.exact_distance(square, 0)
+    array([0.        , 1.        , 1.41421356, 1.        ])
+    """
+    if not isinstance(mesh, TriangleMesh):
+        raise UnsupportedDomainError(
+            f"exact distances need a TriangleMesh, not a {type(mesh).__name__}"
+        )
+    vertices = as_vertices(sources, mesh.n_vertices)
+    faces = mesh.faces[proper_faces(mesh.faces)]
+    edges, face_counts = edges_of_faces(faces, mesh.n_vertices)
+    labels = _components(edges, mesh.n_vertices)
+    distance = np.full(mesh.n_vertices, np.inf)
+    for component in np.unique(labels[vertices]):
+        members = np.flatnonzero(labels == component)
+        own_sources = vertices[labels[vertices] == component]
+        if len(members) == 1:
+            distance[members] = 0.0
+            continue
+        crowded = edges[(face_counts > 2) & (labels[edges[:, 0]] == component)]
+        if len(crowded):
+            raise UnsupportedDomainError(
+                f"edge {crowded[0].tolist()} has more than two faces; exact distances need at most two"
+            )
+        local = np.full(mesh.n_vertices, -1)
+        local[members] = np.arange(len(members))
+        own_faces = local[faces[labels[faces[:, 0]] == component]]
+        distance[members] = _exact(mesh.vertices[members], own_faces, local[own_sources])
+    return distance
+
+
+def _components(edges: IntArray, n_vertices: int) -> IntArray:
+    entries = (np.ones(len(edges)), tuple(edges.T))
+    adjacency = csr_array(coo_array(entries, shape=(n_vertices, n_vertices)))
+    return np.asarray(connected_components(adjacency, directed=False)[1], dtype=np.int64)
+
+
+def _exact(vertices: FloatArray, faces: IntArray, sources: IntArray) -> FloatArray:
+    """Return exact distances on one connected component."""
+    import igl  # heavy: 0.3 s
+
+    nothing = np.zeros(0, dtype=np.int64)
+    targets = np.arange(len(vertices))
+    distance: FloatArray = igl.exact_geodesic(vertices, faces, np.unique(sources), nothing, targets, nothing)
+    if not (np.isfinite(distance).all() and (distance >= 0).all()):
+        raise SolverError("the exact algorithm failed on this mesh; are some faces degenerate?")
+    return distance

@@ -1,0 +1,62 @@
+"""The contract of a Laplace operator: one method."""
+
+import abc
+from typing import ClassVar
+
+from geodesic_toolkit.discretization import Discretization
+from geodesic_toolkit.domains import Domain
+from geodesic_toolkit.errors import UnsupportedDomainError
+
+__all__ = ["LaplaceOperator"]
+
+
+class LaplaceOperator(abc.ABC):
+    """Recipe for discretizing -Δ on a domain; the base class of back ends and plugins.
+
+    Subclasses are final frozen dataclasses of keyword-only options, each with a default, so that
+    ``Operator()`` works and two equal recipes are equal objects. The one method turns a domain
+    into data; everything after it is shared.
+
+    Attributes
+    ----------
+    domains : tuple of types
+        The kinds of domain that `assemble` takes.
+    references : tuple of str
+        DOIs of what it implements, shown by listings and documentation.
+
+    Examples
+    --------
+    >>> import geodesic_toolkit as gt
+    >>> gt.CotanLaplacian.domains
+    (<class 'geodesic_toolkit.domains.mesh.TriangleMesh'>,)
+    """
+
+    domains: ClassVar[tuple[type[Domain], ...]]
+    references: ClassVar[tuple[str, ...]] = ()
+
+    @abc.abstractmethod
+    def assemble(self, domain: Domain) -> Discretization:
+        """Return the discretization of -Δ (positive semidefinite) on `domain`.
+
+        Parameters
+        ----------
+        domain : Domain
+            One of the kinds in `domains`.
+
+        Returns
+        -------
+        Discretization
+
+        Raises
+        ------
+        UnsupportedDomainError
+            A domain of another kind.
+        """
+
+    def check_domain(self, domain: object) -> None:
+        """Raise an `UnsupportedDomainError` unless `domain` is one of the kinds in `domains`."""
+        if not isinstance(domain, self.domains):
+            accepted = " or ".join(kind.__name__ for kind in self.domains)
+            raise UnsupportedDomainError(
+                f"{type(self).__name__} discretizes {accepted}, not {type(domain).__name__}"
+            )

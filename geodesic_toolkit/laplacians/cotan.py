@@ -1,0 +1,216 @@
+"""The cotangent Laplacian of triangle meshes."""
+
+from dataclasses import dataclass
+from typing import Any, ClassVar, Literal, final
+
+import numpy as np
+from scipy.sparse import csr_array, diags_array
+
+from geodesic_toolkit._typing import FloatArray, IntArray
+from geodesic_toolkit.discretization import Discretization, ElementGradient
+from geodesic_toolkit.domains import Domain, TriangleMesh
+from geodesic_toolkit.errors import InvalidOptionError, UnsupportedDomainError
+from geodesic_toolkit.geometry.intrinsic import (
+    coherently_oriented,
+    intrinsic_delaunay,
+    voronoi_areas,
+)
+from geodesic_toolkit.geometry.triangles import (
+    edges_of_faces,
+    face_areas,
+    face_edge_lengths,
+    frames_from_lengths,
+    frames_from_positions,
+    hat_gradients,
+    mollified_lengths,
+    proper_faces,
+)
+from geodesic_toolkit.laplacians.base import LaplaceOperator
+
+__all__ = ["CotanLaplacian", "triangle_gradient"]
+
+DELAUNAY_LIMIT = 0.13
+"""The :func:`obtuse_excess` above which ``intrinsic_delaunay="auto"`` flips edges.
+
+Measured: sheared grids (0.13 and more) have errors of 7-60 % without flips; scans and models below
+(bunny 0.09, armadillo 0.11, horse 0.13) lose at most 0.3 points; of those above, camelhead (0.15)
+halves its error and a CAD model (0.15) goes from 15 % to 3 %.
+"""
+
+RINGS = 4
+"""Size of the neighbourhoods that :func:`obtuse_excess` averages over."""
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class CotanLaplacian(LaplaceOperator):
+    """Cotangent Laplacian of a triangle mesh: linear finite elements.
+
+    ``L = Gᵀ W G`` with G the gradients of the hat functions and W the triangle areas, positive
+    semidefinite (L = -Δ); its off-diagonal entries are ``-(cot α + cot β) / 2``.
+
+    Parameters
+    ----------
+    mass : {"barycentric", "voronoi", "identity"}
+        A third of the area of the faces around a vertex, its mixed Voronoi area, or 1.
+    intrinsic_delaunay : bool or "auto"
+        Assemble on the intrinsic Delaunay triangulation of the same surface: same vertices, but
+        no negative weight, so that heat is positive everywhere. Worth its cost (about that of
+        the rest of the assembly several times over) on meshes with many obtuse angles. "auto"
+        decides by how much of the stiffness has the wrong sign.
+
+    Raises
+    ------
+    InvalidOptionError
+        A value outside the ones above.
+
+    References
+    ----------
+    U. Pinkall, K. Polthier, *Computing Discrete Minimal Surfaces and Their Conjugates*,
+    Experimental Mathematics 2, 1993, https://doi.org/10.1080/10586458.1993.10504266
+
+    A. I. Bobenko, B. Springborn, *A Discrete Laplace-Beltrami Operator for Simplicial Surfaces*,
+    Discrete & Computational Geometry 38, 2007, https://doi.org/10.1007/s00454-007-9006-1
+
+    Examples
+    --------
+    >>> import geodesic_toolkit as gt
+    >>> mesh = gt.TriangleMesh([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 2]])
+    >>> gt.CotanLaplacian().assemble(mesh).stiffness.toarray()
+    array([[ 1. , -0.5, -0.5],
+           [-0.5,  0.5,  0. ],
+           [-0.5,  0. ,  0.5]])
+    """
+
+    mass: Literal["barycentric", "voronoi", "identity"] = "barycentric"
+    intrinsic_delaunay: bool | Literal["auto"] = False
+
+    domains: ClassVar[tuple[type[Domain], ...]] = (TriangleMesh,)
+    references: ClassVar[tuple[str, ...]] = (
+        "10.1080/10586458.1993.10504266",
+        "10.1007/s00454-007-9006-1",
+    )
+
+    def __post_init__(self) -> None:
+        if self.mass not in ("barycentric", "voronoi", "identity"):
+            raise InvalidOptionError(
+                f'mass must be "barycentric", "voronoi" or "identity", not {self.mass!r}'
+            )
+        if self.intrinsic_delaunay not in (True, False, "auto"):
+            raise InvalidOptionError(
+                f'intrinsic_delaunay must be True, False or "auto", not {self.intrinsic_delaunay!r}'
+            )
+
+    def assemble(self, domain: Domain) -> Discretization:
+        """Return the discretization of -Δ (positive semidefinite) on a triangle mesh.
+
+        Parameters
+        ----------
+        domain : TriangleMesh
+            Faces with a repeated vertex are left out; zero-area ones are mollified.
+
+        Returns
+        -------
+        Discretization
+            Its notes hold ``dropped_faces``, ``mollified_by`` (a length), ``obtuse_excess`` and
+            ``triangulation`` ("given" or "intrinsic Delaunay").
+
+        Raises
+        ------
+        UnsupportedDomainError
+            Another kind of domain, or a mesh without a single face of three different places.
+        """
+        self.check_domain(domain)
+        assert isinstance(domain, TriangleMesh)  # for the type checker; check_domain has raised
+        n_vertices = domain.n_vertices
+        proper = proper_faces(domain.faces)
+        faces = domain.faces if proper.all() else domain.faces[proper]
+        lengths = face_edge_lengths(domain.vertices, faces)
+        if not lengths.any():
+            raise UnsupportedDomainError("every face of the mesh is a single place; it has no area")
+        edges, face_counts = edges_of_faces(faces, n_vertices)
+        boundary = np.zeros(n_vertices, dtype=np.bool_)
+        boundary[edges[face_counts == 1]] = True
+        steps = domain.vertices[edges[:, 0]] - domain.vertices[edges[:, 1]]
+        spacing = float(np.sqrt(np.einsum("ed,ed->e", steps, steps)).mean())
+
+        lengths, added = mollified_lengths(lengths)
+        frames = frames_from_lengths(lengths) if added else frames_from_positions(domain.vertices, faces)
+        gradient = triangle_gradient(faces, frames, n_vertices)
+        stiffness = gradient.stiffness()
+        excess = obtuse_excess(stiffness, vertex_thirds(gradient))
+        flipped = self._flipped(faces, lengths, excess)
+        if flipped is not None:
+            faces, lengths = flipped
+            gradient = triangle_gradient(faces, frames_from_lengths(lengths), n_vertices)
+            stiffness = gradient.stiffness()
+        notes: dict[str, Any] = {
+            "dropped_faces": int(len(proper) - proper.sum()),
+            "mollified_by": added,
+            "obtuse_excess": excess,
+            "triangulation": "given" if flipped is None else "intrinsic Delaunay",
+        }
+        return Discretization(
+            mass=self._mass(faces, lengths, gradient),
+            stiffness=stiffness,
+            gradient=gradient,
+            spacing=spacing,
+            boundary=boundary,
+            notes=notes,
+        )
+
+    def _flipped(
+        self, faces: IntArray, lengths: FloatArray, excess: float
+    ) -> tuple[IntArray, FloatArray] | None:
+        """Return the intrinsic Delaunay triangulation, or None where it is not wanted."""
+        wanted = self.intrinsic_delaunay
+        if wanted is False or (wanted == "auto" and excess <= DELAUNAY_LIMIT):
+            return None
+        oriented = coherently_oriented(faces, lengths)
+        if oriented is not None:
+            return intrinsic_delaunay(*oriented)
+        if wanted == "auto":
+            return None
+        raise UnsupportedDomainError(
+            "intrinsic_delaunay needs an orientable surface on which an edge has at most two "
+            "faces; this mesh is not one, so leave the option at False or \"auto\""
+        )
+
+    def _mass(self, faces: IntArray, lengths: FloatArray, gradient: ElementGradient) -> FloatArray:
+        n_vertices = gradient.n_vertices
+        if self.mass == "voronoi":
+            return voronoi_areas(faces, lengths, n_vertices)
+        if self.mass == "identity":
+            return (np.bincount(faces.ravel(), minlength=n_vertices) > 0).astype(np.float64)
+        return vertex_thirds(gradient)
+
+
+def vertex_thirds(gradient: ElementGradient) -> FloatArray:
+    """Return the barycentric mass: a third of the area of the triangles around each vertex."""
+    thirds = np.repeat(gradient.measure / 3, 3)
+    return np.bincount(gradient.elements.ravel(), thirds, minlength=gradient.n_vertices)
+
+
+def triangle_gradient(faces: IntArray, frames: FloatArray, n_vertices: int) -> ElementGradient:
+    """Return the gradient of linear finite elements on triangles given by planar frames."""
+    return ElementGradient(faces, hat_gradients(frames), face_areas(frames), n_vertices)
+
+
+def obtuse_excess(stiffness: csr_array, mass: FloatArray) -> float:
+    """Return how much of a stiffness has the wrong sign where it is worst: 0 for an M-matrix.
+
+    At a vertex, the share of positive entries in the absolute sum of its row without the diagonal;
+    averaged by mass over neighbourhoods of four rings, and of these the largest. A lone obtuse
+    triangle is harmless, and tiny ones are: it takes a region of them to turn heat negative.
+    """
+    ones = np.ones(len(mass))
+    weights = csr_array(stiffness - diags_array(stiffness.diagonal()))
+    absolute = abs(weights) @ ones
+    wrong = (absolute + weights @ ones) / 2
+    share = np.divide(wrong, absolute, out=np.zeros_like(wrong), where=absolute > 0)
+    ring = csr_array((np.ones(weights.nnz), weights.indices, weights.indptr), shape=weights.shape)
+    excess, area = share * mass, mass.copy()
+    for _ in range(RINGS):
+        excess += ring @ excess
+        area += ring @ area
+    return float(np.divide(excess, area, out=excess, where=area > 0).max())

@@ -1,0 +1,100 @@
+"""SciPy's conjugate gradients."""
+
+from dataclasses import dataclass
+from typing import ClassVar, final
+
+import numpy as np
+from scipy.sparse import csr_array
+
+from geodesic_toolkit._typing import FloatArray
+from geodesic_toolkit.errors import InvalidOptionError, SolverError
+from geodesic_toolkit.linear.base import Factor, LinearSolver
+
+__all__ = ["CG"]
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class CG(LinearSolver):
+    """Conjugate gradients without a preconditioner, stopped at a relative residual.
+
+    For the Poisson step. **Not for heat**: an iterate knows nothing beyond the ring of neighbours
+    that it has reached, one ring a step, and the residual says so little about small values that
+    the far half of a mesh may be left at exactly 0. The heat method refuses it there unless
+    `allow_heat` insists.
+
+    Parameters
+    ----------
+    rtol : float
+        Residual norm, relative to that of the right-hand side, at which the iteration stops.
+    max_iterations : int, optional
+        Steps after which it gives up; 10 N by default.
+    allow_heat : bool
+        Let the heat step use it all the same, to study what goes wrong.
+
+    Raises
+    ------
+    InvalidOptionError
+        A tolerance outside (0, 1), or fewer than one iteration.
+
+    References
+    ----------
+    M. R. Hestenes, E. Stiefel, *Methods of Conjugate Gradients for Solving Linear Systems*,
+    J. Res. Natl. Bur. Stand. 49, 1952, https://doi.org/10.6028/jres.049.044
+    """
+
+    rtol: float = 1e-8
+    max_iterations: int | None = None
+    allow_heat: bool = False
+
+    componentwise: ClassVar[bool] = False
+    references: ClassVar[tuple[str, ...]] = ("10.6028/jres.049.044",)
+
+    def __post_init__(self) -> None:
+        if not 0 < self.rtol < 1:
+            raise InvalidOptionError(f"rtol must lie between 0 and 1, not {self.rtol!r}")
+        if self.max_iterations is not None and self.max_iterations < 1:
+            raise InvalidOptionError(f"max_iterations must be positive, not {self.max_iterations!r}")
+
+    def factorize(self, matrix: csr_array) -> "CGFactor":
+        """Return `matrix` with the options of the iteration; nothing is computed yet."""
+        return CGFactor(matrix, self)
+
+
+class CGFactor(Factor):
+    """A matrix that every solve iterates on anew."""
+
+    def __init__(self, matrix: csr_array, options: CG) -> None:
+        self._matrix = matrix
+        self._options = options
+
+    def solve(self, right_hand_side: FloatArray) -> FloatArray:
+        """Return x with ``A x = b``, column by column."""
+        columns = right_hand_side.reshape(len(right_hand_side), -1)
+        solution = np.column_stack([self._solve_column(column) for column in columns.T])
+        return solution.reshape(right_hand_side.shape)
+
+    def _solve_column(self, column: FloatArray) -> FloatArray:
+        from scipy.sparse.linalg import cg  # half a second: not before it is needed
+
+        options = self._options
+        solution, status = cg(
+            self._matrix, column, rtol=options.rtol, atol=0.0, maxiter=options.max_iterations
+        )
+        if status != 0 or not np.isfinite(solution).all():
+            raise SolverError(
+                f"conjugate gradients did not reach rtol={options.rtol:g} in "
+                f"{options.max_iterations or 10 * len(column)} iterations; loosen rtol, raise "
+                'max_iterations, or use solver="superlu"'
+            )
+        return np.asarray(solution)
+
+    @property
+    def nnz(self) -> int:
+        """Entries of the matrix: nothing is factorised."""
+        return int(self._matrix.nnz)
+
+    @property
+    def nbytes(self) -> int:
+        """Bytes of the matrix."""
+        return int(self._matrix.data.nbytes + self._matrix.indices.nbytes + self._matrix.indptr.nbytes)

@@ -1,0 +1,118 @@
+"""The logarithm of a positive solution, over a range that floating point does not have.
+
+The heat of a short diffusion falls by a factor of about e per edge, so float64 ends some 700 edges
+from the source. Its logarithm need not.
+"""
+
+import numpy as np
+from scipy.sparse import csr_array
+
+from geodesic_toolkit._typing import BoolArray, FloatArray
+from geodesic_toolkit.linear.base import Factor
+
+__all__ = ["fill_from_neighbours", "log_solve"]
+
+SETTLED = 1e-200
+"""Smallest scaled value taken as it is; the 1e-108 below it still resolve its neighbours."""
+
+
+def log_solve(matrix: csr_array, factor: Factor, right_hand_side: FloatArray) -> tuple[FloatArray, int]:
+    """Return ``log u`` for ``A u = b``, b >= 0, however small u becomes.
+
+    Once u sinks below a threshold, split the vertices into the near ones (above it, settled) and
+    the far ones. The part of u on the far side alone, w = (0, u_far), solves the same system with
+    a right-hand side that lives on the interface of the two,
+
+        A w = (A_nf u_f, -A_fn u_n),
+
+    which can be scaled up before solving it with the same factor: the far values come out in
+    scaled arithmetic, settle in their turn, and so on until nothing is left. Every stage costs one
+    pair of back-substitutions and reaches some 450 edges further at the default time step.
+
+    Parameters
+    ----------
+    matrix : csr_array of shape (N, N)
+        A, symmetric positive definite with (mostly) non-positive off-diagonal entries.
+    factor : Factor
+        Its factor, from a componentwise accurate solver.
+    right_hand_side : ndarray of shape (N, K)
+        Not negative.
+
+    Returns
+    -------
+    log_solution : ndarray of shape (N, K)
+        ``-inf`` where the solution is zero (not connected to b) or negative (A is no M-matrix).
+    stages : int
+        How many solves the furthest column took.
+    """
+    n_vertices, n_columns = right_hand_side.shape
+    log_solution = np.full((n_vertices, n_columns), -np.inf)
+    settled = np.zeros((n_vertices, n_columns), dtype=np.bool_)
+    log_scale = np.zeros(n_columns)
+    columns = np.arange(n_columns)  # those that still have vertices to settle
+    scaled_rhs = right_hand_side
+    for stage in range(1, n_vertices + 2):  # each stage settles a vertex at least
+        scaled = factor.solve(scaled_rhs)
+        done = settled[:, columns]
+        new = ~done & (np.abs(scaled) > SETTLED)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            log_new = np.log(scaled) + log_scale[columns]
+        log_solution[:, columns] = np.where(new & (scaled > 0), log_new, log_solution[:, columns])
+        done |= new
+        settled[:, columns] = done
+        open_columns = new.any(axis=0) & ~done.all(axis=0)
+        if not open_columns.any():
+            return log_solution, stage
+        columns, scaled, done = columns[open_columns], scaled[:, open_columns], done[:, open_columns]
+        scaled_rhs = _interface(matrix, scaled, done)
+        largest = np.abs(scaled_rhs).max(axis=0)
+        connected = largest > 0
+        if not connected.any():
+            return log_solution, stage
+        columns, largest = columns[connected], largest[connected]
+        scaled_rhs = scaled_rhs[:, connected] / largest
+        log_scale[columns] += np.log(largest)
+    return log_solution, n_vertices + 1  # pragma: no cover - every stage settles a vertex
+
+
+def _interface(matrix: csr_array, solution: FloatArray, near: BoolArray) -> FloatArray:
+    """Return A w for w = (0, u_far), from the interface of near and far alone."""
+    near_part = np.where(near, solution, 0.0)
+    far_part = np.where(near, 0.0, solution)
+    return np.where(near, matrix @ far_part, -(matrix @ near_part))
+
+
+def fill_from_neighbours(matrix: csr_array, log_solution: FloatArray, missing: BoolArray) -> FloatArray:
+    """Return one column of ``log u`` with `missing` entries averaged from neighbours that have one.
+
+    The maximum principle made true: u_i becomes ``Σ |a_ij| u_j / (|Σ_j a_ij| + Σ |a_ij|)`` over the
+    neighbours j with a value, ring by ring.
+
+    Parameters
+    ----------
+    matrix : csr_array of shape (N, N)
+    log_solution : ndarray of shape (N,)
+    missing : ndarray of shape (N,), bool
+        Where to fill; vertices that no value reaches stay ``-inf``.
+    """
+    filled = log_solution.copy()
+    rows = np.flatnonzero(missing)
+    local = matrix[rows].tocoo()
+    row, neighbour = local.coords
+    mass = np.abs(np.bincount(row, local.data, minlength=len(rows)))
+    off_diagonal = rows[row] != neighbour
+    row, neighbour = row[off_diagonal], neighbour[off_diagonal]
+    weight = np.abs(local.data[off_diagonal])
+    total = mass + np.bincount(row, weight, minlength=len(rows))
+    open_rows = np.full(len(rows), True)
+    while True:
+        use = open_rows[row] & np.isfinite(filled[neighbour]) & (weight > 0)
+        largest = np.full(len(rows), -np.inf)
+        np.maximum.at(largest, row[use], filled[neighbour[use]])
+        reached = np.isfinite(largest)
+        if not reached.any():
+            return filled
+        relative = weight[use] * np.exp(filled[neighbour[use]] - largest[row[use]])
+        average = np.bincount(row[use], relative, minlength=len(rows))
+        filled[rows[reached]] = largest[reached] + np.log(average[reached] / total[reached])
+        open_rows &= ~reached

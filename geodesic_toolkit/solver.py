@@ -1,0 +1,209 @@
+"""The solver for one shape: domain, operator, heat method, sources of every kind."""
+
+import threading
+from collections.abc import Iterable
+from typing import Any
+
+from numpy.typing import ArrayLike
+
+from geodesic_toolkit._typing import FloatArray
+from geodesic_toolkit.catalog import resolve_operator, resolve_solvers
+from geodesic_toolkit.diagnosis import Diagnosis, diagnose
+from geodesic_toolkit.domains import Domain
+from geodesic_toolkit.errors import InvalidSourceError, UnsupportedDomainError
+from geodesic_toolkit.heat import Boundary, HeatMethod, Progress
+from geodesic_toolkit.laplacians.base import LaplaceOperator
+from geodesic_toolkit.linear.base import LinearSolver
+from geodesic_toolkit.sources import locate_sources
+
+__all__ = ["Diagnosis", "GeodesicSolver"]
+
+
+class GeodesicSolver:
+    """Geodesic distances on one shape: factorises once, then answers many sources.
+
+    Safe to use from several threads; pickles and copies (the factors are made again).
+
+    Parameters
+    ----------
+    domain : Domain
+        A TriangleMesh, PointCloud, Graph, or a plugin's kind of domain.
+    operator : str, class or instance
+        The Laplace operator that measures distance; options travel on an instance. "auto" takes
+        the one for the kind of domain, and on meshes flips edges where obtuse angles would do
+        harm.
+    diffusion : str, class or instance, optional
+        Another operator on the same vertices for the heat to flow in.
+    time : float, optional
+        Time step t of the heat, in squared units of length.
+    time_factor : float
+        Time step in units of h², h the mean edge length; where `time` is not given.
+    boundary : {"neumann", "dirichlet", "average"}
+        Condition on the heat at boundaries.
+    solver : str, class, instance or dict
+        The linear solver, or ``{"heat": ..., "poisson": ...}``.
+
+    Attributes
+    ----------
+    domain : Domain
+    operator : LaplaceOperator
+    method : HeatMethod
+
+    Raises
+    ------
+    UnsupportedDomainError
+        Something that is no domain, or that the operator does not take.
+    InvalidOptionError, PluginError
+        An option outside its values; an operator or solver that is not to be had.
+    SolverError, NotEnoughMemoryError
+        The factorisation failed.
+
+    References
+    ----------
+    K. Crane, C. Weischedel, M. Wardetzky, *Geodesics in Heat*, 2013,
+    https://doi.org/10.1145/2516971.2516977
+
+    Examples
+    --------
+    >>> import geodesic_toolkit as gt
+    >>> sphere = gt.testing.shapes.icosphere(3)
+    >>> solver = gt.GeodesicSolver(sphere)
+    >>> solver.distance(0).round(2)[:4]
+    array([0.  , 1.11, 2.03, 1.11])
+    >>> solver.distances([0, 1, 2]).shape
+    (3, 642)
+    """
+
+    def __init__(
+        self,
+        domain: Domain,
+        *,
+        operator: str | type[LaplaceOperator] | LaplaceOperator = "auto",
+        diffusion: str | type[LaplaceOperator] | LaplaceOperator | None = None,
+        time: float | None = None,
+        time_factor: float = 1.0,
+        boundary: Boundary = "neumann",
+        solver: str | type[LinearSolver] | LinearSolver | dict[str, Any] = "auto",
+    ) -> None:
+        if not isinstance(domain, Domain):
+            raise UnsupportedDomainError(
+                f"expected a TriangleMesh, PointCloud or Graph, not a {type(domain).__name__}; "
+                "wrap arrays with TriangleMesh(vertices, faces)"
+            )
+        self.domain = domain
+        self.operator = resolve_operator(operator, domain)
+        self.diffusion = None if diffusion is None else resolve_operator(diffusion, domain)
+        heat_solver, poisson_solver = resolve_solvers(solver)
+        self.operator.check_domain(domain)
+        self.method = HeatMethod(
+            self.operator.assemble(domain),
+            diffusion=None if self.diffusion is None else self.diffusion.assemble(domain),
+            time=time,
+            time_factor=time_factor,
+            boundary=boundary,
+            heat_solver=heat_solver,
+            poisson_solver=poisson_solver,
+        ).prepare()
+        self._diagnosis: Diagnosis | None = None
+        self._lock = threading.Lock()
+
+    def distance(self, sources: Any) -> FloatArray:
+        """Return the geodesic distance of every vertex from one set of sources.
+
+        Parameters
+        ----------
+        sources : int, array-like of int, array-like of float, SurfacePoint or sequence of them
+            Vertex indices; points in space, of shape (3,) or (P, 3), snapped to the nearest point
+            of the surface; or points inside faces.
+
+        Returns
+        -------
+        ndarray of shape (N,), float64
+            In the unit of the domain; ``inf`` where no source connects. A single source vertex
+            reads exactly 0; of several, the mean in each component is 0, so that values near them
+            may be slightly negative.
+
+        Raises
+        ------
+        InvalidSourceError
+            No source, an index out of range, a point that is not finite, something else.
+
+        Examples
+        --------
+        >>> import geodesic_toolkit as gt
+        >>> square = gt.testing.shapes.grid(5)
+        >>> gt.GeodesicSolver(square).distance([0.5, 0.5, 0.0])[12].round(3)
+        np.float64(0.0)
+        """
+        return self.method.distance(locate_sources(self.domain, sources))
+
+    def distances(
+        self, source_sets: ArrayLike | Iterable[Any], *, progress: Progress | None = None
+    ) -> FloatArray:
+        """Return the geodesic distances from K sets of sources, solved in blocks.
+
+        Parameters
+        ----------
+        source_sets : array-like of int, or iterable of what `distance` takes
+            A one-dimensional array of integers means that many single sources.
+        progress : callable, optional
+            Called with the number of sets done and their total after each block.
+
+        Returns
+        -------
+        ndarray of shape (K, N), float64
+            One row a set.
+
+        Raises
+        ------
+        InvalidSourceError
+            As for `distance`, before any work; the message says which set.
+        """
+        return self.method.distances(self._locate_sets(source_sets), progress=progress)
+
+    def heat(self, sources: Any) -> FloatArray:
+        """Return the heat u of step 1 as the solver gives it, of shape (N,).
+
+        It underflows some 700 edges from the source; :meth:`log_heat` does not. Parameters and
+        errors are those of :meth:`distance`.
+        """
+        return self.method.heat(locate_sources(self.domain, sources))
+
+    def log_heat(self, sources: Any) -> FloatArray:
+        """Return log u of step 1, of shape (N,), over an unlimited range; ``-inf`` where u = 0.
+
+        Parameters and errors are those of :meth:`distance`.
+        """
+        return self.method.log_heat(locate_sources(self.domain, sources))
+
+    @property
+    def diagnosis(self) -> Diagnosis:
+        """What the shape is like and what was done about it; computed on first use."""
+        with self._lock:
+            if self._diagnosis is None:
+                self._diagnosis = diagnose(self.domain, self.operator, self.method)
+            return self._diagnosis
+
+    def _locate_sets(self, source_sets: Any) -> list[Any]:
+        if isinstance(source_sets, str | bytes) or not isinstance(source_sets, Iterable):
+            raise InvalidSourceError(
+                f"source sets must be a sequence of them, not {source_sets!r}; "
+                "for one set use distance"
+            )
+        sets = list(source_sets)
+        if not sets:
+            raise InvalidSourceError("there are no source sets; give at least one")
+        return [
+            locate_sources(self.domain, sources, f"source set {position}")
+            for position, sources in enumerate(sets)
+        ]
+
+    def __getstate__(self) -> dict[str, Any]:
+        return {name: value for name, value in self.__dict__.items() if name != "_lock"}
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        self.__dict__.update(state)
+        self._lock = threading.Lock()
+
+    def __repr__(self) -> str:
+        return f"GeodesicSolver({self.domain!r}, operator={self.operator!r}, method={self.method!r})"
