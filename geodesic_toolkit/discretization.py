@@ -5,13 +5,14 @@ keeps the identity ``L = Gᵀ W G`` on which the heat method rests.
 """
 
 import abc
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any, final
 
 import numpy as np
-from scipy.sparse import coo_array, csr_array, dia_array
+from scipy.sparse import coo_array, csr_array, diags_array
 from scipy.sparse.csgraph import connected_components
 
 from geodesic_toolkit._frozen import FrozenArrays, freeze, freeze_csr
@@ -156,20 +157,22 @@ class ElementGradient(Gradient):
         return gradient
 
     def _apply(self, corner_values: FloatArray) -> FloatArray:
+        """Return the gradient from differences to the first corner: exactly 0 for a constant."""
         _, dim, size = self.coefficients.shape
         trailing = corner_values.shape[2:]
+        difference = corner_values[:, 1:] - corner_values[:, :1]
         gradient = np.zeros((len(self.elements), dim, *trailing))
         for axis in range(dim):
-            for corner in range(size):
-                coefficient = self.coefficients[:, axis, corner]
-                gradient[:, axis] += coefficient.reshape(-1, *(1,) * len(trailing)) * corner_values[:, corner]
+            for corner in range(1, size):
+                coefficient = self.coefficients[:, axis, corner].reshape(-1, *(1,) * len(trailing))
+                gradient[:, axis] += coefficient * difference[:, corner - 1]
         return gradient
 
     def adjoint(self, field: FloatArray) -> FloatArray:
         """Return ``Gᵀ W x`` of a field of shape (E, dim) or (E, dim, K)."""
         weighted = self.coefficients * self.measure[:, None, None]
         corners = self.elements.ravel()
-        columns = field.reshape(*field.shape[:2], -1)
+        columns = _as_columns(field, 2)
         result = np.empty((self.n_vertices, columns.shape[2]))
         for k in range(columns.shape[2]):
             pull = np.einsum("edm,ed->em", weighted, columns[:, :, k])
@@ -285,7 +288,7 @@ class EdgeGradient(Gradient):
 
     def _length(self, slope: FloatArray) -> FloatArray:
         """Return |∇u| at the vertices by the carré du champ."""
-        columns = slope.reshape(len(slope), -1)
+        columns = _as_columns(slope, 1)
         squared = np.empty((self.n_vertices, columns.shape[1]))
         for k in range(columns.shape[1]):
             energy = self.edge_weights * columns[:, k] ** 2
@@ -294,11 +297,12 @@ class EdgeGradient(Gradient):
                 squared[:, k] = share if end == 0 else squared[:, k] + share
         mass = 2 * self.measure[:, None]
         np.divide(squared, mass, out=squared, where=mass > 0)
-        return np.sqrt(squared).reshape(self.n_vertices, *slope.shape[1:])
+        length: FloatArray = np.sqrt(squared).reshape(self.n_vertices, *slope.shape[1:])
+        return length
 
     def adjoint(self, field: FloatArray) -> FloatArray:
         """Return ``Gᵀ W x`` of a field of shape (E,) or (E, K)."""
-        columns = field.reshape(len(field), -1)
+        columns = _as_columns(field, 1)
         result = np.empty((self.n_vertices, columns.shape[1]))
         for k in range(columns.shape[1]):
             flux = self.edge_weights * columns[:, k]
@@ -312,7 +316,9 @@ class EdgeGradient(Gradient):
         count = len(self.edges)
         rows = np.repeat(np.arange(count), 2)
         signs = np.tile([-1.0, 1.0], count)
-        return csr_array(coo_array((signs, (rows, self.edges.ravel())), shape=(count, self.n_vertices)))
+        return csr_array(
+            coo_array((signs, (rows, self.edges.ravel())), shape=(count, self.n_vertices))
+        )
 
     @property
     def weights(self) -> FloatArray:
@@ -362,8 +368,8 @@ class Discretization(FrozenArrays):
     >>> import geodesic_toolkit as gt
     >>> mesh = gt.TriangleMesh([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 2]])
     >>> discretization = gt.CotanLaplacian().assemble(mesh)
-    >>> discretization
-    Discretization(3 vertices, ElementGradient(1 elements of 3 vertices in 2 dimensions), spacing=1.138)
+    >>> discretization.gradient
+    ElementGradient(1 elements of 3 vertices in 2 dimensions)
     >>> discretization.mass.sum()
     np.float64(0.5)
     """
@@ -433,9 +439,13 @@ def _laplacian(weights: FloatArray, tails: IntArray, heads: IntArray, n_vertices
     shape = (n_vertices, n_vertices)
     half = csr_array(coo_array((weights, (tails, heads)), shape=shape))
     adjacency = csr_array(half + half.T)
-    degree = np.asarray(adjacency.sum(axis=1))
-    diagonal = dia_array((degree[None, :], [0]), shape=shape)
-    return csr_array(diagonal - adjacency)
+    degree = np.asarray(adjacency @ np.ones(n_vertices))
+    return csr_array(diags_array(degree) - adjacency)
+
+
+def _as_columns(array: FloatArray, leading: int) -> FloatArray:
+    """Return `array` with its axes after the `leading` ones made one, of length 1 at least."""
+    return array.reshape(*array.shape[:leading], math.prod(array.shape[leading:]))
 
 
 def _coerce(data: object, **dtypes: type[np.generic]) -> None:
@@ -461,7 +471,9 @@ def _check_finite(values: FloatArray, name: str) -> None:
     if not np.isfinite(values.sum()):  # one pass without a temporary; look closer only on doubt
         rows = np.isfinite(values).reshape(len(values), -1).all(axis=1)
         if not rows.all():
-            raise InvalidDiscretizationError(f"{name} {int(np.flatnonzero(~rows)[0])} is not finite")
+            raise InvalidDiscretizationError(
+                f"{name} {int(np.flatnonzero(~rows)[0])} is not finite"
+            )
 
 
 def _check_stiffness(stiffness: csr_array, count: int) -> None:
@@ -476,7 +488,7 @@ def _check_stiffness(stiffness: csr_array, count: int) -> None:
     if (drift > 1e-8 * scale).any():
         bad = int(np.argmax(drift - 1e-8 * scale))
         raise InvalidDiscretizationError(
-            f"row {bad} of the stiffness sums to {drift[bad]:.3g}, not 0: L must send constants to 0"
+            f"row {bad} of the stiffness sums to {drift[bad]:.3g}, not 0: L 1 = 0 is broken"
         )
     probe = np.cos(np.arange(count))
     skew = np.abs(stiffness @ probe - stiffness.T @ probe)

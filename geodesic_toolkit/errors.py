@@ -5,6 +5,7 @@ Catching :class:`GeodesicError` catches all of them; catching the builtin
 """
 
 __all__ = [
+    "ConformanceError",
     "GeodesicError",
     "GeodesicWarning",
     "InvalidDiscretizationError",
@@ -68,6 +69,10 @@ class NotEnoughMemoryError(GeodesicError, MemoryError):
 
 class SolverError(GeodesicError, RuntimeError):
     """A linear solver failed: a singular or indefinite matrix, or no convergence."""
+
+
+class ConformanceError(GeodesicError, AssertionError):
+    """A plugin breaks laws of its contract; the message names each with its figure and bound."""
 
 
 class PluginError(GeodesicError):

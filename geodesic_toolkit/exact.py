@@ -50,7 +50,8 @@ def exact_distance(mesh: TriangleMesh, sources: Any) -> FloatArray:
     Examples
     --------
     >>> import geodesic_toolkit as gt
-    >>> square = gt.TriangleMesh([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]], [[0, 1, 3], [1, 2, 3]])
+    >>> corners = [[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]]
+    >>> square = gt.TriangleMesh(corners, [[0, 1, 3], [1, 2, 3]])
     >>> gt.exact_distance(square, 0)
     array([0.        , 1.        , 1.41421356, 1.        ])
     """
@@ -72,7 +73,8 @@ def exact_distance(mesh: TriangleMesh, sources: Any) -> FloatArray:
         crowded = edges[(face_counts > 2) & (labels[edges[:, 0]] == component)]
         if len(crowded):
             raise UnsupportedDomainError(
-                f"edge {crowded[0].tolist()} has more than two faces; exact distances need at most two"
+                f"edge {crowded[0].tolist()} has more than two faces; "
+                "exact distances need at most two"
             )
         local = np.full(mesh.n_vertices, -1)
         local[members] = np.arange(len(members))
@@ -93,7 +95,9 @@ def _exact(vertices: FloatArray, faces: IntArray, sources: IntArray) -> FloatArr
 
     nothing = np.zeros(0, dtype=np.int64)
     targets = np.arange(len(vertices))
-    distance: FloatArray = igl.exact_geodesic(vertices, faces, np.unique(sources), nothing, targets, nothing)
+    distance: FloatArray = igl.exact_geodesic(
+        vertices, faces, np.unique(sources), nothing, targets, nothing
+    )
     if not (np.isfinite(distance).all() and (distance >= 0).all()):
         raise SolverError("the exact algorithm failed on this mesh; are some faces degenerate?")
     return distance

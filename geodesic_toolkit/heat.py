@@ -12,7 +12,7 @@ from typing import Any, Literal, TypeAlias
 
 import numpy as np
 from numpy.typing import ArrayLike
-from scipy.sparse import coo_array, csr_array, dia_array
+from scipy.sparse import coo_array, csr_array, diags_array
 
 from geodesic_toolkit._typing import BoolArray, FloatArray, IntArray
 from geodesic_toolkit.discretization import Discretization
@@ -31,7 +31,7 @@ Boundary: TypeAlias = Literal["neumann", "dirichlet", "average"]
 Progress: TypeAlias = Callable[[int, int], None]
 
 BLOCK = 16
-"""Source sets solved at once: enough to share the reading of a factor, small enough to stay in cache."""
+"""Source sets solved at once: they share the reading of a factor, and their columns stay in cache."""
 
 HARMFUL_SHARE = 0.01
 """Share of reached vertices with non-positive heat above which a warning is due."""
@@ -171,7 +171,9 @@ class HeatMethod:
             )
         self.heat_solver = heat_solver
         self.poisson_solver = poisson_solver
-        self._prepare()
+        self._lock = threading.RLock()
+        self._systems: list[_HeatSystem] | None = None
+        self._poisson_factor: Factor | None = None
 
     # -- the three steps -----------------------------------------------------------------------
 
@@ -198,13 +200,13 @@ class HeatMethod:
         return self.distances([sources])[0]
 
     def distances(
-        self, source_sets: ArrayLike | Iterable[Any], *, progress: Progress | None = None
+        self, source_sets: Iterable[Any], *, progress: Progress | None = None
     ) -> FloatArray:
         """Return the geodesic distances from K sets of sources, solved in blocks.
 
         Parameters
         ----------
-        source_sets : array-like of int of shape (K,) or (K, P), or iterable of source sets
+        source_sets : iterable of source sets
             A one-dimensional array of integers means that many single sources.
         progress : callable, optional
             Called with the number of sets done and their total after each block.
@@ -248,7 +250,7 @@ class HeatMethod:
         """
         points = [self._source_points(sources)]
         parts = [system.factor.solve(system.load(points))[:, 0] for system in self._heat_systems()]
-        return np.asarray(np.mean(parts, axis=0))
+        return np.asarray(np.mean(parts, axis=0), dtype=np.float64)
 
     def heat_report(self, sources: ArrayLike | SourcePoints) -> HeatReport:
         """Return how far the heat of one source set reaches and where it is not positive."""
@@ -299,14 +301,22 @@ class HeatMethod:
             reports.append(HeatReport(int(reached.sum()), count, stages))
         worst = max(reports, key=lambda report: report.non_positive)
         if warn and worst.non_positive > HARMFUL_SHARE * worst.reached:
-            warnings.warn(
-                f"the heat is not positive at {worst.non_positive} of {worst.reached} vertices, and "
-                "distances there are not to be trusted; on a triangle mesh use "
-                "CotanLaplacian(intrinsic_delaunay=True), and for heat a direct solver",
-                NonPositiveHeatWarning,
-                stacklevel=3,
-            )
+            warnings.warn(self._complaint(worst), NonPositiveHeatWarning, stacklevel=3)
         return log_heat, reports
+
+    def _complaint(self, report: HeatReport) -> str:
+        found = (
+            f"the heat is not positive at {report.non_positive} of {report.reached} vertices, and "
+            "distances there are not to be trusted; "
+        )
+        if not self.heat_solver.componentwise:
+            return found + "an iterative solver cannot resolve it, a direct one can"
+        if self.boundary == "dirichlet":
+            return found + 'a boundary held at zero lets none through: use boundary="average"'
+        return found + (
+            "the diffusion has weights of the wrong sign: on a triangle mesh use "
+            "CotanLaplacian(intrinsic_delaunay=True)"
+        )
 
     def _heat_systems(self) -> list["_HeatSystem"]:
         """Return the heat systems of the boundary condition, factorised once."""
@@ -320,16 +330,16 @@ class HeatMethod:
 
     def _heat_system(self, dirichlet: bool) -> "_HeatSystem":
         mass, stiffness = self.diffusion.mass, self.diffusion.stiffness
-        free = csr_array(_diagonal(mass) + self.time * stiffness)
+        free = csr_array(diags_array(mass) + self.time * stiffness)
         diagonal = free.diagonal()
         lonely = np.where(diagonal > 0, 0.0, 1.0)  # vertices of no element: any pivot will do
-        free = csr_array(free + _diagonal(lonely))
+        free = csr_array(free + diags_array(lonely))
         diagonal = diagonal + lonely
         held = self.diffusion.boundary if dirichlet else np.zeros_like(self.diffusion.boundary)
         if not held.any():
             return _HeatSystem(free, free, held, diagonal, self.heat_solver.factorize(free))
-        inside = _diagonal((~held).astype(np.float64))
-        pinned = csr_array(inside @ free @ inside + _diagonal(np.where(held, diagonal, 0.0)))
+        inside = diags_array((~held).astype(np.float64))
+        pinned = csr_array(inside @ free @ inside + diags_array(np.where(held, diagonal, 0.0)))
         return _HeatSystem(pinned, free, held, diagonal, self.heat_solver.factorize(pinned))
 
     # -- step 3 --------------------------------------------------------------------------------
@@ -349,7 +359,7 @@ class HeatMethod:
                 diagonal = stiffness.diagonal()[grounded]
                 ground = np.zeros(self.n_vertices)
                 ground[grounded] = np.where(diagonal > 0, diagonal, 1.0)
-                matrix = csr_array(stiffness + _diagonal(ground))
+                matrix = csr_array(stiffness + diags_array(ground))
                 self._poisson_factor = self.poisson_solver.factorize(matrix)
             return self._poisson_factor
 
@@ -372,7 +382,9 @@ class HeatMethod:
         if isinstance(sources, SourcePoints):
             return sources
         name = "sources" if position is None else f"source set {position}"
-        return SourcePoints.at_vertices(as_vertices(sources, self.n_vertices, name), self.n_vertices)
+        return SourcePoints.at_vertices(
+            as_vertices(sources, self.n_vertices, name), self.n_vertices
+        )
 
     # -- the object ----------------------------------------------------------------------------
 
@@ -395,11 +407,6 @@ class HeatMethod:
             factors.append(self._poisson_factor)
         return sum(factor.nbytes for factor in factors)
 
-    def _prepare(self) -> None:
-        self._lock = threading.RLock()
-        self._systems: list[_HeatSystem] | None = None
-        self._poisson_factor: Factor | None = None
-
     def __getstate__(self) -> dict[str, Any]:
         """Recipes and matrices travel; factors are made again where they arrive."""
         private = ("_lock", "_systems", "_poisson_factor")
@@ -407,10 +414,14 @@ class HeatMethod:
 
     def __setstate__(self, state: dict[str, Any]) -> None:
         self.__dict__.update(state)
-        self._prepare()
+        self._lock = threading.RLock()
+        self._systems = None
+        self._poisson_factor = None
 
     def __repr__(self) -> str:
-        diffusion = "" if self.diffusion is self.metric else f", diffusion={self.diffusion.gradient!r}"
+        diffusion = (
+            "" if self.diffusion is self.metric else f", diffusion={self.diffusion.gradient!r}"
+        )
         boundary = "" if self.boundary == "neumann" else f", boundary={self.boundary!r}"
         return (
             f"HeatMethod({self.n_vertices} vertices, {self.metric.gradient!r}{diffusion}, "
@@ -482,7 +493,3 @@ def _time_step(time: float | None, time_factor: float, spacing: float) -> float:
     if time is not None and time_factor != 1.0:
         raise InvalidOptionError("give time or time_factor, not both")
     return float(time) if time is not None else float(time_factor) * spacing**2
-
-
-def _diagonal(values: FloatArray) -> dia_array:
-    return dia_array((values[None, :], [0]), shape=(len(values), len(values)))

@@ -207,7 +207,8 @@ class Registry(Mapping[str, Plugin], Generic[Plugin]):
             return plugin(**options)
         if isinstance(plugin, type) or self._accepts(type(plugin)) is not None:
             raise InvalidOptionError(
-                f"{choice!r} is no {self.kind}: give a name ({', '.join(self)}), a class or an instance"
+                f"{choice!r} is no {self.kind}: give a name ({', '.join(self)}), "
+                "a class or an instance"
             )
         if options:
             raise InvalidOptionError(
@@ -219,7 +220,9 @@ class Registry(Mapping[str, Plugin], Generic[Plugin]):
         """Return one row a registration, broken and conflicting ones too; imports all of them."""
         rows = []
         for entry, name in zip(
-            sorted(self._entries(), key=lambda entry: (entry.name, entry.distribution)), self, strict=True
+            sorted(self._entries(), key=lambda entry: (entry.name, entry.distribution)),
+            self,
+            strict=True,
         ):
             error, references = None, ()
             try:
@@ -228,7 +231,9 @@ class Registry(Mapping[str, Plugin], Generic[Plugin]):
             except PluginLoadError as failure:
                 error = str(failure)
             rows.append(
-                PluginStatus(name, entry.distribution, entry.version, entry.target, error, references)
+                PluginStatus(
+                    name, entry.distribution, entry.version, entry.target, error, references
+                )
             )
         return rows
 

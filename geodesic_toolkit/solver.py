@@ -206,4 +206,6 @@ class GeodesicSolver:
         self._lock = threading.Lock()
 
     def __repr__(self) -> str:
-        return f"GeodesicSolver({self.domain!r}, operator={self.operator!r}, method={self.method!r})"
+        return (
+            f"GeodesicSolver({self.domain!r}, operator={self.operator!r}, method={self.method!r})"
+        )

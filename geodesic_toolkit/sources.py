@@ -21,8 +21,8 @@ def locate_sources(domain: Domain, sources: Any, name: str = "sources") -> Sourc
     Parameters
     ----------
     domain : Domain
-    sources : int, array-like of int, array-like of float of shape (3,) or (P, 3), or SurfacePoint(s)
-        Vertex indices; points in space, snapped to the nearest point of the surface (or of the
+    sources : int, array-like of int, array-like of float, SurfacePoint or sequence of them
+        Vertex indices; points in space, of shape (3,) or (P, 3), snapped to the nearest point of the surface (or of the
         cloud); or points inside faces.
     name : str
         What to call them in messages.

@@ -60,23 +60,25 @@ def as_indices(values: ArrayLike, name: str, row: str, shape: tuple[int | None, 
         array = array.reshape([length or 0 for length in shape])
     _check_shape(array, name, shape)
     if array.dtype.kind == "f":
-        bad = first_bad_row(array == np.floor(array))  # NaN and infinity fail the first or next test
-        if bad is None:
-            bad = first_bad_row(np.abs(array) < 2.0**53)
+        with np.errstate(over="ignore"):
+            whole = array.astype(np.float64)
+        bad = first_bad_row((whole == np.floor(whole)) & (np.abs(whole) < 2.0**53))
         if bad is not None:
             raise InvalidDomainError(
-                f"{row} {bad} of {name} holds {_row_text(array[bad])}, which are not whole numbers; "
+                f"{row} {bad} of {name} holds {_row_text(array[bad])}: not whole numbers; "
                 "vertex indices must be integers"
             )
     elif array.dtype == np.uint64:
         bad = first_bad_row(array <= np.uint64(np.iinfo(np.int64).max))
         if bad is not None:
-            raise InvalidDomainError(f"{row} {bad} of {name} holds {_row_text(array[bad])}: too large")
+            raise InvalidDomainError(
+                f"{row} {bad} of {name} holds {_row_text(array[bad])}: too large"
+            )
     return np.array(array, dtype=np.int64, order="C")
 
 
 def check_indices(indices: IntArray, n_vertices: int, row: str) -> None:
-    """Raise for the first row of `indices` that refers to a vertex outside ``0 .. n_vertices - 1``."""
+    """Raise for the first row of `indices` that refers to a vertex that is not there."""
     if indices.size == 0 or (indices.min() >= 0 and indices.max() < n_vertices):
         return
     outside = (indices < 0) | (indices >= n_vertices)
@@ -98,7 +100,8 @@ def first_bad_row(good: np.ndarray[Any, Any]) -> int | None:
 
 def _check_shape(array: np.ndarray[Any, Any], name: str, shape: tuple[int | None, ...]) -> None:
     fits = array.ndim == len(shape) and all(
-        wanted is None or wanted == length for wanted, length in zip(shape, array.shape, strict=True)
+        wanted is None or wanted == length
+        for wanted, length in zip(shape, array.shape, strict=True)
     )
     if not fits:
         wanted = ", ".join("n" if length is None else str(length) for length in shape)

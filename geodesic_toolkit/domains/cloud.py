@@ -59,7 +59,7 @@ class PointCloud(Domain):
         positions = as_floats(points, "points", (None, 3))
         if len(positions) == 0:
             raise InvalidDomainError("the point cloud has no points")
-        present = np.isfinite(positions).all(axis=1)
+        present: BoolArray = np.asarray(np.isfinite(positions).all(axis=1))
         if not present.any():
             raise InvalidDomainError("no point of the point cloud is finite")
         object.__setattr__(self, "points", freeze(positions))

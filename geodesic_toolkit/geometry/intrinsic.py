@@ -10,9 +10,7 @@ from geodesic_toolkit._typing import FloatArray, IntArray
 __all__ = ["coherently_oriented", "intrinsic_delaunay", "voronoi_areas"]
 
 
-def coherently_oriented(
-    faces: IntArray, lengths: FloatArray
-) -> tuple[IntArray, FloatArray] | None:
+def coherently_oriented(faces: IntArray, lengths: FloatArray) -> tuple[IntArray, FloatArray] | None:
     """Return the same triangles turned so that neighbours agree, or None where they cannot.
 
     They cannot where an edge has more than two faces or the surface is one-sided. Flipping edges
@@ -38,15 +36,15 @@ def coherently_oriented(
 def _coherent(faces: IntArray) -> bool:
     """Return whether no two faces run along an edge in the same direction."""
     half_edges = faces.ravel() * (faces.max() + 1) + faces[:, [1, 2, 0]].ravel()
-    return len(np.unique(half_edges)) == half_edges.size
+    return bool(len(np.unique(half_edges)) == half_edges.size)
 
 
 def intrinsic_delaunay(faces: IntArray, lengths: FloatArray) -> tuple[IntArray, FloatArray]:
     """Flip edges until the triangulation is intrinsically Delaunay.
 
-    The vertices and the metric of the surface stay; all cotangent weights become non-negative.
-    Faces may come to touch themselves (two corners at the same vertex), which is right
-    intrinsically.
+    The vertices and the metric of the surface stay; the cotangent weights of all inner edges
+    become non-negative. Faces may come to touch themselves (two corners at the same vertex), which
+    is right intrinsically.
 
     Parameters
     ----------

@@ -1,6 +1,8 @@
 """The contract of a Laplace operator: one method."""
 
 import abc
+from collections.abc import Mapping
+from types import MappingProxyType
 from typing import ClassVar
 
 from geodesic_toolkit.discretization import Discretization
@@ -23,6 +25,8 @@ class LaplaceOperator(abc.ABC):
         The kinds of domain that `assemble` takes.
     references : tuple of str
         DOIs of what it implements, shown by listings and documentation.
+    known_failures : mapping of str to str
+        Laws of the conformance kit that it breaks by design, each with the reason.
 
     Examples
     --------
@@ -33,6 +37,7 @@ class LaplaceOperator(abc.ABC):
 
     domains: ClassVar[tuple[type[Domain], ...]]
     references: ClassVar[tuple[str, ...]] = ()
+    known_failures: ClassVar[Mapping[str, str]] = MappingProxyType({})
 
     @abc.abstractmethod
     def assemble(self, domain: Domain) -> Discretization:

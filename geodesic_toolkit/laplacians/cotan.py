@@ -55,9 +55,9 @@ class CotanLaplacian(LaplaceOperator):
         A third of the area of the faces around a vertex, its mixed Voronoi area, or 1.
     intrinsic_delaunay : bool or "auto"
         Assemble on the intrinsic Delaunay triangulation of the same surface: same vertices, but
-        no negative weight, so that heat is positive everywhere. Worth its cost (about that of
-        the rest of the assembly several times over) on meshes with many obtuse angles. "auto"
-        decides by how much of the stiffness has the wrong sign.
+        no weight of the wrong sign away from the boundary, so that heat is positive. Worth its
+        cost (several times that of the rest of the assembly) on meshes with many obtuse angles.
+        "auto" decides by how much of the stiffness has the wrong sign.
 
     Raises
     ------
@@ -135,7 +135,9 @@ class CotanLaplacian(LaplaceOperator):
         spacing = float(np.sqrt(np.einsum("ed,ed->e", steps, steps)).mean())
 
         lengths, added = mollified_lengths(lengths)
-        frames = frames_from_lengths(lengths) if added else frames_from_positions(domain.vertices, faces)
+        frames = (
+            frames_from_lengths(lengths) if added else frames_from_positions(domain.vertices, faces)
+        )
         gradient = triangle_gradient(faces, frames, n_vertices)
         stiffness = gradient.stiffness()
         excess = obtuse_excess(stiffness, vertex_thirds(gradient))
@@ -173,7 +175,7 @@ class CotanLaplacian(LaplaceOperator):
             return None
         raise UnsupportedDomainError(
             "intrinsic_delaunay needs an orientable surface on which an edge has at most two "
-            "faces; this mesh is not one, so leave the option at False or \"auto\""
+            'faces; this mesh is not one, so leave the option at False or "auto"'
         )
 
     def _mass(self, faces: IntArray, lengths: FloatArray, gradient: ElementGradient) -> FloatArray:
@@ -188,7 +190,8 @@ class CotanLaplacian(LaplaceOperator):
 def vertex_thirds(gradient: ElementGradient) -> FloatArray:
     """Return the barycentric mass: a third of the area of the triangles around each vertex."""
     thirds = np.repeat(gradient.measure / 3, 3)
-    return np.bincount(gradient.elements.ravel(), thirds, minlength=gradient.n_vertices)
+    mass: FloatArray = np.bincount(gradient.elements.ravel(), thirds, gradient.n_vertices)
+    return mass
 
 
 def triangle_gradient(faces: IntArray, frames: FloatArray, n_vertices: int) -> ElementGradient:
@@ -209,8 +212,8 @@ def obtuse_excess(stiffness: csr_array, mass: FloatArray) -> float:
     wrong = (absolute + weights @ ones) / 2
     share = np.divide(wrong, absolute, out=np.zeros_like(wrong), where=absolute > 0)
     ring = csr_array((np.ones(weights.nnz), weights.indices, weights.indptr), shape=weights.shape)
-    excess, area = share * mass, mass.copy()
+    excess, area = share * mass, mass
     for _ in range(RINGS):
-        excess += ring @ excess
-        area += ring @ area
-    return float(np.divide(excess, area, out=excess, where=area > 0).max())
+        excess = excess + ring @ excess
+        area = area + ring @ area
+    return float(np.divide(excess, area, out=np.zeros_like(area), where=area > 0).max())

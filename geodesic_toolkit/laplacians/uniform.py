@@ -126,7 +126,7 @@ def _metric_graph(domain: Domain) -> tuple[IntArray, FloatArray, BoolArray]:
 
 
 def _shortest_parallel_edges(graph: Graph) -> tuple[IntArray, FloatArray]:
-    """Return the edges without loops, smaller vertex first, each pair once with its least length."""
+    """Return the edges without loops, smaller vertex first, each once with its least length."""
     ends = np.sort(graph.edges, axis=1)
     order = np.lexsort((graph.lengths, ends[:, 1], ends[:, 0]))
     ends, lengths = ends[order], graph.lengths[order]

@@ -1,6 +1,8 @@
 """The contract of a linear solver: factorise once, solve often."""
 
 import abc
+from collections.abc import Mapping
+from types import MappingProxyType
 from typing import ClassVar
 
 from scipy.sparse import csr_array
@@ -58,6 +60,8 @@ class LinearSolver(abc.ABC):
         that stops on the norm of the residual is not.
     references : tuple of str
         DOIs of what it implements.
+    known_failures : mapping of str to str
+        Laws of the conformance kit that it breaks by design, each with the reason.
 
     Examples
     --------
@@ -71,6 +75,7 @@ class LinearSolver(abc.ABC):
 
     componentwise: ClassVar[bool]
     references: ClassVar[tuple[str, ...]] = ()
+    known_failures: ClassVar[Mapping[str, str]] = MappingProxyType({})
 
     @abc.abstractmethod
     def factorize(self, matrix: csr_array) -> Factor:

@@ -54,7 +54,9 @@ class CG(LinearSolver):
         if not 0 < self.rtol < 1:
             raise InvalidOptionError(f"rtol must lie between 0 and 1, not {self.rtol!r}")
         if self.max_iterations is not None and self.max_iterations < 1:
-            raise InvalidOptionError(f"max_iterations must be positive, not {self.max_iterations!r}")
+            raise InvalidOptionError(
+                f"max_iterations must be positive, not {self.max_iterations!r}"
+            )
 
     def factorize(self, matrix: csr_array) -> "CGFactor":
         """Return `matrix` with the options of the iteration; nothing is computed yet."""
@@ -78,9 +80,10 @@ class CGFactor(Factor):
         from scipy.sparse.linalg import cg  # half a second: not before it is needed
 
         options = self._options
-        solution, status = cg(
-            self._matrix, column, rtol=options.rtol, atol=0.0, maxiter=options.max_iterations
-        )
+        with np.errstate(divide="ignore", invalid="ignore"):  # of singular matrices: told below
+            solution, status = cg(
+                self._matrix, column, rtol=options.rtol, atol=0.0, maxiter=options.max_iterations
+            )
         if status != 0 or not np.isfinite(solution).all():
             raise SolverError(
                 f"conjugate gradients did not reach rtol={options.rtol:g} in "
@@ -97,4 +100,6 @@ class CGFactor(Factor):
     @property
     def nbytes(self) -> int:
         """Bytes of the matrix."""
-        return int(self._matrix.data.nbytes + self._matrix.indices.nbytes + self._matrix.indptr.nbytes)
+        return int(
+            self._matrix.data.nbytes + self._matrix.indices.nbytes + self._matrix.indptr.nbytes
+        )

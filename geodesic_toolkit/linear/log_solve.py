@@ -16,7 +16,9 @@ SETTLED = 1e-200
 """Smallest scaled value taken as it is; the 1e-108 below it still resolve its neighbours."""
 
 
-def log_solve(matrix: csr_array, factor: Factor, right_hand_side: FloatArray) -> tuple[FloatArray, int]:
+def log_solve(
+    matrix: csr_array, factor: Factor, right_hand_side: FloatArray
+) -> tuple[FloatArray, int]:
     """Return ``log u`` for ``A u = b``, b >= 0, however small u becomes.
 
     Once u sinks below a threshold, split the vertices into the near ones (above it, settled) and
@@ -63,7 +65,11 @@ def log_solve(matrix: csr_array, factor: Factor, right_hand_side: FloatArray) ->
         open_columns = new.any(axis=0) & ~done.all(axis=0)
         if not open_columns.any():
             return log_solution, stage
-        columns, scaled, done = columns[open_columns], scaled[:, open_columns], done[:, open_columns]
+        columns, scaled, done = (
+            columns[open_columns],
+            scaled[:, open_columns],
+            done[:, open_columns],
+        )
         scaled_rhs = _interface(matrix, scaled, done)
         largest = np.abs(scaled_rhs).max(axis=0)
         connected = largest > 0
@@ -82,7 +88,9 @@ def _interface(matrix: csr_array, solution: FloatArray, near: BoolArray) -> Floa
     return np.where(near, matrix @ far_part, -(matrix @ near_part))
 
 
-def fill_from_neighbours(matrix: csr_array, log_solution: FloatArray, missing: BoolArray) -> FloatArray:
+def fill_from_neighbours(
+    matrix: csr_array, log_solution: FloatArray, missing: BoolArray
+) -> FloatArray:
     """Return one column of ``log u`` with `missing` entries averaged from neighbours that have one.
 
     The maximum principle made true: u_i becomes ``Σ |a_ij| u_j / (|Σ_j a_ij| + Σ |a_ij|)`` over the

@@ -1,0 +1,21 @@
+"""Fixtures that every test may use."""
+
+from pathlib import Path
+
+import pytest
+
+SHARED_DATA = Path(__file__).resolve().parents[2] / "shared" / "data"
+
+
+def shared_file(name: str) -> Path:
+    """Return a file of the shared data set, or skip where it is absent."""
+    path = SHARED_DATA / name
+    if not path.exists():
+        pytest.skip(f"the shared data set is not beside this checkout (wanted {name})")
+    return path
+
+
+@pytest.fixture(scope="session")
+def shared_data():
+    """The function from a file name of the shared data set to its path; skips where absent."""
+    return shared_file

@@ -1,0 +1,82 @@
+"""Errors against exact polyhedral distances, on real and on generated meshes."""
+
+import numpy as np
+import pytest
+from closed_forms import mean_relative_error, on_plane
+
+import geodesic_toolkit as gt
+from geodesic_toolkit.errors import InvalidSourceError, UnsupportedDomainError
+from geodesic_toolkit.testing import shapes
+
+# Mean relative error of plain heat in per cent, as measured (source 500, source 2000), and how
+# much worse it may become.
+MEASURED = {
+    "igltut__bunny.off": (2.56, 1.84),
+    "jacobson__spot.obj": (1.82, 2.04),
+    "odedstein__koala_low_resolution.obj": (1.43, 1.70),
+    "igltut__3holes.off": (1.67, 2.29),
+}
+SLACK = 1.03
+
+
+@pytest.mark.parametrize("name", MEASURED)
+def test_plain_heat_is_as_accurate_as_measured(shared_data, name):
+    mesh = gt.read(shared_data(name))
+    solver = gt.GeodesicSolver(mesh)
+    for source, measured in zip((500, 2000), MEASURED[name], strict=True):
+        error = mean_relative_error(solver.distance(source), gt.exact_distance(mesh, source))
+        assert 100 * error < SLACK * measured
+
+
+@pytest.mark.parametrize(("source", "zeros"), [(2000, 1714), (500, 1176)])
+def test_conjugate_gradients_leave_zeros_that_a_direct_solver_does_not(shared_data, source, zeros):
+    mesh = gt.read(shared_data("igltut__bunny.off"))
+    loose = gt.CG(rtol=1e-5, allow_heat=True)
+    iterative = gt.GeodesicSolver(mesh, solver={"heat": loose, "poisson": "superlu"})
+    assert (iterative.heat(source) == 0).sum() == zeros
+    assert (gt.GeodesicSolver(mesh).heat(source) != 0).all()
+
+
+def test_obtuse_scans_profit_from_auto(shared_data):
+    mesh = gt.read(shared_data("igltut__camelhead.off"))
+    exact = gt.exact_distance(mesh, 5690)
+    auto = mean_relative_error(gt.geodesic_distance(mesh, 5690), exact)
+    plain = mean_relative_error(gt.geodesic_distance(mesh, 5690, operator="cotan"), exact)
+    assert auto < 0.6 * plain
+
+
+def test_exact_distance_on_a_plane_is_euclidean():
+    mesh = shapes.grid(12)
+    np.testing.assert_allclose(gt.exact_distance(mesh, 40), on_plane(mesh, 40), atol=1e-12)
+
+
+def test_exact_distance_takes_several_sources_and_says_inf():
+    mesh = shapes.disjoint_union(shapes.grid(5), shapes.grid(4))
+    distance = gt.exact_distance(mesh, [0, 24])
+    one_by_one = np.minimum(gt.exact_distance(mesh, 0), gt.exact_distance(mesh, 24))
+    np.testing.assert_allclose(distance, one_by_one, atol=1e-12)
+    assert (distance[25:] == np.inf).all()
+    lonely = gt.TriangleMesh(np.vstack([mesh.vertices, [[9.0, 9, 9]]]), mesh.faces)
+    alone = gt.exact_distance(lonely, lonely.n_vertices - 1)
+    assert alone[-1] == 0
+    assert (alone[:-1] == np.inf).all()
+
+
+def test_exact_distance_is_a_metric():
+    mesh = shapes.torus(20, 8)
+    sources = [0, 33, 71]
+    rows = np.array([gt.exact_distance(mesh, source) for source in sources])
+    between = rows[:, sources]
+    np.testing.assert_allclose(between, between.T, atol=1e-9)
+    assert (rows[0] <= between[0, 1] + rows[1] + 1e-9).all()
+
+
+def test_exact_distance_refuses_what_it_cannot_measure():
+    vertices = [[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1], [0, -1, 0]]
+    crowded = gt.TriangleMesh(vertices, [[0, 1, 2], [0, 1, 3], [0, 1, 4]])
+    with pytest.raises(UnsupportedDomainError, match=r"edge \[0, 1\] has more than two faces"):
+        gt.exact_distance(crowded, 0)
+    with pytest.raises(UnsupportedDomainError, match="not a Graph"):
+        gt.exact_distance(gt.Graph(2, [[0, 1]]), 0)
+    with pytest.raises(InvalidSourceError):
+        gt.exact_distance(shapes.grid(3), 9)

@@ -1,0 +1,226 @@
+"""The algebra that every discretization rests on, and what its contract refuses."""
+
+import copy
+import pickle
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from scipy.sparse import csr_array
+
+import geodesic_toolkit as gt
+from geodesic_toolkit.errors import InvalidDiscretizationError, UnsupportedDomainError
+from geodesic_toolkit.testing import shapes
+
+DISCRETIZATIONS = {
+    "cotan": gt.CotanLaplacian().assemble(shapes.icosphere(2)),
+    "voronoi": gt.CotanLaplacian(mass="voronoi").assemble(shapes.grid(9)),
+    "delaunay": gt.CotanLaplacian(intrinsic_delaunay=True).assemble(shapes.grid(9, shear=2.0)),
+    "uniform": gt.UniformLaplacian().assemble(shapes.icosphere(2)),
+    "identity": gt.UniformLaplacian(mass="identity").assemble(shapes.tube(6, 8)),
+}
+
+
+@pytest.fixture(params=DISCRETIZATIONS)
+def discretization(request):
+    return DISCRETIZATIONS[request.param]
+
+
+def test_the_stiffness_is_the_gradient_squared(discretization):
+    gradient = discretization.gradient
+    squared = gradient.matrix.T @ (gradient.weights[:, None] * gradient.matrix.toarray())
+    np.testing.assert_allclose(squared, discretization.stiffness.toarray(), atol=1e-12)
+
+
+def test_the_stiffness_is_symmetric_to_the_bit_and_kills_constants(discretization):
+    stiffness = discretization.stiffness
+    assert (stiffness != stiffness.T).nnz == 0
+    np.testing.assert_allclose(stiffness @ np.ones(stiffness.shape[0]), 0, atol=1e-12)
+    assert np.linalg.eigvalsh(stiffness.toarray()).min() > -1e-12
+
+
+def test_the_gradient_kills_constants(discretization):
+    ones = np.ones(discretization.n_vertices)
+    np.testing.assert_allclose(discretization.gradient.matrix @ ones, 0, atol=1e-12)
+
+
+def test_the_adjoint_is_the_adjoint(discretization):
+    gradient = discretization.gradient
+    rng = np.random.default_rng(0)
+    shape = gradient.unit(np.zeros((discretization.n_vertices, 3))).shape
+    field = rng.normal(size=shape)
+    rows = field.reshape(-1, 3)
+    expected = gradient.matrix.T @ (gradient.weights[:, None] * rows)
+    np.testing.assert_allclose(gradient.adjoint(field), expected, atol=1e-12)
+    np.testing.assert_allclose(gradient.adjoint(field[..., 0]), expected[:, 0], atol=1e-12)
+
+
+def test_blocks_of_unit_gradients_are_their_columns(discretization):
+    gradient = discretization.gradient
+    log_heat = np.random.default_rng(1).normal(size=(discretization.n_vertices, 4))
+    block = gradient.unit(log_heat)
+    for k in range(4):
+        np.testing.assert_allclose(block[..., k], gradient.unit(log_heat[:, k]), atol=1e-14)
+
+
+@settings(deadline=None)
+@given(st.floats(-1e6, 1e6))
+def test_the_scale_of_heat_does_not_change_its_direction(shift):
+    gradient = DISCRETIZATIONS["cotan"].gradient
+    log_heat = -20 * np.linalg.norm(shapes.icosphere(2).vertices - [0, 0, 1], axis=1)
+    np.testing.assert_allclose(gradient.unit(log_heat + shift), gradient.unit(log_heat), atol=1e-7)
+
+
+def test_where_there_is_no_heat_there_is_no_direction(discretization):
+    cold = np.full(discretization.n_vertices, -np.inf)
+    assert not discretization.gradient.unit(cold).any()
+    assert not discretization.gradient.unit(np.zeros(discretization.n_vertices)).any()
+
+
+def test_unit_gradients_on_elements_have_length_one():
+    unit = DISCRETIZATIONS["cotan"].gradient.unit(shapes.icosphere(2).vertices[:, 2] * 700)
+    np.testing.assert_allclose(np.linalg.norm(unit, axis=1), 1)
+
+
+def test_mass_adds_up_to_the_area():
+    for mass in ("barycentric", "voronoi"):
+        square = gt.CotanLaplacian(mass=mass).assemble(shapes.grid(7))
+        assert square.mass.sum() == pytest.approx(1)
+    flipped = DISCRETIZATIONS["delaunay"]
+    assert flipped.mass.sum() == pytest.approx(1)
+    assert (gt.CotanLaplacian(mass="identity").assemble(shapes.grid(7)).mass == 1).all()
+
+
+def test_intrinsic_delaunay_leaves_no_weight_of_the_wrong_sign_inside():
+    flipped = DISCRETIZATIONS["delaunay"]
+    inside = np.flatnonzero(~flipped.boundary)
+    weights = flipped.stiffness.toarray()[inside]
+    weights[np.arange(len(inside)), inside] = 0
+    assert weights.max() < 1e-12
+    assert flipped.notes["triangulation"] == "intrinsic Delaunay"
+
+
+def test_intrinsic_delaunay_does_not_mind_how_faces_are_turned():
+    mesh = shapes.grid(9, shear=2.0)
+    faces = mesh.faces.copy()
+    faces[::3] = faces[::3, ::-1]
+    turned = gt.TriangleMesh(mesh.vertices, faces)
+    stiffness = gt.CotanLaplacian(intrinsic_delaunay=True).assemble(turned).stiffness
+    expected = DISCRETIZATIONS["delaunay"].stiffness
+    np.testing.assert_allclose(stiffness.toarray(), expected.toarray(), atol=1e-12)
+
+
+def crowded_edge():
+    """Three sheared sheets that share an edge."""
+    vertices = [[0, 0, 0], [1, 0, 0], [9, 1, 0], [9, 0, 1], [9, -1, 0]]
+    return gt.TriangleMesh(vertices, [[0, 1, 2], [0, 1, 3], [0, 1, 4]])
+
+
+def test_intrinsic_delaunay_refuses_what_it_cannot_flip():
+    with pytest.raises(UnsupportedDomainError, match="at most two"):
+        gt.CotanLaplacian(intrinsic_delaunay=True).assemble(crowded_edge())
+    auto = gt.CotanLaplacian(intrinsic_delaunay="auto").assemble(crowded_edge())
+    assert auto.notes["triangulation"] == "given"
+    assert auto.notes["obtuse_excess"] > 0.13
+
+
+def test_degenerate_faces_stay_finite_and_connect():
+    vertices = [[0, 0, 0], [1, 0, 0], [2, 0, 0], [0, 1, 0]]
+    flat = gt.TriangleMesh(vertices, [[0, 1, 3], [0, 1, 2], [1, 1, 0]])
+    discretization = gt.CotanLaplacian().assemble(flat)
+    assert discretization.notes["dropped_faces"] == 1
+    assert discretization.notes["mollified_by"] > 0
+    assert discretization.components.max() == 0
+    assert np.isfinite(gt.geodesic_distance(flat, 0)).all()
+
+
+def test_a_mesh_of_one_place_has_no_laplacian():
+    point = gt.TriangleMesh(np.ones((3, 3)), [[0, 1, 2]])
+    with pytest.raises(UnsupportedDomainError, match="single place"):
+        gt.CotanLaplacian().assemble(point)
+    repeated = gt.TriangleMesh(np.eye(3), [[0, 0, 1]])
+    with pytest.raises(UnsupportedDomainError, match="single place"):
+        gt.CotanLaplacian().assemble(repeated)
+
+
+def test_boundary_vertices_are_those_of_edges_with_one_face():
+    assert gt.CotanLaplacian().assemble(shapes.grid(5)).boundary.sum() == 16
+    assert not DISCRETIZATIONS["cotan"].boundary.any()
+
+
+@pytest.mark.parametrize(
+    "through", [lambda x: x, copy.deepcopy, lambda x: pickle.loads(pickle.dumps(x))]
+)
+def test_arrays_are_read_only_also_after_copying(discretization, through):
+    twin = through(discretization)
+    arrays = [twin.mass, twin.boundary, twin.stiffness.data, twin.stiffness.indices]
+    arrays += [value for value in vars(twin.gradient).values() if isinstance(value, np.ndarray)]
+    for array in arrays:
+        assert not array.flags.writeable
+    assert twin.components.max() == 0
+
+
+def parts():
+    good = gt.CotanLaplacian().assemble(shapes.grid(3))
+    names = ("mass", "stiffness", "gradient", "spacing", "boundary")
+    return {name: getattr(good, name) for name in names}
+
+
+def skewed(stiffness):
+    dense = stiffness.toarray()
+    dense[0, 1] += 0.5
+    dense[0, 2] -= 0.5
+    return csr_array(dense)
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        ({"mass": np.ones(8)}, "boundary"),
+        ({"mass": np.ones((9, 1))}, "must be"),
+        ({"mass": -np.ones(9)}, "vertex 0 has the negative mass"),
+        ({"mass": np.full(9, np.nan)}, "mass 0 is not finite"),
+        ({"mass": "heavy"}, "mass is not an array"),
+        ({"spacing": 0.0}, "spacing must be positive"),
+        ({"spacing": np.nan}, "spacing must be positive"),
+        ({"stiffness": csr_array((4, 4))}, r"must have shape \(9, 9\)"),
+        ({"stiffness": csr_array(np.eye(9))}, "row 0 of the stiffness sums to 1"),
+        ({"stiffness": csr_array(np.full((9, 9), np.nan))}, "stiffness entry 0 is not finite"),
+        ({"stiffness": skewed(parts()["stiffness"])}, "not symmetric"),
+        ({"stiffness": csr_array(-parts()["stiffness"])}, "positive semidefinite"),
+        ({"gradient": DISCRETIZATIONS["cotan"].gradient}, "the gradient is for 162 vertices"),
+    ],
+)
+def test_what_breaks_the_contract_is_refused(change, message):
+    with pytest.raises(InvalidDiscretizationError, match=message):
+        gt.Discretization(**(parts() | change))
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (([[0, 1, 2]], np.zeros((1, 2, 2)), [1.0], 3), "must be"),
+        (([[0, 1, 3]], np.zeros((1, 2, 3)), [1.0], 3), "element 0 refers to"),
+        (([[0, 1, 2]], np.full((1, 2, 3), np.inf), [1.0], 3), "coefficient 0 is not finite"),
+        (([[0, 1, 2]], np.zeros((1, 2, 3)), [-1.0], 3), "element 0 has the negative measure"),
+    ],
+)
+def test_an_element_gradient_that_cannot_be_one_is_refused(arguments, message):
+    with pytest.raises(InvalidDiscretizationError, match=message):
+        gt.ElementGradient(*arguments)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (([[0, 1]], [1.0, 1.0], [1.0, 1.0]), "must be"),
+        (([[0, 2]], [1.0], [1.0, 1.0]), "edge 0 refers to"),
+        (([[0, 1]], [-0.5], [1.0, 1.0]), "edge weight 0 is -0.5: .*ElementGradient"),
+        (([[0, 1]], [0.5], [1.0, -1.0]), "measure 1 is -1.0"),
+        (([[0, 1]], [np.nan], [1.0, 1.0]), "edge weight 0 is not finite"),
+    ],
+)
+def test_an_edge_gradient_that_cannot_be_one_is_refused(arguments, message):
+    with pytest.raises(InvalidDiscretizationError, match=message):
+        gt.EdgeGradient(*arguments)

@@ -1,0 +1,45 @@
+"""Start-up: nothing heavy is imported before it is used."""
+
+import subprocess
+import sys
+
+import pytest
+
+import geodesic_toolkit as gt
+
+HEAVY = ("open3d", "igl", "trimesh", "sklearn", "matplotlib", "pyvista", "vtk", "numba", "k3d")
+
+
+def loaded_after(statement):
+    code = f"{statement}\nimport sys; print(*{{name.partition('.')[0] for name in sys.modules}})"
+    result = subprocess.run(
+        [sys.executable, "-c", code], check=True, capture_output=True, text=True
+    )
+    return set(result.stdout.splitlines()[-1].split())
+
+
+def test_importing_the_package_imports_not_even_numpy():
+    assert not loaded_after("import geodesic_toolkit") & {*HEAVY, "numpy", "scipy"}
+
+
+@pytest.mark.parametrize(
+    "statement",
+    [
+        "import geodesic_toolkit as gt; list(gt.operators); gt.operators['cotan']",
+        "import geodesic_toolkit as gt; gt.GeodesicSolver(gt.testing.shapes.grid(5)).distance(0)",
+        "import geodesic_toolkit as gt; [getattr(gt, name) for name in gt.__all__]",
+    ],
+)
+def test_plain_use_imports_nothing_heavy(statement):
+    assert not loaded_after(statement) & set(HEAVY)
+
+
+def test_every_public_name_is_there_and_listed():
+    for name in gt.__all__:
+        assert getattr(gt, name) is not None
+    assert set(gt.__all__) <= set(dir(gt))
+
+
+def test_a_wrong_name_is_an_attribute_error():
+    with pytest.raises(AttributeError, match="no attribute 'geodesics'"):
+        gt.geodesics  # noqa: B018 - the access is the test

@@ -1,0 +1,60 @@
+"""Linear solvers: agreement, tiny entries, errors that speak."""
+
+import numpy as np
+import pytest
+from scipy.sparse import csr_array
+
+import geodesic_toolkit as gt
+from geodesic_toolkit.errors import InvalidOptionError, SolverError
+from geodesic_toolkit.linear.log_solve import fill_from_neighbours
+from geodesic_toolkit.testing import shapes
+
+
+@pytest.fixture(scope="module")
+def heat_matrix():
+    discretization = gt.CotanLaplacian().assemble(shapes.icosphere(2))
+    return csr_array(discretization.stiffness + np.diag(discretization.mass))
+
+
+@pytest.mark.parametrize("solver", [gt.SuperLU(), gt.CG(rtol=1e-12)], ids=repr)
+def test_solutions_solve(solver, heat_matrix):
+    load = np.random.default_rng(0).normal(size=(162, 3))
+    factor = solver.factorize(heat_matrix)
+    np.testing.assert_allclose(heat_matrix @ factor.solve(load), load, atol=1e-9)
+    np.testing.assert_allclose(factor.solve(load[:, 0]), factor.solve(load)[:, 0], atol=1e-12)
+    assert factor.nnz > 0
+    assert factor.nbytes > factor.nnz
+
+
+def test_a_singular_matrix_is_an_error():
+    with pytest.raises(SolverError, match="singular"):
+        gt.SuperLU().factorize(csr_array((3, 3)))
+
+
+def test_an_unfinished_iteration_is_an_error(heat_matrix):
+    factor = gt.CG(rtol=1e-14, max_iterations=2).factorize(heat_matrix)
+    with pytest.raises(SolverError, match="did not reach rtol=1e-14 in 2 iterations"):
+        factor.solve(np.eye(162)[0])
+
+
+@pytest.mark.parametrize(
+    "options", [{"rtol": 0}, {"rtol": 2}, {"rtol": np.nan}, {"max_iterations": 0}]
+)
+def test_options_outside_their_values_are_refused(options):
+    with pytest.raises(InvalidOptionError):
+        gt.CG(**options)
+
+
+def test_missing_heat_is_filled_from_neighbours_ring_by_ring():
+    path = np.diag(np.full(4, 2.0)) - np.eye(4, k=1) - np.eye(4, k=-1) + np.eye(4)
+    log_solution = np.array([0.0, -np.inf, -np.inf, -np.inf])
+    filled = fill_from_neighbours(csr_array(path), log_solution, np.isinf(log_solution))
+    assert np.isfinite(filled).all()
+    assert (np.diff(filled) < 0).all()
+
+
+def test_what_no_value_reaches_stays_empty():
+    apart = csr_array(np.eye(3))
+    log_solution = np.array([0.0, -np.inf, -np.inf])
+    filled = fill_from_neighbours(apart, log_solution, np.isinf(log_solution))
+    np.testing.assert_array_equal(filled, log_solution)
