@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from geodesic_toolkit import errors, testing, viz
     from geodesic_toolkit.api import geodesic_distance
     from geodesic_toolkit.catalog import operators, readers, solvers
+    from geodesic_toolkit.conversion import as_domain
     from geodesic_toolkit.discretization import (
         Discretization,
         EdgeGradient,
@@ -27,6 +28,7 @@ if TYPE_CHECKING:
     from geodesic_toolkit.io import read
     from geodesic_toolkit.laplacians.base import LaplaceOperator
     from geodesic_toolkit.laplacians.cotan import CotanLaplacian
+    from geodesic_toolkit.laplacians.pointcloud import PointCloudLaplacian
     from geodesic_toolkit.laplacians.uniform import UniformLaplacian
     from geodesic_toolkit.linear.base import Factor, LinearSolver
     from geodesic_toolkit.linear.cg import CG
@@ -49,10 +51,12 @@ _HOMES = {
     "LaplaceOperator": "laplacians.base",
     "LinearSolver": "linear.base",
     "PointCloud": "domains",
+    "PointCloudLaplacian": "laplacians.pointcloud",
     "SuperLU": "linear.superlu",
     "SurfacePoint": "domains",
     "TriangleMesh": "domains",
     "UniformLaplacian": "laplacians.uniform",
+    "as_domain": "conversion",
     "exact_distance": "exact",
     "geodesic_distance": "api",
     "operators": "catalog",

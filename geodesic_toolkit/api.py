@@ -3,7 +3,6 @@
 from typing import Any
 
 from geodesic_toolkit._typing import FloatArray
-from geodesic_toolkit.domains import Domain
 from geodesic_toolkit.laplacians.base import LaplaceOperator
 from geodesic_toolkit.solver import GeodesicSolver
 
@@ -11,7 +10,7 @@ __all__ = ["geodesic_distance"]
 
 
 def geodesic_distance(
-    domain: Domain,
+    domain: Any,
     sources: Any,
     *,
     operator: str | type[LaplaceOperator] | LaplaceOperator = "auto",
@@ -23,8 +22,8 @@ def geodesic_distance(
 
     Parameters
     ----------
-    domain : Domain
-        A TriangleMesh, PointCloud or Graph.
+    domain : Domain or object
+        A TriangleMesh, PointCloud or Graph, or whatever :func:`as_domain` takes.
     sources : int, array-like of int, array-like of float, SurfacePoint or sequence of them
         One set of sources, as :meth:`GeodesicSolver.distance` takes it.
     operator : str, class or instance

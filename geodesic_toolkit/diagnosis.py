@@ -50,6 +50,13 @@ class Diagnosis:
         of the heat took.
     notes : mapping
         What the operator found or decided.
+
+    Examples
+    --------
+    >>> import geodesic_toolkit as gt
+    >>> diagnosis = gt.GeodesicSolver(gt.testing.shapes.grid(5)).diagnosis
+    >>> diagnosis.components, diagnosis.boundary_vertices, round(diagnosis.minimum_angle)
+    (1, 16, 45)
     """
 
     domain: str

@@ -36,7 +36,7 @@ class Gradient(FrozenArrays, abc.ABC):
 
     @abc.abstractmethod
     def unit(self, log_heat: FloatArray) -> FloatArray:
-        """Return ∇u/|∇u| from ``log u``; zero where the gradient is.
+        """Return ``∇u/|∇u|`` from ``log u``; zero where the gradient is.
 
         Parameters
         ----------
@@ -50,6 +50,11 @@ class Gradient(FrozenArrays, abc.ABC):
 
         It is the right-hand side that goes with the positive semidefinite stiffness ``L = -Δ``:
         ``L φ = Gᵀ W x`` is the least-squares solution of ``∇φ = x``.
+
+        Parameters
+        ----------
+        field : ndarray
+            A field, with one more axis at the end when it holds K fields at once.
         """
 
     @property
@@ -141,7 +146,7 @@ class ElementGradient(Gradient):
         return self.vertex_count
 
     def unit(self, log_heat: FloatArray) -> FloatArray:
-        """Return ∇u/|∇u| on every element, of shape (E, dim) or (E, dim, K).
+        """Return ``∇u/|∇u|`` on every element, of shape (E, dim) or (E, dim, K).
 
         Directions depend on ratios inside an element only, so u is scaled by its largest value
         there: right however small the heat is.
@@ -272,7 +277,7 @@ class EdgeGradient(Gradient):
         return len(self.measure)
 
     def unit(self, log_heat: FloatArray) -> FloatArray:
-        """Return ∇log u/|∇log u| along every edge, of shape (E,) or (E, K).
+        """Return ``∇log u/|∇log u|`` along every edge, of shape (E,) or (E, K).
 
         The logarithm points the same way in the smooth limit and is far more accurate across an
         edge, over which u itself falls by a factor of about e. An edge with an end that has no
@@ -284,10 +289,12 @@ class EdgeGradient(Gradient):
         slope[~np.isfinite(slope)] = 0.0
         length = self._length(slope)
         pooled = (length[start] + length[end]) / 2
-        return np.divide(slope, pooled, out=np.zeros_like(slope), where=pooled > 0)
+        direction: FloatArray = np.zeros_like(slope)
+        np.divide(slope, pooled, out=direction, where=pooled > 0)
+        return direction
 
     def _length(self, slope: FloatArray) -> FloatArray:
-        """Return |∇u| at the vertices by the carré du champ."""
+        """Return ``|∇u|`` at the vertices by the carré du champ."""
         columns = _as_columns(slope, 1)
         squared = np.empty((self.n_vertices, columns.shape[1]))
         for k in range(columns.shape[1]):

@@ -14,6 +14,7 @@ __all__ = [
     "InvalidSourceError",
     "MissingDependencyError",
     "NonPositiveHeatWarning",
+    "NormalsWarning",
     "NotEnoughMemoryError",
     "PluginConflictError",
     "PluginError",
@@ -96,8 +97,12 @@ class GeodesicWarning(UserWarning):
 
 
 class ReadWarning(GeodesicWarning):
-    """A file was read, but not quite as it stands: polygons were triangulated, say."""
+    """A file or object was read, but not quite as it stands: polygons were triangulated, say."""
 
 
 class NonPositiveHeatWarning(GeodesicWarning):
     """The heat is not positive at some vertices, where the distance is not to be trusted."""
+
+
+class NormalsWarning(GeodesicWarning):
+    """Normals were estimated in another way than the best one; the message says what is missing."""

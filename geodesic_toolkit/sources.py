@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
-from scipy.sparse import coo_array, csr_array
+from scipy.sparse import csr_array
 
 from geodesic_toolkit._typing import FloatArray, IntArray
 from geodesic_toolkit.domains import Domain, PointCloud, SurfacePoint, TriangleMesh
@@ -22,8 +22,8 @@ def locate_sources(domain: Domain, sources: Any, name: str = "sources") -> Sourc
     ----------
     domain : Domain
     sources : int, array-like of int, array-like of float, SurfacePoint or sequence of them
-        Vertex indices; points in space, of shape (3,) or (P, 3), snapped to the nearest point of the surface (or of the
-        cloud); or points inside faces.
+        Vertex indices; points in space, of shape (3,) or (P, 3), snapped to the nearest point of
+        the surface (or of the cloud); or points inside faces.
     name : str
         What to call them in messages.
 
@@ -104,8 +104,9 @@ def _barycentric(mesh: TriangleMesh, faces: IntArray, barycentric: FloatArray) -
     corners = mesh.faces[faces]
     places = mesh.vertices[corners]
     at = np.einsum("pc,pcd->pd", barycentric, places)
-    offsets = np.einsum("pc,pc->p", barycentric, np.linalg.norm(places - at[:, None], axis=2))
-    rows = np.repeat(np.arange(len(faces)), 3)
-    used = barycentric.ravel() > 0
-    entries = (barycentric.ravel()[used], (rows[used], corners.ravel()[used]))
-    return SourcePoints(csr_array(coo_array(entries, shape=(len(faces), mesh.n_vertices))), offsets)
+    distances = np.linalg.norm(places - at[:, None], axis=2)
+    used = barycentric > 0
+    starts = np.concatenate([[0], np.cumsum(used.sum(axis=1))])
+    shape = (len(faces), mesh.n_vertices)
+    weights = csr_array((barycentric[used], corners[used], starts), shape=shape)
+    return SourcePoints(weights, distances[used])

@@ -1,0 +1,306 @@
+"""`as_domain`: the shapes of other libraries as domains.
+
+By duck typing: an object is known by its attributes, and no other library is imported for it.
+"""
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+
+from geodesic_toolkit._typing import FloatArray, IntArray
+from geodesic_toolkit._warning import warn
+from geodesic_toolkit.domains import Domain, Graph, PointCloud, TriangleMesh
+from geodesic_toolkit.errors import InvalidDomainError, ReadWarning, UnsupportedDomainError
+from geodesic_toolkit.geometry.polygons import (
+    fan_triangles,
+    strip_triangles,
+    surface_polygons,
+    unpadded_polygons,
+)
+
+__all__ = ["as_domain"]
+
+TAKEN = (
+    "a TriangleMesh, PointCloud or Graph; (vertices, faces); an (N, 3) array of points; a mesh or "
+    "cloud of trimesh, Open3D, PyVista, meshio, nilearn or a GIFTI image; a square SciPy sparse "
+    "matrix of edge lengths; a networkx graph"
+)
+
+VTK_CELLS = {
+    1: "vertex", 2: "vertex", 3: "line", 5: "triangle", 7: "polygon", 9: "quad",
+    10: "tetra", 12: "hexahedron", 13: "wedge", 14: "pyramid",
+    21: "line3", 22: "triangle6", 23: "quad8", 24: "tetra10", 25: "hexahedron20",
+    26: "wedge15", 27: "pyramid13", 28: "quad9", 29: "hexahedron27",
+}  # fmt: skip
+"""Names of VTK's types of cells; those left out keep their number and are no surface."""
+
+
+def as_domain(obj: Any) -> Domain:
+    """Return `obj` as a mesh, point cloud or graph.
+
+    Vertices keep their order and their indices: nothing is merged, dropped or reordered.
+
+    =========================== =============================================================
+    what                        becomes
+    =========================== =============================================================
+    Domain                      itself
+    (vertices, faces)           a :class:`TriangleMesh`
+    array of shape (N, 3)       a :class:`PointCloud`
+    trimesh                     Trimesh: a mesh; PointCloud: a cloud
+    Open3D, legacy and tensor   TriangleMesh: a mesh; PointCloud: a cloud, with its normals
+    PyVista                     PolyData: a mesh, or a cloud where it has no faces;
+                                UnstructuredGrid: as for meshio
+    meshio                      a mesh of the plane cells, or of the surface of the solid ones;
+                                a cloud where all cells are vertices or there are none
+    SciPy sparse                a :class:`Graph` whose lengths are the entries stored, in one
+                                triangle of the matrix or in both (the shorter counts)
+    networkx                    a graph of its nodes in their order; an edge's length is its
+                                attribute ``length``, else ``weight``, else 1; directions
+                                are left out
+    nilearn, nibabel            surface meshes (``coordinates`` and ``faces``), GIFTI images: a
+                                mesh
+    =========================== =============================================================
+
+    Parameters
+    ----------
+    obj : object
+        Anything listed above, or with the same attributes.
+
+    Returns
+    -------
+    Domain
+        In the unit of `obj`.
+
+    Raises
+    ------
+    UnsupportedDomainError
+        Nothing of these.
+    InvalidDomainError
+        One of these that cannot be a domain: no faces, an index out of range, a matrix that is not
+        square.
+
+    Warns
+    -----
+    ReadWarning
+        Polygons were split into triangles.
+
+    Examples
+    --------
+    >>> import scipy.sparse
+    >>> import geodesic_toolkit as gt
+    >>> gt.as_domain(([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 2]]))
+    TriangleMesh(3 vertices, 1 face)
+    >>> gt.as_domain(scipy.sparse.csr_array([[0.0, 2.5], [2.5, 0.0]]))
+    Graph(2 vertices, 1 edge)
+    """
+    if isinstance(obj, Domain):
+        return obj
+    if not isinstance(obj, type):  # classes have the attributes of their instances, without values
+        for convert in CONVERTERS:
+            domain = convert(obj)
+            if domain is not None:
+                return domain
+    raise UnsupportedDomainError(f"{_described(obj)} is no shape; give {TAKEN}")
+
+
+def _described(obj: Any) -> str:
+    if isinstance(obj, str | bytes):
+        return f"{obj[:40]!r} (to read a file: geodesic_toolkit.read)"
+    if isinstance(obj, type):
+        return f"the class {obj.__name__}"
+    if isinstance(obj, np.ndarray):
+        return f"an array of shape {obj.shape} and dtype {obj.dtype}"
+    return f"{type(obj).__module__}.{type(obj).__qualname__}".removeprefix("builtins.")
+
+
+def _has(obj: Any, *names: str) -> bool:
+    return all(hasattr(obj, name) for name in names)
+
+
+def _pair(obj: Any) -> Domain | None:
+    """(vertices, faces): two tables, where a list of two points is one table."""
+    if not isinstance(obj, tuple | list) or len(obj) != 2 or not _is_table(obj[0]):
+        return None
+    return TriangleMesh(obj[0], obj[1])
+
+
+def _is_table(obj: Any) -> bool:
+    try:
+        return np.ndim(obj) == 2
+    except ValueError:  # rows of different lengths
+        return False
+
+
+def _sparse(obj: Any) -> Domain | None:
+    """SciPy: sparse arrays and matrices."""
+    if not _has(obj, "tocoo", "shape"):
+        return None
+    if len(obj.shape) != 2 or obj.shape[0] != obj.shape[1]:
+        shape = " x ".join(map(str, obj.shape))
+        raise InvalidDomainError(f"a matrix of edge lengths is square, not {shape}")
+    entries = obj.tocoo()  # explicit zeros among them: those are mistakes, which Graph names
+    if entries.data.dtype.kind not in "buif":
+        raise InvalidDomainError(f"edge lengths are real numbers, not {entries.data.dtype}")
+    off = entries.row != entries.col
+    ends = np.sort(np.column_stack([entries.row, entries.col])[off].astype(np.int64), axis=1)
+    lengths = entries.data[off].astype(np.float64)
+    order = np.lexsort((lengths, ends[:, 1], ends[:, 0]))  # NaN comes last, for Graph to refuse
+    ends, lengths = ends[order], lengths[order]
+    new = np.ones(len(ends), dtype=np.bool_)
+    new[1:] = (ends[1:] != ends[:-1]).any(axis=1) | np.isnan(lengths[1:])
+    return Graph(obj.shape[0], ends[new], lengths[new])
+
+
+def _network(obj: Any) -> Domain | None:
+    """Graphs of networkx, of any class."""
+    if not _has(obj, "nodes", "edges", "is_directed"):
+        return None
+    number = {node: position for position, node in enumerate(obj.nodes)}
+    edges, lengths = [], []
+    for tail, head, data in obj.edges(data=True):
+        edges.append((number[tail], number[head]))
+        lengths.append(data.get("length", data.get("weight", 1)))
+    return Graph(len(number), edges, np.asarray(lengths) if lengths else None)
+
+
+def _gifti(obj: Any) -> Domain | None:
+    """Images of nibabel."""
+    if not _has(obj, "get_arrays_from_intent"):
+        return None
+    points = obj.get_arrays_from_intent("NIFTI_INTENT_POINTSET")
+    triangles = obj.get_arrays_from_intent("NIFTI_INTENT_TRIANGLE")
+    if not points or not triangles:
+        raise InvalidDomainError(
+            "the GIFTI image holds no surface: it has no coordinates, or no triangles"
+        )
+    return TriangleMesh(points[0].data, triangles[0].data)
+
+
+def _meshio(obj: Any) -> Domain | None:
+    """Meshes of meshio."""
+    if not _has(obj, "points", "cells") or not isinstance(obj.cells, list):
+        return None
+    points = np.asarray(obj.points)
+    if points.ndim == 2 and points.shape[1] == 2:
+        points = np.column_stack([points, np.zeros(len(points))])
+    return _of_cells(obj, points, [(block.type, block.data) for block in obj.cells])
+
+
+def _vtk_grid(obj: Any) -> Domain | None:
+    """Unstructured grids of PyVista."""
+    if not _has(obj, "points", "celltypes", "cell_connectivity"):
+        return None
+    # The name changed in PyVista 0.48, and the old one warns since.
+    offsets = obj.cell_offsets if hasattr(obj, "cell_offsets") else obj.offset
+    starts, sizes = np.asarray(offsets)[:-1], np.diff(offsets)
+    corners = np.asarray(obj.cell_connectivity)
+    kinds = np.asarray(obj.celltypes)
+    blocks: list[tuple[str, Any]] = []
+    for kind in np.unique(kinds):
+        cells = [
+            corners[start : start + size]
+            for start, size in zip(starts[kinds == kind], sizes[kinds == kind], strict=True)
+        ]
+        blocks.append((VTK_CELLS.get(int(kind), f"VTK cell {kind}"), cells))
+    return _of_cells(obj, obj.points, blocks)
+
+
+def _of_cells(obj: Any, points: Any, blocks: list[tuple[str, Any]]) -> Domain:
+    sizes, corners = surface_polygons(blocks)
+    if len(sizes):
+        return TriangleMesh(points, _triangles(obj, sizes, corners))
+    kinds = {kind for kind, _ in blocks}
+    if kinds <= {"vertex"}:
+        return PointCloud(points)
+    raise InvalidDomainError(
+        f"{_described(obj)}: no surface and no solid; the cells are {', '.join(sorted(kinds))}"
+    )
+
+
+def _triangles(obj: Any, sizes: IntArray, corners: IntArray) -> IntArray:
+    faces, remarks = fan_triangles(sizes, corners)
+    for remark in remarks:
+        warn(f"{type(obj).__name__}: {remark}", ReadWarning)
+    return faces
+
+
+def _vtk_surface(obj: Any) -> Domain | None:
+    """Surfaces of PyVista."""
+    if not _has(obj, "points", "faces", "strips"):
+        return None
+    faces = _triangles(obj, *unpadded_polygons(np.asarray(obj.faces)))
+    strips = np.asarray(obj.strips)
+    if len(strips):
+        faces = np.concatenate([faces, strip_triangles(*unpadded_polygons(strips))])
+    if len(faces):
+        return TriangleMesh(obj.points, faces)
+    if len(obj.lines):
+        raise InvalidDomainError(f"{_described(obj)}: no faces, only lines")
+    return PointCloud(obj.points, obj.point_data.get("Normals", None))
+
+
+def _open3d(obj: Any) -> Domain | None:
+    """Meshes and clouds of Open3D, whose arrays are vectors of its own."""
+    if _has(obj, "vertices", "triangles"):
+        return TriangleMesh(np.asarray(obj.vertices), np.asarray(obj.triangles))
+    if _has(obj, "points", "normals", "has_normals"):
+        return PointCloud(obj.points, obj.normals if obj.has_normals() else None)
+    return None
+
+
+def _open3d_tensors(obj: Any) -> Domain | None:
+    """Meshes and clouds of Open3D, whose arrays are tensors, on a GPU perhaps."""
+    if _has(obj, "vertex", "triangle"):
+        return TriangleMesh(
+            _tensor(obj.vertex, "positions", np.zeros((0, 3))),
+            _tensor(obj.triangle, "indices", np.zeros((0, 3))),
+        )
+    if _has(obj, "point") and "positions" in obj.point:
+        return PointCloud(
+            _tensor(obj.point, "positions", None), _tensor(obj.point, "normals", None)
+        )
+    return None
+
+
+def _tensor(attributes: Any, name: str, default: FloatArray | None) -> Any:
+    return attributes[name].cpu().numpy() if name in attributes else default
+
+
+def _surface(obj: Any) -> Domain | None:
+    """Meshes of trimesh and nilearn, and what else names its arrays as they do."""
+    for vertices in ("vertices", "coordinates"):
+        if _has(obj, vertices, "faces"):
+            return TriangleMesh(getattr(obj, vertices), obj.faces)
+    if _has(obj, "vertices", "colors") and not hasattr(obj, "entities"):  # those are curves
+        return PointCloud(obj.vertices)
+    return None
+
+
+def _points(obj: Any) -> Domain | None:
+    """Tables of three columns."""
+    if not isinstance(obj, list | tuple) and not hasattr(obj, "__array__"):
+        return None
+    try:
+        table = np.asarray(obj)
+    except ValueError:  # rows of different lengths
+        return None
+    if table.ndim != 2 or table.shape[1] != 3 or table.dtype.kind not in "iuf":
+        return None
+    return PointCloud(table)
+
+
+CONVERTERS: tuple[Callable[[Any], Domain | None], ...] = (
+    _pair,
+    _sparse,
+    _network,
+    _gifti,
+    _meshio,
+    _vtk_grid,
+    _vtk_surface,
+    _surface,
+    _open3d,  # after the last: a mesh of trimesh has `triangles` of another kind
+    _open3d_tensors,
+    _points,
+)
+"""Each knows one kind of object, and returns None for every other."""
