@@ -1,0 +1,89 @@
+"""Arguments that commands share, checked before any work."""
+
+import math
+from collections.abc import Sequence
+from enum import StrEnum
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from geodesic_toolkit.errors import InvalidOptionError, InvalidSourceError
+
+__all__ = ["BoundaryChoice", "Input", "Json", "check_plugins", "check_time", "parse_sources"]
+
+Input = Annotated[
+    Path,
+    typer.Argument(
+        exists=True,
+        dir_okay=False,
+        readable=True,
+        metavar="INPUT",
+        help="A mesh, point cloud or graph.",
+        show_default=False,
+    ),
+]
+
+Json = Annotated[bool, typer.Option("--json", help="Print one JSON object.")]
+
+
+class BoundaryChoice(StrEnum):
+    """Conditions on the heat at boundaries."""
+
+    neumann = "neumann"
+    dirichlet = "dirichlet"
+    average = "average"
+
+
+def parse_sources(texts: Sequence[str]) -> list[int] | list[list[float]]:
+    """Return vertex indices, or points in space, from what was typed: all of one kind.
+
+    Raises
+    ------
+    InvalidSourceError
+        Neither a whole number nor three numbers, or the two mixed.
+    """
+    parsed = [_parse_source(text) for text in texts]
+    vertices = [source for source in parsed if isinstance(source, int)]
+    points = [source for source in parsed if not isinstance(source, int)]
+    if vertices and points:
+        raise InvalidSourceError(
+            f"--source {vertices[0]} is a vertex and --source {','.join(map(str, points[0]))} "
+            "a point; give all of one kind"
+        )
+    return vertices or points
+
+
+def _parse_source(text: str) -> int | list[float]:
+    try:
+        if "," not in text:
+            return int(text)
+        point = [float(part) for part in text.split(",")]
+    except ValueError:
+        point = []
+    if len(point) != 3:
+        raise InvalidSourceError(
+            f'--source {text} is neither a vertex index such as 500 nor a point such as "0.1,0.2,0"'
+        )
+    if not all(map(math.isfinite, point)):
+        raise InvalidSourceError(f"--source {text} is not finite")
+    return point
+
+
+def check_time(time: float | None, time_factor: float | None) -> None:
+    """Raise an `InvalidOptionError` unless at most one of them is given, positive and finite."""
+    if time is not None and time_factor is not None:
+        raise InvalidOptionError("give --time or --time-factor, not both")
+    for option, value in (("--time", time), ("--time-factor", time_factor)):
+        if value is not None and not (value > 0 and math.isfinite(value)):
+            raise InvalidOptionError(f"{option} must be positive and finite, not {value:g}")
+
+
+def check_plugins(solver: str, *operators: str | None) -> None:
+    """Raise a `PluginError` unless the solver and the operators are there and load."""
+    from geodesic_toolkit import catalog
+
+    catalog.resolve_solvers(solver)
+    for operator in operators:
+        if operator is not None and operator != "auto":
+            catalog.operators.resolve(operator)

@@ -1,0 +1,98 @@
+"""``geodesic-toolkit demo``: the main job on a generated shape."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from geodesic_toolkit.cli.output import aligned, one_line, say, show
+from geodesic_toolkit.cli.run import running
+from geodesic_toolkit.cli.targets import Targets
+from geodesic_toolkit.errors import MissingDependencyError, WriteError
+
+__all__ = ["demo"]
+
+SOURCE = 0
+
+KINDS = {
+    ".ply": "surface with distances",
+    ".csv": "table",
+    ".png": "picture: look at it",
+    ".html": "page: open it in a browser",
+}
+
+DRAWN = " --picture distances.png"
+
+
+def demo(
+    out: Annotated[
+        Path, typer.Option(metavar="DIR", file_okay=False, help="Where the files go.")
+    ] = Path("geodesic-demo"),
+) -> None:
+    """Measure and draw distances on a generated shape.
+
+    Writes tables of numbers, a picture, and a page on which the shape turns in a browser.
+    """
+    from geodesic_toolkit.solver import GeodesicSolver
+    from geodesic_toolkit.testing import shapes
+
+    tables = Targets(tables=(out / "knot.ply", out / "knot.csv"))
+    looks = (Targets(picture=out / "knot.png"), Targets(html=out / "knot.html"))
+    _make_folder(out)
+    for targets in (tables, *looks):
+        targets.check()
+    written, missing = list(tables.paths), []
+    with running() as run:
+        with run.step("factorising"):
+            knot = shapes.knot()
+            solver = GeodesicSolver(knot)
+        with run.step("solving"):
+            distances = solver.distance(SOURCE)
+        with run.step("checking"):
+            error = _error_on_sphere()
+        tables.write(run, knot, distances, [SOURCE])
+        for targets in looks:
+            try:
+                targets.write(run, knot, distances, [SOURCE])
+            except MissingDependencyError as failure:
+                missing.append(one_line(failure))
+            else:
+                written += targets.paths
+    rows = [
+        ("shape", f"a trefoil knot, {knot!r}"),
+        ("result", f"distance along the surface from vertex {SOURCE}: up to {distances.max():.2f}"),
+        ("check", f"on a sphere, mean error {error:.2%} against the exact arc length"),
+        ("took", run.took),
+        *((KINDS[path.suffix], str(path)) for path in written),
+    ]
+    for line in aligned(rows):
+        show(line)
+    for reason in missing:
+        say(f"warning: not everything was drawn: {reason}")
+    show("")
+    show("The lines on the picture are equally far apart on the surface, however it bends.")
+    show("The same for a shape of your own:")
+    show(
+        f"  geodesic-toolkit distance YOUR_MESH.ply --source {SOURCE} --output distances.ply{DRAWN}"
+    )
+
+
+def _make_folder(folder: Path) -> None:
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise WriteError(f"{folder} cannot be made: {error.strerror or error}") from error
+
+
+def _error_on_sphere() -> float:
+    """Return the mean relative error where the answer is known: on a sphere."""
+    import numpy as np
+
+    from geodesic_toolkit.api import geodesic_distance
+    from geodesic_toolkit.testing import shapes
+
+    sphere = shapes.icosphere(4)
+    exact = np.arccos(np.clip(sphere.vertices @ sphere.vertices[SOURCE], -1.0, 1.0))
+    away = exact > 0
+    error = np.abs(geodesic_distance(sphere, SOURCE)[away] / exact[away] - 1)
+    return float(error.mean())

@@ -1,0 +1,213 @@
+"""``geodesic-toolkit distance``: the main job."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from geodesic_toolkit.cli.arguments import (
+    BoundaryChoice,
+    Input,
+    Json,
+    check_plugins,
+    check_time,
+    parse_sources,
+)
+from geodesic_toolkit.cli.output import aligned, one_line, show, show_json, versions
+from geodesic_toolkit.cli.run import Run, running
+from geodesic_toolkit.cli.targets import Targets
+
+if TYPE_CHECKING:  # importing NumPy takes longer than all of --help
+    from geodesic_toolkit._typing import FloatArray
+    from geodesic_toolkit.solver import GeodesicSolver
+
+__all__ = ["distance"]
+
+
+def distance(
+    path: Input,
+    *,
+    source: Annotated[
+        list[str],
+        typer.Option(
+            metavar="PLACE",
+            help='A vertex index, or a point "x,y,z" that is snapped to the shape. Give it several '
+            "times for the distance from the nearest of them; all of one kind.",
+            show_default=False,
+        ),
+    ],
+    operator: Annotated[
+        str, typer.Option(metavar="NAME", help="Laplace operator; see the command plugins.")
+    ] = "auto",
+    diffusion: Annotated[
+        str | None,
+        typer.Option(metavar="NAME", help="Another operator for the heat to flow in."),
+    ] = None,
+    time_factor: Annotated[
+        float | None,
+        typer.Option(
+            metavar="M",
+            help="Time step in squared mean edge lengths: 1 unless given; more is smoother.",
+            show_default=False,
+        ),
+    ] = None,
+    time: Annotated[
+        float | None,
+        typer.Option(metavar="T", help="Time step in squared units of length, instead."),
+    ] = None,
+    boundary: Annotated[
+        BoundaryChoice, typer.Option(help="Condition on the heat at boundaries.")
+    ] = BoundaryChoice.neumann,
+    solver: Annotated[
+        str, typer.Option(metavar="NAME", help="Linear solver; see the command plugins.")
+    ] = "auto",
+    output: Annotated[
+        list[Path] | None,
+        typer.Option(
+            metavar="FILE",
+            help="Write the distances to a .ply, .npy or .csv file; may be given several times.",
+        ),
+    ] = None,
+    picture: Annotated[
+        Path | None, typer.Option(metavar="FILE", help="Render a .png picture.")
+    ] = None,
+    html: Annotated[
+        Path | None,
+        typer.Option(metavar="FILE", help="Write an .html page to turn the shape in a browser."),
+    ] = None,
+    cmap: Annotated[
+        str | None,
+        typer.Option(metavar="NAME", help="Colour map of matplotlib for picture and page."),
+    ] = None,
+    json: Json = False,
+) -> None:
+    """Geodesic distance of every vertex of INPUT from the sources.
+
+    Example: geodesic-toolkit distance bunny.off --source 500 --output d.ply --picture d.png
+    """
+    from geodesic_toolkit.io import read
+    from geodesic_toolkit.solver import GeodesicSolver
+    from geodesic_toolkit.sources import locate_sources
+
+    sources = parse_sources(source)
+    check_time(time, time_factor)
+    check_plugins(solver, operator, diffusion)
+    targets = Targets(tables=tuple(output or ()), picture=picture, html=html, cmap=cmap)
+    targets.check(path)
+
+    with running() as run:
+        if targets.drawn:
+            with run.step("loading graphics"):
+                targets.load_graphics()
+        with run.step("reading"):
+            domain = read(path)
+            places = locate_sources(domain, sources)
+            targets.check_domain(domain)
+        with run.step("factorising"):
+            geodesic = GeodesicSolver(
+                domain,
+                operator=operator,
+                diffusion=diffusion,
+                time=time,
+                time_factor=1.0 if time_factor is None else time_factor,
+                boundary=boundary.value,
+                solver=solver,
+            )
+        with run.step("solving"):
+            distances = geodesic.method.distance(places)
+        targets.write(run, domain, distances, sources)
+        result = Result(path, geodesic, sources, distances, targets.paths, run)
+        if result.reached == len(sources):
+            run.warn("the sources are connected to no other vertex: every other distance is inf")
+    if json:
+        show_json(result.as_dict())
+    else:
+        show(str(result))
+
+
+@dataclass(frozen=True)
+class Result:
+    """What the command found, for people and for programs."""
+
+    path: Path
+    solver: "GeodesicSolver"
+    sources: list[int] | list[list[float]]
+    distances: "FloatArray"
+    outputs: Sequence[Path]
+    run: Run
+
+    @property
+    def finite(self) -> "FloatArray":
+        """The distances of the vertices that a source reaches."""
+        import numpy as np
+
+        return self.distances[np.isfinite(self.distances)]
+
+    @property
+    def reached(self) -> int:
+        """How many these are."""
+        return len(self.finite)
+
+    def as_dict(self) -> dict[str, Any]:
+        """Return everything, for JSON."""
+        method, finite = self.solver.method, self.finite
+        return {
+            "input": str(self.path),
+            "domain": type(self.solver.domain).__name__,
+            "n_vertices": len(self.distances),
+            "sources": self.sources,
+            "operator": repr(self.solver.operator),
+            "diffusion": None if self.solver.diffusion is None else repr(self.solver.diffusion),
+            "solver": {"heat": repr(method.heat_solver), "poisson": repr(method.poisson_solver)},
+            "boundary": method.boundary,
+            "time": method.time,
+            "spacing": method.metric.spacing,
+            "reached": self.reached,
+            "unreachable": len(self.distances) - self.reached,
+            "min": finite.min(),
+            "mean": finite.mean(),
+            "max": finite.max(),
+            "timings": self.run.timings,
+            "warnings": self.run.warnings,
+            "notes": method.metric.notes,
+            "outputs": [str(path) for path in self.outputs],
+            "versions": versions(),
+        }
+
+    def __str__(self) -> str:
+        method, finite = self.solver.method, self.finite
+        solvers = dict.fromkeys([repr(method.heat_solver), repr(method.poisson_solver)])
+        rows = [
+            ("shape", repr(self.solver.domain)),
+            ("source", "; ".join(map(_place, self.sources))),
+            ("method", f"{self.solver.operator!r}, {' and '.join(solvers)}"),
+            ("time step", f"{method.time:.4g}, mean edge length {method.metric.spacing:.4g}"),
+            (
+                "distance",
+                f"min {finite.min():.6g}, mean {finite.mean():.6g}, max {finite.max():.6g}",
+            ),
+            (
+                "reached",
+                f"{self.reached} vertices, {len(self.distances) - self.reached} unreachable",
+            ),
+            (
+                "notes",
+                ", ".join(f"{name} {_short(note)}" for name, note in method.metric.notes.items())
+                or "-",
+            ),
+            ("took", self.run.took),
+            *(("wrote", str(path)) for path in self.outputs),
+        ]
+        return "\n".join(aligned(rows))
+
+
+def _short(note: object) -> str:
+    return f"{note:.3g}" if isinstance(note, float) else one_line(note)
+
+
+def _place(source: int | list[float]) -> str:
+    if isinstance(source, int):
+        return f"vertex {source}"
+    return f"point ({', '.join(f'{coordinate:g}' for coordinate in source)})"

@@ -1,0 +1,221 @@
+"""``geodesic-toolkit doctor``: the installation, or what a shape is like."""
+
+import platform
+import re
+from importlib import metadata
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from geodesic_toolkit import __version__
+from geodesic_toolkit.cli.arguments import Json
+from geodesic_toolkit.cli.output import aligned, one_line, show, show_json, versions
+from geodesic_toolkit.cli.plugins import plugin_rows
+from geodesic_toolkit.cli.probes import probe_all
+from geodesic_toolkit.cli.run import running
+
+if TYPE_CHECKING:
+    from geodesic_toolkit.diagnosis import Diagnosis
+
+__all__ = ["doctor"]
+
+SHARP_ANGLE = 1.0
+"""Degrees below which a face is called a sliver."""
+
+HARMFUL_SHARE = 0.01
+"""Share of vertices with non-positive heat from which distances suffer."""
+
+
+def doctor(
+    path: Annotated[
+        Path | None,
+        typer.Argument(
+            exists=True,
+            dir_okay=False,
+            readable=True,
+            metavar="INPUT",
+            help="A mesh, point cloud or graph; without one the installation is examined.",
+            show_default=False,
+        ),
+    ] = None,
+    json: Json = False,
+) -> None:
+    """Examine the installation, or what the shape INPUT is like."""
+    if path is None:
+        _examine_installation(json)
+    else:
+        _examine_shape(path, json)
+
+
+# -- a shape -----------------------------------------------------------------------------------
+
+
+def _examine_shape(path: Path, json: bool) -> None:
+    from geodesic_toolkit.io import read
+    from geodesic_toolkit.solver import GeodesicSolver
+
+    with running() as run:
+        with run.step("reading"):
+            domain = read(path)
+        with run.step("factorising"):
+            solver = GeodesicSolver(domain)
+        with run.step("examining"):
+            diagnosis = solver.diagnosis
+    advice = _advice(diagnosis)
+    if json:
+        show_json(
+            {
+                "input": str(path),
+                "diagnosis": diagnosis.as_dict(),
+                "recommendations": advice,
+                "timings": run.timings,
+                "warnings": run.warnings,
+                "versions": versions(),
+            }
+        )
+        return
+    show(str(diagnosis))
+    show("")
+    for line in advice or ["Nothing stands out: use it as it is."]:
+        show(f"- {line}")
+
+
+def _advice(diagnosis: "Diagnosis") -> list[str]:
+    """Return what the findings mean for distances, and what to do."""
+    cure = _cure_of_negative_weights(diagnosis)
+    advice = []
+    if diagnosis.components > 1:
+        advice.append(
+            f"The shape has {diagnosis.components} components: distances are inf in those without "
+            "a source. Join them, or give each a source."
+        )
+    if diagnosis.isolated_vertices:
+        advice.append(
+            f"{diagnosis.isolated_vertices} vertices are connected to nothing; their distance is "
+            "inf, and they do no other harm."
+        )
+    if diagnosis.non_manifold_edges:
+        advice.append(
+            f"{diagnosis.non_manifold_edges} edges have more than two faces: heat flows into all "
+            "of them. Exact distances and intrinsic triangulations refuse such a mesh."
+        )
+    if diagnosis.minimum_angle is not None and diagnosis.minimum_angle < SHARP_ANGLE:
+        advice.append(
+            f"The sharpest angle is {diagnosis.minimum_angle:.2g} degrees; where there are many "
+            f"slivers, {cure}."
+        )
+    if diagnosis.non_positive > HARMFUL_SHARE * diagnosis.reached:
+        advice.append(
+            f"Heat is not positive at {diagnosis.non_positive} of {diagnosis.reached} vertices, "
+            f"where distances are not to be trusted: {cure}."
+        )
+    if diagnosis.boundary_vertices:
+        advice.append(
+            f"{diagnosis.boundary_vertices} vertices lie on a boundary; if distances bend near it, "
+            "try --boundary average."
+        )
+    return advice
+
+
+def _cure_of_negative_weights(diagnosis: "Diagnosis") -> str:
+    if diagnosis.non_manifold_edges is None:
+        return "even sampling and fewer outliers help"
+    if diagnosis.non_manifold_edges:
+        return "remeshing helps"
+    return "CotanLaplacian(intrinsic_delaunay=True) or remeshing helps"
+
+
+# -- the installation --------------------------------------------------------------------------
+
+
+def _examine_installation(json: bool) -> None:
+    with running() as run:
+        packages = _packages()
+        with run.step("trying Open3D and pictures in processes of their own"):
+            probes = probe_all()
+        with run.step("loading the plugins"):
+            plugins = plugin_rows()
+    problems = [f"{row['package']} is not installed" for row in packages if row["problem"]]
+    problems += [f"{name}: {probe.detail}" for name, probe in probes.items() if not probe.works]
+    problems += [one_line(row.error) for _, row in plugins if not row.usable]
+    if json:
+        show_json(
+            {
+                "python": platform.python_version(),
+                "platform": platform.platform(),
+                "packages": packages,
+                "open3d": vars(probes["open3d"]),
+                "pictures": vars(probes["pictures"]),
+                "pages": vars(probes["pages"]),
+                "plugins": len(plugins),
+                "problems": problems,
+                "warnings": run.warnings,
+                "versions": versions(),
+            }
+        )
+        return
+    show(
+        f"geodesic-toolkit {__version__}, Python {platform.python_version()}, {platform.platform()}"
+    )
+    show("")
+    table = [(row["package"], row["version"] or "missing", row["needed_for"]) for row in packages]
+    for line in aligned([("PACKAGE", "VERSION", "NEEDED FOR"), *table]):
+        show(line)
+    show("")
+    state = [
+        (name, "works" if probe.works else "fails", probe.detail) for name, probe in probes.items()
+    ]
+    broken = sum(not row.usable for _, row in plugins)
+    state.append(
+        ("plugins", "fail" if broken else "work", f"{len(plugins)} installed, {broken} broken")
+    )
+    for line in aligned(state):
+        show(line)
+    show("")
+    for line in problems or ["Everything works."]:
+        show(f"problem: {line}" if problems else line)
+
+
+def _packages() -> list[dict[str, Any]]:
+    """Return the dependencies with their versions, without importing any."""
+    found: dict[str, dict[str, Any]] = {}
+    for requirement in metadata.requires("geodesic-toolkit") or []:
+        specifier, _, marker = requirement.partition(";")
+        name = re.match(r"[\w.-]+", specifier)
+        extra = re.search(r"extra\s*==\s*['\"]([\w-]+)", marker)
+        if name is None or name[0] in found or name[0] == "geodesic-toolkit":
+            continue
+        if extra is not None and extra[1] not in USEFUL_EXTRAS:
+            continue
+        version = _version(name[0])
+        found[name[0]] = {
+            "package": name[0],
+            "version": version,
+            "needed_for": USEFUL_EXTRAS[extra[1]] if extra else EVERYTHING,
+            # A marker other than an extra's says where there are no wheels to install.
+            "problem": version is None and not marker,
+        }
+    return sorted(
+        found.values(), key=lambda row: (row["needed_for"] != EVERYTHING, row["needed_for"])
+    )
+
+
+EVERYTHING = "everything"
+
+USEFUL_EXTRAS = {
+    "viz": "pictures",
+    "gui": "the desktop viewer",
+    "io": "more file formats",
+    "zarr": "large matrices",
+    "robust": "the robust Laplacian",
+    "exact": "another exact reference",
+}
+"""The extras that people use, and what for; the others are for work on the package itself."""
+
+
+def _version(package: str) -> str | None:
+    try:
+        return metadata.version(package)
+    except metadata.PackageNotFoundError:
+        return None

@@ -1,0 +1,71 @@
+"""What went wrong, as an exit status and a line on stderr."""
+
+import os
+import traceback
+from typing import Any
+
+import typer
+
+from geodesic_toolkit import errors
+from geodesic_toolkit.cli.output import one_line, say
+
+__all__ = ["BAD_INPUT", "FAILED", "INTERRUPTED", "WRONG_USAGE", "exit_status", "report"]
+
+WRONG_USAGE = 2
+BAD_INPUT = 3
+FAILED = 4
+INTERRUPTED = 130
+
+# The base of every complaint of the argument parser; reached through its public subclass, because
+# releases of typer differ in where they keep it.
+UsageError: type[Any] = typer.BadParameter.__mro__[1]
+
+EXIT_STATUS: tuple[tuple[type[BaseException], int], ...] = (
+    (UsageError, WRONG_USAGE),
+    (errors.InvalidSourceError, WRONG_USAGE),
+    (errors.InvalidOptionError, WRONG_USAGE),
+    (errors.PluginError, WRONG_USAGE),
+    (errors.MissingDependencyError, WRONG_USAGE),
+    (errors.WriteError, WRONG_USAGE),
+    (errors.ReadError, BAD_INPUT),
+    (errors.InvalidDomainError, BAD_INPUT),
+    (errors.UnsupportedDomainError, BAD_INPUT),
+    (errors.GeodesicError, FAILED),
+    (MemoryError, FAILED),
+    (KeyboardInterrupt, INTERRUPTED),
+)
+"""First match wins; what is not here was not foreseen, and is `FAILED`."""
+
+DEBUG_VARIABLE = "GEODESIC_TOOLKIT_DEBUG"
+
+
+def exit_status(error: BaseException) -> int:
+    """Return the exit status for what a command raised."""
+    return next((status for kind, status in EXIT_STATUS if isinstance(error, kind)), FAILED)
+
+
+def report(error: BaseException) -> int:
+    """Say on stderr what went wrong, in three lines at most, and return the exit status."""
+    if os.environ.get(DEBUG_VARIABLE) == "1":
+        say("".join(traceback.format_exception(error)))
+    for line in _lines(error):
+        say(line)
+    return exit_status(error)
+
+
+def _lines(error: BaseException) -> list[str]:
+    if isinstance(error, KeyboardInterrupt):
+        return ["interrupted"]
+    if isinstance(error, UsageError):
+        context = getattr(error, "ctx", None)
+        command = context.command_path if context is not None else "geodesic-toolkit"
+        message = one_line(error.format_message())
+        return [f"error: {message}", f"see: {command} --help"]
+    if isinstance(error, errors.GeodesicError):
+        return [f"error: {one_line(error)}"]
+    if isinstance(error, MemoryError):
+        return [f"error: not enough memory: {one_line(error) or 'the system has no more'}"]
+    return [
+        f"error: unexpected {type(error).__name__}: {one_line(error)}",
+        f"This is a bug: please report it with the traceback that {DEBUG_VARIABLE}=1 shows.",
+    ]

@@ -1,0 +1,56 @@
+"""Ctrl-C that works while compiled code computes."""
+
+import os
+import signal
+import socket
+import sys
+import threading
+from collections.abc import Iterator
+from contextlib import contextmanager
+
+from geodesic_toolkit.cli.exits import INTERRUPTED
+
+__all__ = ["prompt_interrupts"]
+
+GRACE = 1.0
+"""Seconds for Python's own KeyboardInterrupt to come through and clean up."""
+
+
+@contextmanager
+def prompt_interrupts() -> Iterator[None]:
+    """End the process soon after Ctrl-C, whatever it is doing.
+
+    Python raises KeyboardInterrupt between two of its own instructions, and a factorisation is
+    one instruction that may take minutes. The signal also reaches a thread here, which ends the
+    process where the exception does not come through.
+    """
+    if threading.current_thread() is not threading.main_thread():
+        yield
+        return
+    ours, theirs = socket.socketpair()
+    theirs.setblocking(False)
+    left = threading.Event()
+
+    def watch() -> None:
+        while signals := ours.recv(16):
+            if signal.SIGINT in signals and not left.wait(GRACE):
+                _leave()
+
+    watcher = threading.Thread(target=watch, daemon=True)
+    watcher.start()
+    previous = signal.set_wakeup_fd(theirs.fileno(), warn_on_full_buffer=False)
+    try:
+        yield
+    finally:
+        left.set()
+        signal.set_wakeup_fd(previous)
+        theirs.close()
+        watcher.join()
+        ours.close()
+
+
+def _leave() -> None:
+    # No cleaning up is possible with the main thread held; only the terminal's cursor comes back.
+    restore = "\r\x1b[2K\x1b[?25h" if sys.stderr.isatty() else ""
+    os.write(2, f"{restore}interrupted\n".encode())
+    os._exit(INTERRUPTED)

@@ -1,0 +1,75 @@
+"""Text for people and JSON for programs: results on stdout, all else on stderr."""
+
+import json
+import math
+import platform
+from collections.abc import Iterable, Mapping, Sequence
+from importlib import metadata
+from typing import Any
+
+import typer
+
+from geodesic_toolkit import __version__
+
+__all__ = ["SCHEMA_VERSION", "aligned", "one_line", "say", "show", "show_json", "versions"]
+
+SCHEMA_VERSION = 1
+"""Of every object that ``--json`` prints; raised when a key changes its meaning or goes."""
+
+LONGEST = 600
+"""Characters of a message shown: a third party's may hold a whole log."""
+
+
+def show(text: str) -> None:
+    """Print a result."""
+    typer.echo(text)
+
+
+def say(text: str) -> None:
+    """Print what is not a result: a warning, a note, an error."""
+    typer.echo(text, err=True)
+
+
+def show_json(content: Mapping[str, Any]) -> None:
+    """Print one JSON object, with the version of its schema first."""
+    plain = _plain({"schema_version": SCHEMA_VERSION, **content})
+    typer.echo(json.dumps(plain, indent=2, allow_nan=False))
+
+
+def one_line(message: object) -> str:
+    """Return a message on one line, and not an endless one."""
+    text = " ".join(str(message).split())
+    return text if len(text) <= LONGEST else text[: LONGEST - 1] + "…"
+
+
+def aligned(rows: Iterable[Sequence[str]]) -> list[str]:
+    """Return rows of cells as lines with the columns aligned, two spaces between them."""
+    table = [list(row) for row in rows]
+    widths = [max(map(len, column)) for column in zip(*table, strict=True)]
+    return [
+        "  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip()
+        for row in table
+    ]
+
+
+def versions() -> dict[str, str]:
+    """Return the versions that a result depends on."""
+    return {
+        "geodesic-toolkit": __version__,
+        "python": platform.python_version(),
+        "numpy": metadata.version("numpy"),
+        "scipy": metadata.version("scipy"),
+    }
+
+
+def _plain(value: Any) -> Any:
+    """Return `value` as what JSON has: NumPy's types as Python's, no NaN, no infinity."""
+    if isinstance(value, Mapping):
+        return {str(key): _plain(item) for key, item in value.items()}
+    if hasattr(value, "tolist"):  # NumPy's arrays and scalars
+        value = value.tolist()
+    if isinstance(value, list | tuple):
+        return [_plain(item) for item in value]
+    if isinstance(value, float) and not math.isfinite(value):
+        return None
+    return value if value is None or isinstance(value, str | int | float | bool) else str(value)

@@ -1,0 +1,84 @@
+"""The program: its commands, its options, and the one place where errors become exit statuses."""
+
+import io
+import sys
+from typing import Annotated, Any
+
+import typer
+from typer.core import TyperGroup
+
+from geodesic_toolkit import __version__
+from geodesic_toolkit.cli.check import check
+from geodesic_toolkit.cli.demo import demo
+from geodesic_toolkit.cli.distance import distance
+from geodesic_toolkit.cli.doctor import doctor
+from geodesic_toolkit.cli.exits import INTERRUPTED, WRONG_USAGE, report
+from geodesic_toolkit.cli.interrupts import prompt_interrupts
+from geodesic_toolkit.cli.output import say, show
+from geodesic_toolkit.cli.plugins import plugins
+
+__all__ = ["app", "main"]
+
+NAME = "geodesic-toolkit"
+
+
+class Program(TyperGroup):
+    """The group of commands; whatever they raise ends as a line on stderr and a status."""
+
+    def main(self, *args: Any, **options: Any) -> None:
+        """Run the command line and leave with its exit status."""
+        try:
+            options |= {"prog_name": NAME, "standalone_mode": False}
+            status = super().main(*args, **options)
+        except (Exception, KeyboardInterrupt) as error:  # noqa: BLE001 - the last to catch it
+            status = report(error)
+        else:
+            # The parser turns Ctrl-C into a status of its own, without a word.
+            status = report(KeyboardInterrupt()) if status == INTERRUPTED else status
+        sys.exit(status or 0)
+
+
+app = typer.Typer(
+    cls=Program,
+    name=NAME,
+    help="Geodesic distance on meshes, point clouds and graphs, by the heat method.",
+    epilog="Results go to stdout, all else to stderr. Exit status: 0 done, 1 a law is broken "
+    "(check), 2 wrong usage, 3 bad input, 4 the computation failed.",
+    invoke_without_command=True,
+    add_completion=False,
+    rich_markup_mode=None,  # help by rich takes as long again as everything else together
+    pretty_exceptions_enable=False,
+    context_settings={"help_option_names": ["-h", "--help"]},
+)
+
+
+def _show_version(wanted: bool) -> None:
+    if wanted:
+        show(f"{NAME} {__version__}")
+        raise typer.Exit
+
+
+@app.callback()
+def _options(
+    context: typer.Context,
+    version: Annotated[  # noqa: ARG001 - its callback acts
+        bool,
+        typer.Option("--version", callback=_show_version, is_eager=True, help="Show the version."),
+    ] = False,
+) -> None:
+    """Take the options that come before a command, and show the help where there is none."""
+    if context.invoked_subcommand is None:
+        say(context.get_help())
+        raise typer.Exit(WRONG_USAGE)
+
+
+for command in (demo, distance, plugins, check, doctor):
+    app.command()(command)
+
+
+def main() -> None:
+    """Run the program."""
+    if isinstance(sys.stdout, io.TextIOWrapper):  # a file may be named what the terminal cannot say
+        sys.stdout.reconfigure(errors="backslashreplace")
+    with prompt_interrupts():
+        app()

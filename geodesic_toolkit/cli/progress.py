@@ -1,0 +1,104 @@
+"""Progress for people: nothing for two seconds, then a line that says what is going on."""
+
+import os
+import sys
+import threading
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from types import TracebackType
+from typing import Self
+
+from geodesic_toolkit.cli.output import say
+
+__all__ = ["Progress"]
+
+SILENCE = 2.0
+"""Seconds without a word: most work is done by then."""
+
+FIRST_PLAIN_LINE = 5.0
+"""Seconds before the first line where there is no terminal; the next come after twice as long."""
+
+
+class Progress:
+    """What is going on, on stderr, for as long as the context lasts.
+
+    On a terminal a line that renews itself and goes without a trace; elsewhere a plain line now
+    and then. A thread of its own shows it, so it goes on while a library computes.
+
+    Attributes
+    ----------
+    timings : dict of str to float
+        Seconds that each step took.
+    """
+
+    def __init__(self) -> None:
+        self.timings: dict[str, float] = {}
+        self._label = ""
+        self._since = time.monotonic()
+        self._done = threading.Event()
+        self._lock = threading.Lock()
+        self._show_above = say
+        self._thread = threading.Thread(target=self._watch, daemon=True)
+
+    @contextmanager
+    def step(self, name: str) -> Iterator[None]:
+        """Name what the block does, and time it."""
+        start = time.perf_counter()
+        self._label, self._since = name, time.monotonic()
+        try:
+            yield
+        finally:
+            self.timings[name] = self.timings.get(name, 0.0) + time.perf_counter() - start
+            self._label = ""
+
+    def advance(self, done: int, total: int) -> None:
+        """Say how much of the step is done; fits the `progress` parameter of the library."""
+        self._label = f"{self._label.split(':')[0]}: {done} of {total}"
+
+    def say(self, text: str) -> None:
+        """Print a line on stderr without tearing the one that shows progress."""
+        with self._lock:
+            self._show_above(text)
+
+    def __enter__(self) -> Self:
+        self._thread.start()
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        self._done.set()
+        self._thread.join()
+
+    @property
+    def _line(self) -> str:
+        return f"{self._label or 'working'} ({time.monotonic() - self._since:.0f} s)"
+
+    def _watch(self) -> None:
+        terminal = sys.stderr is not None and sys.stderr.isatty()
+        if terminal and os.environ.get("TERM") != "dumb":
+            if not self._done.wait(SILENCE):
+                self._animate()
+            return
+        pause = FIRST_PLAIN_LINE
+        while not self._done.wait(pause):
+            self.say(f"still working: {self._line}")
+            pause *= 2
+
+    def _animate(self) -> None:
+        from rich.console import Console  # 0.1 s: only for work that takes longer than that
+
+        console = Console(stderr=True)
+        with console.status(self._line) as status:
+            with self._lock:
+                self._show_above = lambda text: console.print(
+                    text, markup=False, highlight=False, soft_wrap=True
+                )
+            while not self._done.wait(0.2):
+                status.update(self._line)
+            with self._lock:
+                self._show_above = say

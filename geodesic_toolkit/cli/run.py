@@ -1,0 +1,88 @@
+"""One run of a command: its steps, its warnings, and a stdout that only results reach."""
+
+import os
+import sys
+import warnings
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import Any
+
+from geodesic_toolkit.cli.output import one_line
+from geodesic_toolkit.cli.progress import Progress
+from geodesic_toolkit.errors import GeodesicWarning
+
+__all__ = ["Run", "running"]
+
+
+class Run:
+    """The work of a command under way.
+
+    Attributes
+    ----------
+    warnings : list of str
+        What was warned of, in order, each once.
+    """
+
+    def __init__(self, progress: Progress) -> None:
+        self.warnings: list[str] = []
+        self.step = progress.step
+        self.advance = progress.advance
+        self._progress = progress
+
+    @property
+    def timings(self) -> dict[str, float]:
+        """Seconds that each step took so far, to the microsecond, and their total."""
+        spent = {**self._progress.timings, "total": sum(self._progress.timings.values())}
+        return {name: round(seconds, 6) for name, seconds in spent.items()}
+
+    @property
+    def took(self) -> str:
+        """The same for people."""
+        return ", ".join(f"{name} {seconds:.2f} s" for name, seconds in self.timings.items())
+
+    def warn(self, message: object) -> None:
+        """Say a warning on stderr and keep it for the result."""
+        text = one_line(message)
+        if text not in self.warnings:
+            self.warnings.append(text)
+            self._progress.say(f"warning: {text}")
+
+    def note(self, message: object) -> None:
+        """Say on stderr what is worth knowing and no warning."""
+        self._progress.say(f"note: {one_line(message)}")
+
+
+@contextmanager
+def running() -> Iterator[Run]:
+    """Show progress, turn warnings into lines on stderr, and keep libraries off stdout."""
+    with _only_results_on_stdout(), warnings.catch_warnings(), Progress() as progress:
+        run = Run(progress)
+
+        def show_warning(
+            message: Warning | str, category: type[Warning], *_: Any, **__: Any
+        ) -> None:
+            foreign = "" if issubclass(category, GeodesicWarning) else f"{category.__name__}: "
+            run.warn(f"{foreign}{message}")
+
+        warnings.simplefilter("always", GeodesicWarning)
+        warnings.showwarning = show_warning
+        yield run
+
+
+@contextmanager
+def _only_results_on_stdout() -> Iterator[None]:
+    """Send to stderr what compiled libraries print on stdout, where it would break JSON."""
+    try:
+        stdout, stderr = sys.__stdout__.fileno(), sys.__stderr__.fileno()  # type: ignore[union-attr]
+    except (AttributeError, OSError, ValueError):  # closed, or replaced by something without one
+        yield
+        return
+    sys.stdout.flush()
+    kept = os.dup(stdout)
+    os.dup2(stderr, stdout)
+    try:
+        yield
+    finally:
+        sys.stdout.flush()
+        os.dup2(kept, stdout)
+        os.close(kept)

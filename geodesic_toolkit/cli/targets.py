@@ -1,0 +1,134 @@
+"""The files that a command writes: checked before the work, written after it."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from geodesic_toolkit.cli.run import Run
+from geodesic_toolkit.errors import InvalidOptionError
+
+if TYPE_CHECKING:
+    from geodesic_toolkit._typing import FloatArray
+    from geodesic_toolkit.domains import Domain
+
+__all__ = ["Targets"]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Targets:
+    """Where distances go.
+
+    Parameters
+    ----------
+    tables : tuple of Path
+        Files of numbers, by suffix.
+    picture, html : Path, optional
+    cmap : str, optional
+        Colour map of these two; theirs by default.
+    """
+
+    tables: tuple[Path, ...] = ()
+    picture: Path | None = None
+    html: Path | None = None
+    cmap: str | None = None
+
+    @property
+    def paths(self) -> list[Path]:
+        """All of them, in the order in which they are written."""
+        return [*self.tables, *(path for path in (self.picture, self.html) if path is not None)]
+
+    @property
+    def drawn(self) -> bool:
+        """Whether there is something to draw."""
+        return self.picture is not None or self.html is not None
+
+    def check(self, source: Path | None = None) -> None:
+        """Raise before any work where something could not be written after it.
+
+        Raises
+        ------
+        InvalidOptionError
+            A suffix that does not fit, an unknown colour map, two outputs in one file, or an
+            output in the place of `source`, the input.
+        WriteError
+            A folder that is not there or not writable.
+        MissingDependencyError
+            A package for colour maps is not installed.
+        """
+        from geodesic_toolkit.io import check_output
+        from geodesic_toolkit.io.writing import DISTANCE_SUFFIXES
+
+        seen = {} if source is None else {source.resolve(): "the input"}
+        for path in self.paths:
+            if path.resolve() in seen:
+                raise InvalidOptionError(f"{path} would overwrite {seen[path.resolve()]}")
+            seen[path.resolve()] = "another output"
+        for path in self.tables:
+            check_output(path, DISTANCE_SUFFIXES)
+        if self.picture is not None:
+            check_output(self.picture, (".png",))
+        if self.html is not None:
+            check_output(self.html, (".html",))
+        if self.cmap is not None:
+            from geodesic_toolkit.viz.colours import colour_table
+
+            colour_table(self.cmap)
+
+    def check_domain(self, domain: "Domain") -> None:
+        """Raise an `InvalidOptionError` where a file needs positions and `domain` has none."""
+        from geodesic_toolkit.domains import Graph
+
+        if isinstance(domain, Graph):
+            for path in self.paths:
+                if path.suffix.lower() not in (".npy", ".csv"):
+                    raise InvalidOptionError(
+                        f"{path}: a graph has no positions to draw or to write; use .npy or .csv"
+                    )
+
+    def load_graphics(self) -> None:
+        """Import what draws, so that it is found missing before the work and not after it.
+
+        Raises
+        ------
+        MissingDependencyError
+            It is not installed, or does not import.
+        """
+        from geodesic_toolkit.viz.extras import require
+
+        if self.picture is not None:
+            require("pyvista", "viz", "Pictures")
+        if self.html is not None:
+            require("k3d", "viz", "HTML pages")
+
+    def write(
+        self,
+        run: Run,
+        domain: "Domain",
+        distances: "FloatArray",
+        sources: Sequence[int] | Sequence[Sequence[float]],
+    ) -> None:
+        """Write everything: numbers first, so that a picture that fails costs no work.
+
+        Raises
+        ------
+        WriteError
+            A file could not be written.
+        MissingDependencyError
+            What a picture needs is not installed.
+        """
+        if self.tables:
+            from geodesic_toolkit.io import write_distances
+
+            with run.step("writing"):
+                for path in self.tables:
+                    write_distances(path, domain, distances, sources=sources)
+        if self.drawn:
+            from geodesic_toolkit import viz
+
+            look: dict[str, Any] = {} if self.cmap is None else {"cmap": self.cmap}
+            with run.step("rendering"):
+                if self.picture is not None:
+                    viz.plot(domain, distances, path=self.picture, sources=sources, **look)
+                if self.html is not None:
+                    viz.save_html(domain, distances, self.html, sources=sources, **look)
