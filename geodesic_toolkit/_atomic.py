@@ -1,77 +1,143 @@
-"""Files that are written whole or not at all."""
+"""Outputs that are whole or not there: an interrupted run leaves the old file as it was."""
 
-import contextlib
 import os
-import tempfile
-from collections.abc import Iterator
+import secrets
+import shutil
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from pathlib import Path
 
-from geodesic_toolkit.errors import WriteError
+from geodesic_toolkit.errors import GeodesicError, InvalidOptionError, WriteError
 
-__all__ = ["replacing"]
+__all__ = ["check_output", "replacing"]
 
 
-@contextlib.contextmanager
-def replacing(path: str | os.PathLike[str]) -> Iterator[Path]:
-    """Give a temporary path beside `path`, and move it there when the block ends without an error.
-
-    Whoever looks at `path` meanwhile sees what was there before; so does everyone after a failure.
-    A link is followed: its target is replaced.
+def check_output(path: str | os.PathLike[str], suffixes: Sequence[str]) -> Path:
+    """Raise where `path` cannot become an output: to be asked before any work is done.
 
     Parameters
     ----------
     path : str or path-like
-        The file to write.
+    suffixes : sequence of str
+        Those that can be written, with their dots: ``(".ply", ".npy")``.
+
+    Returns
+    -------
+    Path
+
+    Raises
+    ------
+    InvalidOptionError
+        Another suffix.
+    WriteError
+        A directory, a device, a directory that is not there, or no permission.
+
+    Examples
+    --------
+    >>> from geodesic_toolkit.io import check_output
+    >>> check_output("d.txt", (".ply", ".npy"))
+    Traceback (most recent call last):
+        ...
+    geodesic_toolkit.errors.InvalidOptionError: d.txt: cannot write .txt; can be written: .ply, .npy
+    """
+    file = Path(path)
+    if file.suffix.lower() not in suffixes:
+        unknown = f"cannot write {file.suffix}" if file.suffix else "it has no suffix"
+        raise InvalidOptionError(f"{file}: {unknown}; can be written: {', '.join(suffixes)}")
+    _target(file)
+    return file
+
+
+@contextmanager
+def replacing(path: str | os.PathLike[str]) -> Iterator[Path]:
+    """Give a temporary path to write to, which takes the place of `path` at the end.
+
+    It lies in the same directory and has the same suffix. Where the block is left by an exception
+    it is removed, and what was at `path` before stays untouched; else it is on disk before it
+    takes its place.
+
+    Parameters
+    ----------
+    path : str or path-like
+        A symbolic link stays one; the file it points to is replaced.
 
     Yields
     ------
     Path
-        An empty file in the same directory with the same suffix; write the content there.
+        An empty file.
 
     Raises
     ------
     WriteError
-        The directory does not exist or cannot be written, `path` is a directory or a device, or
-        the block raises an ``OSError``.
+        A directory, a device, a directory that is not there, no permission, a full disk.
 
     Examples
     --------
-    >>> import tempfile
-    >>> folder = Path(tempfile.mkdtemp())
-    >>> with replacing(folder / "answer.txt") as temporary:
-    ...     _ = temporary.write_text("42")
-    >>> (folder / "answer.txt").read_text()
-    '42'
+    >>> import pathlib, tempfile
+    >>> from geodesic_toolkit.io import replacing
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     target = pathlib.Path(folder, "note.txt")
+    ...     with replacing(target) as temporary:
+    ...         _ = temporary.write_text("whole")
+    ...     target.read_text()
+    'whole'
     """
-    target = Path(path).resolve()
-    if target.exists() and not target.is_file():
-        raise WriteError(f"{path} is not a regular file: give the name of a file to write")
-    if not target.parent.is_dir():
-        raise WriteError(f"cannot write {path}: there is no directory {target.parent}")
+    file = Path(path)
+    target = _target(file)
+    temporary = target.with_name(f".{target.stem[:100]}.{secrets.token_hex(6)}{target.suffix}")
     try:
-        handle, name = tempfile.mkstemp(
-            dir=target.parent, prefix=f".{target.stem[:40]}-", suffix=target.suffix
-        )
+        # Not tempfile's, whose files nobody else may read whatever the umask says.
+        os.close(os.open(temporary, os.O_CREAT | os.O_EXCL | os.O_WRONLY, 0o666))
     except OSError as error:
-        raise WriteError(f"cannot write {path}: {error.strerror or error}") from error
-    os.close(handle)
-    temporary = Path(name)
+        raise _failure(file, error) from error
     try:
         yield temporary
-        temporary.chmod(_mode(target))
+        _sync(temporary)
+        if target.exists():
+            shutil.copymode(target, temporary)
         temporary.replace(target)
-    except WriteError:
+        if (
+            os.name == "posix"
+        ):  # so that the new name is on disk too; elsewhere it cannot be asked for
+            _sync(target.parent)
+    except GeodesicError:
         raise
     except OSError as error:
-        raise WriteError(f"cannot write {path}: {error.strerror or error}") from error
+        raise _failure(file, error) from error
     finally:
         temporary.unlink(missing_ok=True)
 
 
-def _mode(target: Path) -> int:
-    """Return the permissions of the file that is there, or those that a new one would get."""
-    if target.exists():
-        return target.stat().st_mode & 0o7777
-    umask = os.umask(0)  # it can only be read by setting it
-    os.umask(umask)
-    return 0o666 & ~umask
+def _target(file: Path) -> Path:
+    """Return the file to replace, links resolved, or raise where it cannot be one."""
+    try:
+        target = Path(os.path.realpath(file))
+        if target.is_dir():
+            raise WriteError(f"{file} is a directory; give the name of a file")
+        if target.exists() and not target.is_file():
+            raise WriteError(f"{file} is not a regular file")
+        if not target.parent.is_dir():
+            raise WriteError(f"{file} cannot be written: there is no directory {target.parent}")
+        if not os.access(target.parent, os.W_OK):
+            raise WriteError(f"{file} cannot be written: no permission in {target.parent}")
+        if target.exists() and not os.access(target, os.W_OK):
+            raise WriteError(f"{file} cannot be written: it is read-only")
+    except ValueError as error:  # a NUL in the path
+        raise WriteError(f"{str(file)!r} is no path: {error}") from error
+    except OSError as error:
+        if isinstance(error, WriteError):
+            raise
+        raise _failure(file, error) from error
+    return target
+
+
+def _sync(path: Path) -> None:
+    handle = os.open(path, os.O_RDONLY)
+    try:
+        os.fsync(handle)
+    finally:
+        os.close(handle)
+
+
+def _failure(file: Path, error: OSError) -> WriteError:
+    return WriteError(f"{file} cannot be written: {error.strerror or error}")

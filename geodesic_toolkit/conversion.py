@@ -19,7 +19,7 @@ from geodesic_toolkit.geometry.polygons import (
     unpadded_polygons,
 )
 
-__all__ = ["as_domain"]
+__all__ = ["as_domain", "graph_of_lengths"]
 
 TAKEN = (
     "a TriangleMesh, PointCloud or Graph; (vertices, faces); an (N, 3) array of points; a mesh or "
@@ -134,12 +134,27 @@ def _is_table(obj: Any) -> bool:
 
 def _sparse(obj: Any) -> Domain | None:
     """SciPy: sparse arrays and matrices."""
-    if not _has(obj, "tocoo", "shape"):
-        return None
-    if len(obj.shape) != 2 or obj.shape[0] != obj.shape[1]:
-        shape = " x ".join(map(str, obj.shape))
+    return graph_of_lengths(obj) if _has(obj, "tocoo", "shape") else None
+
+
+def graph_of_lengths(matrix: Any) -> Graph:
+    """Return the graph whose edge lengths a sparse matrix holds off its diagonal.
+
+    Both triangles may be stored, or one; where they differ the shorter length counts.
+
+    Parameters
+    ----------
+    matrix : sparse array or matrix of shape (N, N)
+
+    Raises
+    ------
+    InvalidDomainError
+        Not square, or an entry that is no length.
+    """
+    if len(matrix.shape) != 2 or matrix.shape[0] != matrix.shape[1]:
+        shape = " x ".join(map(str, matrix.shape))
         raise InvalidDomainError(f"a matrix of edge lengths is square, not {shape}")
-    entries = obj.tocoo()  # explicit zeros among them: those are mistakes, which Graph names
+    entries = matrix.tocoo()  # explicit zeros among them: those are mistakes, which Graph names
     if entries.data.dtype.kind not in "buif":
         raise InvalidDomainError(f"edge lengths are real numbers, not {entries.data.dtype}")
     off = entries.row != entries.col
@@ -149,7 +164,7 @@ def _sparse(obj: Any) -> Domain | None:
     ends, lengths = ends[order], lengths[order]
     new = np.ones(len(ends), dtype=np.bool_)
     new[1:] = (ends[1:] != ends[:-1]).any(axis=1) | np.isnan(lengths[1:])
-    return Graph(obj.shape[0], ends[new], lengths[new])
+    return Graph(matrix.shape[0], ends[new], lengths[new])
 
 
 def _network(obj: Any) -> Domain | None:

@@ -10,7 +10,7 @@ from geodesic_toolkit._typing import FloatArray, IntArray
 from geodesic_toolkit.domains import TriangleMesh
 from geodesic_toolkit.errors import SolverError, UnsupportedDomainError
 from geodesic_toolkit.geometry.triangles import edges_of_faces, proper_faces
-from geodesic_toolkit.heat import as_vertices
+from geodesic_toolkit.source_points import as_vertices
 
 __all__ = ["exact_distance"]
 

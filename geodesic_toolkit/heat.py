@@ -6,94 +6,34 @@ Based on Heat Flow*, ACM Transactions on Graphics 32, 2013, https://doi.org/10.1
 
 import os
 import threading
-import warnings
 from collections.abc import Callable, Iterable, Sequence
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass
-from typing import Any, Literal, TypeAlias
+from typing import Any, TypeAlias
 
 import numpy as np
 from numpy.typing import ArrayLike
-from scipy.sparse import coo_array, csr_array, diags_array
+from scipy.sparse import csr_array, diags_array
 
-from geodesic_toolkit._typing import BoolArray, FloatArray, IntArray
+from geodesic_toolkit._typing import FloatArray
+from geodesic_toolkit._warning import warn
 from geodesic_toolkit.discretization import Discretization
 from geodesic_toolkit.errors import (
     InvalidOptionError,
-    InvalidSourceError,
     NonPositiveHeatWarning,
     UnsupportedDomainError,
 )
+from geodesic_toolkit.heat_flow import Boundary, HeatFlow, HeatReport
 from geodesic_toolkit.linear.base import Factor, LinearSolver
-from geodesic_toolkit.linear.log_solve import fill_from_neighbours, log_solve
+from geodesic_toolkit.positivity import positive_part
 from geodesic_toolkit.refine import WavefrontSweeper
+from geodesic_toolkit.source_points import SourcePoints, as_vertices
 
-__all__ = ["Boundary", "HeatMethod", "HeatReport", "Progress", "SourcePoints", "as_vertices"]
+__all__ = ["Boundary", "HeatMethod", "HeatReport", "Progress", "SourcePoints"]
 
-Boundary: TypeAlias = Literal["neumann", "dirichlet", "average"]
 Progress: TypeAlias = Callable[[int, int], None]
 
 BLOCK = 16
 """Source sets solved at once: they share the reading of a factor, and stay in cache."""
-
-HARMFUL_SHARE = 0.01
-"""Share of reached vertices with non-positive heat above which a warning is due."""
-
-
-@dataclass(frozen=True)
-class HeatReport:
-    """What the heat of one source set was like.
-
-    Attributes
-    ----------
-    reached : int
-        Vertices connected to a source.
-    non_positive : int
-        Those among them where the heat came out zero or negative.
-    stages : int
-        Solves that its range took: 1 up to some 450 edges from the source.
-    """
-
-    reached: int
-    non_positive: int
-    stages: int
-
-
-@dataclass(frozen=True)
-class SourcePoints:
-    """A set of sources as convex combinations of vertices.
-
-    Attributes
-    ----------
-    weights : csr_array of shape (P, N)
-        One row a point: its barycentric weights on the vertices around it.
-    distances : ndarray of shape (nnz,), float64
-        How far the point is from each of those vertices, in the order of ``weights.data``; 0 for a
-        point at a vertex.
-    """
-
-    weights: csr_array
-    distances: FloatArray
-
-    @classmethod
-    def at_vertices(cls, vertices: IntArray, n_vertices: int) -> "SourcePoints":
-        """Return sources at vertices."""
-        count = len(vertices)
-        entries = (np.ones(count), (np.arange(count), vertices))
-        weights = csr_array(coo_array(entries, shape=(count, n_vertices)))
-        return cls(weights, np.zeros(count))
-
-    @property
-    def offsets(self) -> FloatArray:
-        """The (P,) distances of the points from their vertices, in the weighted mean."""
-        rows = np.repeat(np.arange(self.weights.shape[0]), np.diff(self.weights.indptr))
-        sums = np.bincount(rows, self.weights.data * self.distances, self.weights.shape[0])
-        return np.asarray(sums, dtype=np.float64)
-
-    def components(self, discretization: Discretization) -> IntArray:
-        """Return the connected component that each point lies in, of shape (P,)."""
-        first = self.weights.indices[self.weights.indptr[:-1]]
-        return discretization.components[first]
 
 
 class HeatMethod:
@@ -155,6 +95,9 @@ class HeatMethod:
     3.1
     """
 
+    _substitute: HeatFlow | None
+    _poisson_factor: Factor | None
+
     def __init__(
         self,
         metric: Discretization,
@@ -189,10 +132,7 @@ class HeatMethod:
         self.heat_solver = heat_solver
         self.poisson_solver = poisson_solver
         self.refine = bool(refine)
-        self._sweeper = WavefrontSweeper(metric) if refine else None
-        self._lock = threading.RLock()
-        self._systems: list[_HeatSystem] | None = None
-        self._poisson_factor: Factor | None = None
+        self._set_up()
 
     # -- the three steps -----------------------------------------------------------------------
 
@@ -245,7 +185,7 @@ class HeatMethod:
         distances = np.empty((len(points), self.n_vertices))
         for start in range(0, len(points), BLOCK):
             block = points[start : start + BLOCK]
-            log_heat, _ = self._diffuse(block)
+            log_heat = self._diffuse(block)
             if self._sweeper is not None:
                 distances[start : start + len(block)] = self._sweep(log_heat, block)
             else:
@@ -262,8 +202,7 @@ class HeatMethod:
         ``-inf`` where no heat comes: in other components, and at a Dirichlet boundary.
         Parameters and errors are those of `distance`.
         """
-        log_heat, _ = self._diffuse([self._source_points(sources)])
-        return log_heat[:, 0]
+        return self._diffuse([self._source_points(sources)])[:, 0]
 
     def heat(self, sources: ArrayLike | SourcePoints) -> FloatArray:
         """Return the heat u of step 1 as the solver gives it, of shape (N,).
@@ -271,16 +210,14 @@ class HeatMethod:
         It underflows some 700 edges from the source, and shows what `log_heat` cures: zeros and
         negative values. Parameters and errors are those of `distance`.
         """
-        points = [self._source_points(sources)]
-        parts = [system.factor.solve(system.load(points))[:, 0] for system in self._heat_systems()]
-        return np.asarray(np.mean(parts, axis=0), dtype=np.float64)
+        return self._flow.heat([self._source_points(sources)])[:, 0]
 
     def heat_report(self, sources: ArrayLike | SourcePoints) -> HeatReport:
         """Return how far the heat of one source set reaches and where it is not positive.
 
         Parameters and errors are those of `distance`.
         """
-        _, reports = self._diffuse([self._source_points(sources)], warn=False)
+        _, reports = self._flow.log_heat([self._source_points(sources)])
         return reports[0]
 
     def integrate(self, field: FloatArray) -> FloatArray:
@@ -300,73 +237,38 @@ class HeatMethod:
 
     # -- step 1 --------------------------------------------------------------------------------
 
-    def _diffuse(
-        self, block: Sequence[SourcePoints], *, warn: bool = True
-    ) -> tuple[FloatArray, list[HeatReport]]:
-        """Return log u, (N, K), and a report on each of its columns."""
-        parts, stages = [], 1
-        for system in self._heat_systems():
+    def _diffuse(self, block: Sequence[SourcePoints]) -> FloatArray:
+        """Return log u, (N, K); where heat turns negative, that of a diffusion which cannot."""
+        log_heat, reports = self._flow.log_heat(block)
+        harmed = [k for k, report in enumerate(reports) if report.harmful]
+        if harmed:
+            worst = max(reports, key=lambda report: report.non_positive / report.reached)
+            warn(self._complaint(worst), NonPositiveHeatWarning)
             if self.heat_solver.componentwise:
-                part, needed = log_solve(system.matrix, system.factor, system.load(block))
-                stages = max(stages, needed)
-            else:  # restarts rest on every entry being right: take what the solver gives
-                solution = system.factor.solve(system.load(block))
-                part = np.log(solution, out=np.full_like(solution, -np.inf), where=solution > 0)
-            parts.append(part)
-        log_heat = parts[0] if len(parts) == 1 else np.logaddexp(*parts) - np.log(2)
-        reports = []
-        for k, points in enumerate(block):
-            reached = np.isin(self.diffusion.components, points.components(self.diffusion))
-            if self.boundary == "dirichlet":
-                reached &= ~self.diffusion.boundary
-            missing = reached & (log_heat[:, k] == -np.inf)
-            count = int(missing.sum())
-            if count and self.heat_solver.componentwise:
-                matrix = self._heat_systems()[0].matrix
-                log_heat[:, k] = fill_from_neighbours(matrix, log_heat[:, k], missing)
-            reports.append(HeatReport(int(reached.sum()), count, stages))
-        worst = max(reports, key=lambda report: report.non_positive)
-        if warn and worst.non_positive > HARMFUL_SHARE * worst.reached:
-            warnings.warn(self._complaint(worst), NonPositiveHeatWarning, stacklevel=3)
-        return log_heat, reports
+                columns = [block[k] for k in harmed]
+                log_heat[:, harmed], _ = self._positive_flow().log_heat(columns)
+        return log_heat
+
+    def _positive_flow(self) -> HeatFlow:
+        with self._lock:
+            if self._substitute is None:
+                diffusion = positive_part(self.diffusion)
+                self._substitute = HeatFlow(diffusion, self.time, self.boundary, self.heat_solver)
+            return self._substitute
 
     def _complaint(self, report: HeatReport) -> str:
         found = (
             f"the heat is not positive at {report.non_positive} of {report.reached} vertices, and "
-            "distances there are not to be trusted; "
+            "distances are not to be trusted; "
         )
         if not self.heat_solver.componentwise:
             return found + "an iterative solver cannot resolve it, a direct one can"
         if self.boundary == "dirichlet":
             return found + 'a boundary held at zero lets none through: use boundary="average"'
         return found + (
-            "the diffusion has weights of the wrong sign: on a triangle mesh use "
-            "CotanLaplacian(intrinsic_delaunay=True)"
+            "the diffusion has weights of the wrong sign, and was replaced by its positive part: "
+            "on a triangle mesh CotanLaplacian(intrinsic_delaunay=True) is better"
         )
-
-    def _heat_systems(self) -> list["_HeatSystem"]:
-        """Return the heat systems of the boundary condition, factorised once."""
-        with self._lock:
-            if self._systems is None:
-                conditions = {"average": [False, True]}.get(
-                    self.boundary, [self.boundary == "dirichlet"]
-                )
-                self._systems = [self._heat_system(held) for held in conditions]
-            return self._systems
-
-    def _heat_system(self, dirichlet: bool) -> "_HeatSystem":
-        mass, stiffness = self.diffusion.mass, self.diffusion.stiffness
-        free = csr_array(diags_array(mass) + self.time * stiffness)
-        diagonal = free.diagonal()
-        lonely = np.where(diagonal > 0, 0.0, 1.0)  # vertices of no element: any pivot will do
-        free = csr_array(free + diags_array(lonely))
-        diagonal = diagonal + lonely
-        held = self.diffusion.boundary if dirichlet else np.zeros_like(self.diffusion.boundary)
-        if not held.any():
-            return _HeatSystem(free, free, held, diagonal, self.heat_solver.factorize(free))
-        inside = diags_array((~held).astype(np.float64))
-        pinned = csr_array(inside @ free @ inside + diags_array(np.where(held, diagonal, 0.0)))
-        return _HeatSystem(pinned, free, held, diagonal, self.heat_solver.factorize(pinned))
 
     # -- step 3 --------------------------------------------------------------------------------
 
@@ -431,6 +333,14 @@ class HeatMethod:
 
     # -- the object ----------------------------------------------------------------------------
 
+    def _set_up(self) -> None:
+        """Set what is not part of the recipe: factors to come, and their lock."""
+        self._lock = threading.Lock()
+        self._flow = HeatFlow(self.diffusion, self.time, self.boundary, self.heat_solver)
+        self._sweeper = WavefrontSweeper(self.metric) if self.refine else None
+        self._substitute = None
+        self._poisson_factor = None
+
     @property
     def n_vertices(self) -> int:
         """Number N of vertices."""
@@ -441,7 +351,7 @@ class HeatMethod:
 
         The Poisson system is left out where distances are refined: they do not need it.
         """
-        self._heat_systems()
+        self._flow.systems()
         if self._sweeper is None:
             self._poisson()
         else:
@@ -451,22 +361,16 @@ class HeatMethod:
     @property
     def nbytes(self) -> int:
         """Bytes of the factors made so far."""
-        factors = [system.factor for system in self._systems or []]
-        if self._poisson_factor is not None:
-            factors.append(self._poisson_factor)
-        return sum(factor.nbytes for factor in factors)
+        parts = (self._flow, self._substitute, self._poisson_factor)
+        return sum(part.nbytes for part in parts if part is not None)
 
     def __getstate__(self) -> dict[str, Any]:
         """Recipes and matrices travel; factors are made again where they arrive."""
-        private = ("_lock", "_systems", "_poisson_factor", "_sweeper")
-        return {name: value for name, value in self.__dict__.items() if name not in private}
+        return {name: value for name, value in self.__dict__.items() if not name.startswith("_")}
 
     def __setstate__(self, state: dict[str, Any]) -> None:
         self.__dict__.update(state)
-        self._sweeper = WavefrontSweeper(self.metric) if self.refine else None
-        self._lock = threading.RLock()
-        self._systems = None
-        self._poisson_factor = None
+        self._set_up()
 
     def __repr__(self) -> str:
         diffusion = (
@@ -479,58 +383,6 @@ class HeatMethod:
             f"time={self.time:.4g}{boundary}, heat_solver={self.heat_solver!r}, "
             f"poisson_solver={self.poisson_solver!r}, factors of {self.nbytes / 1e6:.1f} MB)"
         )
-
-
-@dataclass(frozen=True)
-class _HeatSystem:
-    """``M + t L`` under one boundary condition: rows of `held` vertices say ``u = 0``.
-
-    A source that is itself held is a spike of its own: its value is fixed at what a lone vertex
-    would have, and its neighbours feel it through the free system's rows.
-    """
-
-    matrix: csr_array
-    free: csr_array
-    held: BoolArray
-    diagonal: FloatArray
-    factor: Factor
-
-    def load(self, block: Sequence[SourcePoints]) -> FloatArray:
-        """Return the right-hand sides δ, (N, K): the weights of each set's points, summed."""
-        delta = np.column_stack([points.weights.sum(axis=0) for points in block])
-        spikes = np.where(self.held[:, None], delta, 0.0) / self.diagonal[:, None]
-        if not spikes.any():
-            return np.where(self.held[:, None], 0.0, delta)
-        felt = np.where(self.held[:, None], 0.0, delta - self.free @ spikes)
-        return felt + spikes * self.diagonal[:, None]
-
-
-def as_vertices(sources: Any, n_vertices: int, name: str = "sources") -> IntArray:
-    """Return `sources` as a one-dimensional array of vertex indices, checked.
-
-    Raises
-    ------
-    InvalidSourceError
-        None at all, something that is not an integer, an index out of range.
-    """
-    try:
-        array = np.atleast_1d(np.asarray(sources))
-    except (ValueError, TypeError) as error:
-        raise InvalidSourceError(f"{name} cannot be read as indices: {error}") from error
-    if array.size == 0:
-        raise InvalidSourceError(f"{name}: there are none; give at least one vertex")
-    if array.dtype.kind not in "iu" or array.ndim != 1:
-        raise InvalidSourceError(
-            f"{name} must be vertex indices, one integer or a one-dimensional array of them, "
-            f"not {array.dtype} of shape {np.shape(sources)}"
-        )
-    outside = (array < 0) | (array >= n_vertices)
-    if outside.any():
-        raise InvalidSourceError(
-            f"{name}: vertex {array[outside][0]} does not exist; there are {n_vertices}, "
-            "numbered from 0"
-        )
-    return np.asarray(array, dtype=np.int64)
 
 
 def _time_step(time: float | None, time_factor: float, spacing: float) -> float:

@@ -12,9 +12,9 @@ from geodesic_toolkit.domains import Domain, PointCloud, TriangleMesh
 from geodesic_toolkit.errors import InvalidOptionError, UnsupportedDomainError
 from geodesic_toolkit.geometry.closest import TriangleTree, closest_points
 from geodesic_toolkit.geometry.triangles import proper_faces
-from geodesic_toolkit.heat import SourcePoints
+from geodesic_toolkit.source_points import SourcePoints
 
-__all__ = ["as_points", "interpolate"]
+__all__ = ["as_points", "interpolate", "positions_of"]
 
 REACH = 2.0
 """Mean edge lengths from the surface within which a point has a distance, unless told otherwise."""
@@ -90,7 +90,7 @@ def interpolate(
             f"not {values.shape}"
         )
     limit = _limit(reach, discretization.spacing)
-    positions, faces = _surface(domain, discretization)
+    positions, faces = positions_of(domain), _triangles(domain, discretization)
     result = np.full(len(queries), np.inf)
     if len(faces) == 0:  # every face is degenerate, or all points are one: no surface to stand on
         return result
@@ -149,14 +149,27 @@ def _limit(reach: float | None, spacing: float) -> float:
     return float(reach)
 
 
-def _surface(domain: Domain, discretization: Discretization) -> tuple[FloatArray, IntArray]:
-    """Return positions and the triangles between them, each once."""
+def positions_of(domain: Domain) -> FloatArray:
+    """Return the positions of the vertices, of shape (N, 3); NaN for missing points of a cloud.
+
+    Raises
+    ------
+    UnsupportedDomainError
+        There are none: a graph.
+    """
     if isinstance(domain, TriangleMesh):
-        return domain.vertices, domain.faces[proper_faces(domain.faces)]
-    if not isinstance(domain, PointCloud):
-        raise UnsupportedDomainError(
-            f"a {type(domain).__name__} has no positions: there is no distance between its vertices"
-        )
+        return domain.vertices
+    if isinstance(domain, PointCloud):
+        return domain.points
+    raise UnsupportedDomainError(
+        f"a {type(domain).__name__} has no positions: its distances are at its vertices alone"
+    )
+
+
+def _triangles(domain: Domain, discretization: Discretization) -> IntArray:
+    """Return the triangles of the surface, each once."""
+    if isinstance(domain, TriangleMesh):
+        return domain.faces[proper_faces(domain.faces)]
     gradient = discretization.gradient
     if not isinstance(gradient, ElementGradient) or gradient.elements.shape[1] != 3:
         raise UnsupportedDomainError(
@@ -171,7 +184,8 @@ def _surface(domain: Domain, discretization: Discretization) -> tuple[FloatArray
     triangles = ordered[new]
     twice = triangles[:, 0] == triangles[:, 1]
     triangles[twice] = triangles[twice][:, ::-1]
-    return domain.points, triangles[triangles[:, 0] != triangles[:, 1]]
+    links_too: IntArray = triangles[triangles[:, 0] != triangles[:, 1]]
+    return links_too
 
 
 def _mean(weights: FloatArray, values: FloatArray) -> FloatArray:

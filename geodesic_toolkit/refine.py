@@ -130,17 +130,25 @@ class WavefrontSweeper:
 
     @cached_property
     def _areas(self) -> FloatArray:
-        """The (E,) areas: two hat gradients span a parallelogram of 1 / (2 area)."""
+        """The (E,) areas: two hat gradients span a parallelogram of 1 / (2 area).
+
+        Infinite for a segment, an element (i, j, j) whose gradient has one component.
+        """
         p, q = self._triangles.coefficients[:, :, 1], self._triangles.coefficients[:, :, 2]
-        areas: FloatArray = 0.5 / np.abs(p[:, 0] * q[:, 1] - p[:, 1] * q[:, 0])
+        with np.errstate(divide="ignore"):
+            areas: FloatArray = 0.5 / np.abs(p[:, 0] * q[:, 1] - p[:, 1] * q[:, 0])
         return areas
 
     @cached_property
     def _edge_lengths(self) -> FloatArray:
         """The (E, 3) edge lengths, opposite each corner: a hat gradient is 1 / height."""
         steepness = np.linalg.norm(self._triangles.coefficients, axis=1)
-        lengths: FloatArray = 2 * self._areas[:, None] * steepness
-        return lengths
+        segment = np.isinf(self._areas)
+        lengths = 2 * np.where(segment, 0.0, self._areas)[:, None] * steepness
+        ends = self._triangles.elements[segment]
+        apart = ends[:, [1, 2, 0]] != ends[:, [2, 0, 1]]
+        lengths[segment] = apart / steepness[segment].max(axis=1, keepdims=True)
+        return np.asarray(lengths, dtype=np.float64)
 
     @cached_property
     def _curvature(self) -> FloatArray:

@@ -14,7 +14,7 @@ from geodesic_toolkit.errors import InvalidSourceError
 from geodesic_toolkit.heat import Boundary, HeatMethod, Progress
 from geodesic_toolkit.laplacians.base import LaplaceOperator
 from geodesic_toolkit.linear.base import LinearSolver
-from geodesic_toolkit.queries import as_points, interpolate
+from geodesic_toolkit.queries import as_points, interpolate, positions_of
 from geodesic_toolkit.sources import locate_sources
 
 __all__ = ["Diagnosis", "GeodesicSolver"]
@@ -101,9 +101,14 @@ class GeodesicSolver:
         self.diffusion = None if diffusion is None else resolve_operator(diffusion, domain)
         heat_solver, poisson_solver = resolve_solvers(solver)
         self.operator.check_domain(domain)
+        metric = self.operator.assemble(domain)
         self.method = HeatMethod(
-            self.operator.assemble(domain),
-            diffusion=None if self.diffusion is None else self.diffusion.assemble(domain),
+            metric,
+            diffusion=(
+                self.operator.diffusion(metric)
+                if self.diffusion is None
+                else self.diffusion.assemble(domain)
+            ),
             time=time,
             time_factor=time_factor,
             boundary=boundary,
@@ -208,6 +213,7 @@ class GeodesicSolver:
         >>> solver.query([[0.41, 0.0, 0.02], [0.4, 0.0, 5.0]], 0).round(2)
         array([0.4, inf])
         """
+        positions_of(self.domain)  # refuses a graph before the work
         queries = as_points(points)
         places = locate_sources(self.domain, sources)
         return interpolate(

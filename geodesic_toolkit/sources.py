@@ -10,7 +10,7 @@ from geodesic_toolkit._typing import FloatArray, IntArray
 from geodesic_toolkit.domains import Domain, PointCloud, SurfacePoint, TriangleMesh
 from geodesic_toolkit.errors import InvalidSourceError
 from geodesic_toolkit.geometry.closest import closest_on_triangles, closest_points
-from geodesic_toolkit.heat import SourcePoints, as_vertices
+from geodesic_toolkit.source_points import SourcePoints, as_vertices
 
 __all__ = ["locate_sources"]
 

@@ -19,6 +19,7 @@ from typer.testing import CliRunner
 import geodesic_toolkit as gt
 from geodesic_toolkit import errors
 from geodesic_toolkit.cli import app, doctor, exits, probes, progress
+from geodesic_toolkit.io import write_distances
 from geodesic_toolkit.testing import shapes
 
 # -- how to run it -------------------------------------------------------------------------------
@@ -210,6 +211,74 @@ def test_a_source_may_be_a_point(sphere, tmp_path):
     assert "point (-1, 0.5, 2)" in result.stdout
     expected = gt.geodesic_distance(gt.read(sphere), [-1.0, 0.5, 2.0])
     np.testing.assert_array_equal(np.load(output), expected)
+
+
+@pytest.mark.parametrize("suffix", ["npy", "csv", "xyz", "ply"])
+def test_distances_at_points_of_a_file(sphere, tmp_path, suffix):
+    solver = gt.GeodesicSolver(shapes.icosphere(2))
+    places = np.random.default_rng(0).normal(size=(30, 3))
+    places /= np.linalg.norm(places, axis=1, keepdims=True)
+    places[7] *= 9
+    points = tmp_path / f"places.{suffix}"
+    if suffix == "npy":
+        np.save(points, places)
+    elif suffix == "csv":
+        np.savetxt(points, places, fmt="%.17g", delimiter=",", header="x,y,z", comments="")
+    elif suffix == "xyz":
+        np.savetxt(points, places, fmt="%.17g")
+    else:
+        write_distances(points, gt.PointCloud(places), np.zeros(30))
+    out = [tmp_path / "d.npy", tmp_path / "d.csv", tmp_path / "d.ply"]
+    options = [word for path in out for word in ("--output", path)]
+    result = run("distance", sphere, "--source", 5, "--at", points, *options)
+    assert result.exit_code == 0, result.output
+    assert "29 points, 1 unreachable" in result.stdout
+    distances = np.load(out[0])
+    np.testing.assert_allclose(distances, solver.query(places, 5), atol=1e-6)
+    assert distances[7] == np.inf
+    rows = list(csv.DictReader(out[1].read_text().splitlines()))
+    assert [float(row["distance"]) for row in rows] == distances.tolist()
+    np.testing.assert_allclose(gt.read(out[2]).points, places, atol=1e-12)
+
+
+def test_missing_points_of_at_stay_in_their_rows(sphere, tmp_path):
+    np.save(tmp_path / "at.npy", [[0, 0, 1.0], [np.nan, 0, 0], [1.0, 0, 0]])
+    out = tmp_path / "d.npy"
+    run("distance", sphere, "--source", 0, "--at", tmp_path / "at.npy", "--output", out)
+    assert np.isfinite(np.load(out)).tolist() == [True, False, True]
+
+
+def test_the_reach_of_at_can_be_told(sphere, tmp_path):
+    np.save(tmp_path / "at.npy", [[0, 0, 2.0]])
+    told = ["distance", sphere, "--source", 0, "--at", tmp_path / "at.npy", "--json"]
+    near, far = run(*told), run(*told, "--reach", 1.5)
+    assert json.loads(near.stdout)["reached"] == 0
+    assert json.loads(near.stdout)["max"] is None
+    assert "has a distance" in near.stderr
+    found = json.loads(far.stdout)
+    assert (found["n_points"], found["reached"], found["n_vertices"]) == (1, 1, 162)
+
+
+def test_a_picture_of_points_shows_them_and_where_the_sources_are(sphere, tmp_path):
+    pytest.importorskip("pyvista")
+    np.save(tmp_path / "at.npy", shapes.icosphere(1).vertices)
+    picture = tmp_path / "p.png"
+    told = ("distance", sphere, "--source", 150, "--at", tmp_path / "at.npy", "--picture", picture)
+    assert run(*told).exit_code == 0
+    assert picture.stat().st_size > 0
+
+
+def test_points_that_cannot_be_asked_for_are_refused(sphere, graph, tmp_path):
+    at = tmp_path / "at.csv"
+    at.write_text("0,0,1\n")
+    asked = ("--source", 0, "--at", at)
+    fails(run("distance", graph, *asked), 2, "a graph has no positions")
+    fails(run("distance", sphere, *asked, "--reach", 0), 2, "--reach must be positive")
+    fails(run("distance", sphere, "--source", 0, "--reach", 1), 2, "--reach is for the points")
+    fails(run("distance", sphere, *asked, "--output", at), 2, "would overwrite the input")
+    at.write_text("0,0\n")
+    fails(run("distance", sphere, *asked), 3, "at.csv", "no columns x, y and z")
+    fails(run("distance", sphere, "--source", 0, "--at", tmp_path / "none.npy"), 2, "none.npy")
 
 
 def test_graphs_go_through_the_same_command(graph):

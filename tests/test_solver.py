@@ -186,10 +186,19 @@ def test_an_unknown_operator_is_named(sphere):
 
 
 def test_what_is_no_domain_is_refused(sphere):
-    with pytest.raises(UnsupportedDomainError, match="TriangleMesh"):
-        gt.GeodesicSolver((sphere.vertices, sphere.faces))
+    for thing in (7, {"vertices": sphere.vertices}, None, "bunny.off"):
+        with pytest.raises(UnsupportedDomainError, match="is no shape; give a TriangleMesh"):
+            gt.GeodesicSolver(thing)
     with pytest.raises(UnsupportedDomainError, match="CotanLaplacian discretizes TriangleMesh"):
         gt.GeodesicSolver(gt.Graph(2, [[0, 1]]), operator="cotan")
+
+
+def test_the_shapes_of_others_are_converted(sphere, solver):
+    by_arrays = gt.GeodesicSolver((sphere.vertices, sphere.faces))
+    assert isinstance(by_arrays.domain, gt.TriangleMesh)
+    np.testing.assert_array_equal(by_arrays.distance(3), solver.distance(3))
+    one_line = gt.geodesic_distance([sphere.vertices.tolist(), sphere.faces.tolist()], 3)
+    np.testing.assert_array_equal(one_line, solver.distance(3))
 
 
 def test_metric_and_diffusion_must_have_the_same_vertices(sphere):

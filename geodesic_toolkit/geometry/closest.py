@@ -4,7 +4,74 @@ import numpy as np
 
 from geodesic_toolkit._typing import FloatArray, IntArray
 
-__all__ = ["closest_on_triangles", "closest_points"]
+__all__ = ["TriangleTree", "closest_on_triangles", "closest_points"]
+
+
+class TriangleTree:
+    """Triangles in a tree of boxes, by libigl: built once, then asked for many points.
+
+    Parameters
+    ----------
+    vertices : ndarray of shape (N, 3), float64
+        Those of no face may be anything.
+    faces : ndarray of shape (F, 3), int64
+        One or more. A face with its last two vertices equal is a segment.
+    """
+
+    def __init__(self, vertices: FloatArray, faces: IntArray) -> None:
+        import igl  # heavy: 0.3 s
+
+        self._faces = faces
+        corners = vertices[faces]
+        self._middle = (corners.min(axis=(0, 1)) + corners.max(axis=(0, 1))) / 2
+        # libigl squares lengths: no unit must over- or underflow there.
+        self._scale = float(np.abs(corners - self._middle).max()) or 1.0
+        self._vertices = (np.nan_to_num(vertices) - self._middle) / self._scale
+        self._tree = igl.AABB()
+        self._tree.init(self._vertices, faces)
+
+    def closest(self, points: FloatArray) -> tuple[IntArray, FloatArray]:
+        """Return the face closest to each point and the barycentric coordinates of the foot there.
+
+        Parameters
+        ----------
+        points : ndarray of shape (Q, 3)
+
+        Returns
+        -------
+        face : ndarray of shape (Q,), int64
+        barycentric : ndarray of shape (Q, 3), float64
+            Not negative, each row with sum 1.
+        """
+        import igl
+
+        places = np.clip((points - self._middle) / self._scale, -1e9, 1e9)
+        _, face, foot = self._tree.squared_distance(self._vertices, self._faces, places)
+        corners = self._vertices[self._faces[face]]
+        a, b, c = (np.ascontiguousarray(corners[:, corner]) for corner in range(3))
+        with np.errstate(invalid="ignore"):
+            barycentric = np.maximum(igl.barycentric_coordinates(foot, a, b, c), 0.0)
+            barycentric /= barycentric.sum(axis=1, keepdims=True)
+            missed = np.linalg.norm(np.einsum("qc,qcd->qd", barycentric, corners) - foot, axis=1)
+        longest = np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2).max(axis=1)
+        flat = ~(missed <= 1e-6 * longest)  # no height to divide by: NaN, or far off
+        barycentric[flat] = _along_longest_edge(foot[flat], corners[flat])
+        return face, barycentric
+
+
+def _along_longest_edge(feet: FloatArray, corners: FloatArray) -> FloatArray:
+    """Return the barycentric coordinates of points on triangles that are but segments."""
+    rows = np.arange(len(feet))
+    start = np.linalg.norm(corners - np.roll(corners, -1, axis=1), axis=2).argmax(axis=1)
+    end = (start + 1) % 3
+    along = corners[rows, end] - corners[rows, start]
+    squared = np.einsum("qd,qd->q", along, along)
+    share = np.einsum("qd,qd->q", feet - corners[rows, start], along)
+    share = np.clip(share / np.where(squared > 0, squared, 1.0), 0.0, 1.0)
+    barycentric = np.zeros((len(feet), 3))
+    barycentric[rows, start] = 1 - share
+    barycentric[rows, end] = share
+    return barycentric
 
 
 def closest_on_triangles(
@@ -12,27 +79,9 @@ def closest_on_triangles(
 ) -> tuple[IntArray, FloatArray]:
     """Return the face closest to each point and the barycentric coordinates of the foot there.
 
-    Parameters
-    ----------
-    points : ndarray of shape (Q, 3)
-    vertices : ndarray of shape (N, 3)
-    faces : ndarray of shape (F, 3)
-
-    Returns
-    -------
-    face : ndarray of shape (Q,), int64
-    barycentric : ndarray of shape (Q, 3), float64
-        Not negative, each row with sum 1.
+    See :meth:`TriangleTree.closest`.
     """
-    import igl  # heavy: 0.3 s
-
-    _, face, foot = igl.point_mesh_squared_distance(points, vertices, faces)
-    a, b, c = (np.ascontiguousarray(vertices[faces[face, corner]]) for corner in range(3))
-    barycentric = np.maximum(igl.barycentric_coordinates(foot, a, b, c), 0.0)
-    nearest = np.argmin([np.linalg.norm(foot - corner, axis=1) for corner in (a, b, c)], axis=0)
-    flat = ~np.isfinite(barycentric).all(axis=1)  # zero-area faces: their nearest corner
-    barycentric[flat] = np.eye(3)[nearest[flat]]
-    return face, barycentric / barycentric.sum(axis=1, keepdims=True)
+    return TriangleTree(vertices, faces).closest(points)
 
 
 def closest_points(queries: FloatArray, points: FloatArray) -> IntArray:

@@ -58,8 +58,36 @@ class LaplaceOperator(abc.ABC):
             A domain of another kind.
         """
 
+    def diffusion(self, metric: Discretization) -> Discretization:
+        """Return where the heat flows that goes with `metric`: there, unless overridden.
+
+        An operator whose stiffness may have positive off-diagonal entries can return a Laplacian
+        on the same vertices that has none, so that heat is positive.
+
+        Parameters
+        ----------
+        metric : Discretization
+            What `assemble` returned.
+
+        Returns
+        -------
+        Discretization
+        """
+        return metric
+
     def check_domain(self, domain: object) -> None:
-        """Raise an `UnsupportedDomainError` unless `domain` is one of the kinds in `domains`."""
+        """Raise unless `domain` is one of the kinds in `domains`.
+
+        Parameters
+        ----------
+        domain : object
+            Anything.
+
+        Raises
+        ------
+        UnsupportedDomainError
+            It is not one of them; the message says which they are.
+        """
         if not isinstance(domain, self.domains):
             accepted = " or ".join(kind.__name__ for kind in self.domains)
             raise UnsupportedDomainError(

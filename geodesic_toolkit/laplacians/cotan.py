@@ -4,7 +4,6 @@ from dataclasses import dataclass
 from typing import Any, ClassVar, Literal, final
 
 import numpy as np
-from scipy.sparse import csr_array, diags_array
 
 from geodesic_toolkit._typing import FloatArray, IntArray
 from geodesic_toolkit.discretization import Discretization, ElementGradient
@@ -26,19 +25,17 @@ from geodesic_toolkit.geometry.triangles import (
     proper_faces,
 )
 from geodesic_toolkit.laplacians.base import LaplaceOperator
+from geodesic_toolkit.positivity import obtuse_excess
 
 __all__ = ["CotanLaplacian", "triangle_gradient"]
 
 DELAUNAY_LIMIT = 0.13
-"""The :func:`obtuse_excess` above which ``intrinsic_delaunay="auto"`` flips edges.
+"""The `obtuse_excess` above which ``intrinsic_delaunay="auto"`` flips edges.
 
 Measured: sheared grids (0.13 and more) have errors of 7-60 % without flips; scans and models below
 (bunny 0.09, armadillo 0.11, horse 0.13) lose at most 0.3 points; of those above, camelhead (0.15)
 halves its error and a CAD model (0.15) goes from 15 % to 3 %.
 """
-
-RINGS = 4
-"""Size of the neighbourhoods that :func:`obtuse_excess` averages over."""
 
 
 @final
@@ -190,30 +187,10 @@ class CotanLaplacian(LaplaceOperator):
 def vertex_thirds(gradient: ElementGradient) -> FloatArray:
     """Return the barycentric mass: a third of the area of the triangles around each vertex."""
     thirds = np.repeat(gradient.measure / 3, 3)
-    mass: FloatArray = np.bincount(gradient.elements.ravel(), thirds, gradient.n_vertices)
-    return mass
+    corners = gradient.elements.ravel()
+    return np.asarray(np.bincount(corners, thirds, gradient.n_vertices), dtype=np.float64)
 
 
 def triangle_gradient(faces: IntArray, frames: FloatArray, n_vertices: int) -> ElementGradient:
     """Return the gradient of linear finite elements on triangles given by planar frames."""
     return ElementGradient(faces, hat_gradients(frames), face_areas(frames), n_vertices)
-
-
-def obtuse_excess(stiffness: csr_array, mass: FloatArray) -> float:
-    """Return how much of a stiffness has the wrong sign where it is worst: 0 for an M-matrix.
-
-    At a vertex, the share of positive entries in the absolute sum of its row without the diagonal;
-    averaged by mass over neighbourhoods of four rings, and of these the largest. A lone obtuse
-    triangle is harmless, and tiny ones are: it takes a region of them to turn heat negative.
-    """
-    ones = np.ones(len(mass))
-    weights = csr_array(stiffness - diags_array(stiffness.diagonal()))
-    absolute = abs(weights) @ ones
-    wrong = (absolute + weights @ ones) / 2
-    share = np.divide(wrong, absolute, out=np.zeros_like(wrong), where=absolute > 0)
-    ring = csr_array((np.ones(weights.nnz), weights.indices, weights.indptr), shape=weights.shape)
-    excess, area = share * mass, mass
-    for _ in range(RINGS):
-        excess = excess + ring @ excess
-        area = area + ring @ area
-    return float(np.divide(excess, area, out=np.zeros_like(area), where=area > 0).max())

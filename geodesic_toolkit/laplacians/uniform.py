@@ -23,7 +23,7 @@ class UniformLaplacian(LaplaceOperator):
 
     ``L = D - W``, positive semidefinite (L = -Δ). A graph that samples a space of dimension dim
     gets the scale of that space: ``w = 1/ℓ²`` on an edge of length ℓ, and
-    ``m_i = Σ_j w_ij ℓ_ij² / (2 dim)`` at a vertex, so that ``M⁻¹ L ≈ -Δ`` and |∇u| is a slope.
+    ``m_i = Σ_j w_ij ℓ_ij² / (2 dim)`` at a vertex, so that ``M⁻¹ L ≈ -Δ`` and ``|∇u|`` is a slope.
 
     Parameters
     ----------

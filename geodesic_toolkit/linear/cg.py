@@ -41,6 +41,15 @@ class CG(LinearSolver):
     ----------
     M. R. Hestenes, E. Stiefel, *Methods of Conjugate Gradients for Solving Linear Systems*,
     J. Res. Natl. Bur. Stand. 49, 1952, https://doi.org/10.6028/jres.049.044
+
+    Examples
+    --------
+    >>> import geodesic_toolkit as gt
+    >>> sphere = gt.testing.shapes.icosphere(2)
+    >>> direct = gt.GeodesicSolver(sphere).distance(0)
+    >>> iterative = gt.GeodesicSolver(sphere, solver=gt.CG(rtol=1e-10)).distance(0)
+    >>> bool(abs(direct - iterative).max() < 1e-6)
+    True
     """
 
     rtol: float = 1e-8

@@ -26,6 +26,15 @@ class SuperLU(LinearSolver):
     J. W. Demmel, S. C. Eisenstat, J. R. Gilbert, X. S. Li, J. W. H. Liu, *A Supernodal Approach to
     Sparse Partial Pivoting*, SIAM J. Matrix Anal. Appl. 20, 1999,
     https://doi.org/10.1137/S0895479895291765
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from scipy.sparse import csr_array
+    >>> import geodesic_toolkit as gt
+    >>> factor = gt.SuperLU().factorize(csr_array([[2.0, -1.0], [-1.0, 2.0]]))
+    >>> factor.solve(np.array([3.0, 0.0]))
+    array([2., 1.])
     """
 
     componentwise: ClassVar[bool] = True

@@ -8,7 +8,9 @@ from geodesic_toolkit.domains import TriangleMesh
 __all__ = ["disjoint_union", "grid", "icosphere", "knot", "torus", "tube"]
 
 
-def grid(n: int, m: int | None = None, *, spacing: float | None = None, shear: float = 0.0) -> TriangleMesh:
+def grid(
+    n: int, m: int | None = None, *, spacing: float | None = None, shear: float = 0.0
+) -> TriangleMesh:
     """Return a flat rectangle of n x m vertices in the plane z = 0.
 
     Parameters
@@ -46,6 +48,17 @@ def icosphere(level: int, radius: float = 1.0) -> TriangleMesh:
     It has ``10 * 4**level + 2`` vertices; the distance of two points is `radius` times the angle
     between them.
 
+    Parameters
+    ----------
+    level : int
+        How often each triangle is split in four.
+    radius : float
+        Distance of the vertices from the origin.
+
+    Returns
+    -------
+    TriangleMesh
+
     Examples
     --------
     >>> import geodesic_toolkit as gt
@@ -70,6 +83,17 @@ def torus(n: int, m: int, *, major: float = 2.0, minor: float = 0.5) -> Triangle
     so the vertices with j = 0 are the outer equator. Along it, and across a ring, distances have
     closed forms.
 
+    Parameters
+    ----------
+    n, m : int
+        Rings, and vertices on each.
+    major, minor : float
+        Radius of the circle that the rings are centred on, and of a ring.
+
+    Returns
+    -------
+    TriangleMesh
+
     Examples
     --------
     >>> import geodesic_toolkit as gt
@@ -91,6 +115,17 @@ def tube(rings: int, around: int, *, edge: float = 1.0) -> TriangleMesh:
     Vertex ``i * around + j`` is the j-th of ring i. The distance of two vertices is that of the
     unrolled plane.
 
+    Parameters
+    ----------
+    rings, around : int
+        Rings, and vertices on each.
+    edge : float
+        Length of the edges along a ring.
+
+    Returns
+    -------
+    TriangleMesh
+
     Examples
     --------
     >>> import geodesic_toolkit as gt
@@ -106,11 +141,28 @@ def tube(rings: int, around: int, *, edge: float = 1.0) -> TriangleMesh:
     cells = np.pad(np.arange(rings * around).reshape(rings, around), ((0, 0), (0, 1)), mode="wrap")
     a, b = cells[:-1, :-1].ravel(), cells[:-1, 1:].ravel()
     c, d = cells[1:, :-1].ravel(), cells[1:, 1:].ravel()
-    return TriangleMesh(vertices, np.concatenate([np.column_stack([a, b, c]), np.column_stack([b, d, c])]))
+    return TriangleMesh(
+        vertices, np.concatenate([np.column_stack([a, b, c]), np.column_stack([b, d, c])])
+    )
 
 
-def knot(n: int = 600, m: int = 24, *, p: int = 2, q: int = 3, thickness: float = 0.42) -> TriangleMesh:
+def knot(
+    n: int = 600, m: int = 24, *, p: int = 2, q: int = 3, thickness: float = 0.42
+) -> TriangleMesh:
     """Return a tube about a (p, q) torus knot, the trefoil by default: a shape to look at.
+
+    Parameters
+    ----------
+    n, m : int
+        Rings along the knot, and vertices on each.
+    p, q : int
+        Turns about the axis and about the core circle, without a common factor.
+    thickness : float
+        Radius of the tube; the knot winds about a circle of radius 2.
+
+    Returns
+    -------
+    TriangleMesh
 
     Examples
     --------
@@ -129,7 +181,9 @@ def knot(n: int = 600, m: int = 24, *, p: int = 2, q: int = 3, thickness: float 
     out /= np.linalg.norm(out, axis=1, keepdims=True)
     side = np.cross(tangent, out)
     angle = 2 * np.pi * np.arange(m) / m
-    circle = np.cos(angle)[None, :, None] * out[:, None] + np.sin(angle)[None, :, None] * side[:, None]
+    circle = (
+        np.cos(angle)[None, :, None] * out[:, None] + np.sin(angle)[None, :, None] * side[:, None]
+    )
     vertices = (curve[:, None] + thickness * circle).reshape(-1, 3)
     cells = np.pad(np.arange(n * m).reshape(n, m), ((0, 1), (0, 1)), mode="wrap")
     return TriangleMesh(vertices, _quads_to_triangles(cells))
@@ -137,6 +191,15 @@ def knot(n: int = 600, m: int = 24, *, p: int = 2, q: int = 3, thickness: float 
 
 def disjoint_union(*meshes: TriangleMesh) -> TriangleMesh:
     """Return meshes side by side in one: vertices one after the other, nothing joined.
+
+    Parameters
+    ----------
+    *meshes : TriangleMesh
+        One or more.
+
+    Returns
+    -------
+    TriangleMesh
 
     Examples
     --------
@@ -147,7 +210,9 @@ def disjoint_union(*meshes: TriangleMesh) -> TriangleMesh:
     starts = np.cumsum([0] + [mesh.n_vertices for mesh in meshes])
     return TriangleMesh(
         np.concatenate([mesh.vertices for mesh in meshes]),
-        np.concatenate([mesh.faces + start for mesh, start in zip(meshes, starts[:-1], strict=True)]),
+        np.concatenate(
+            [mesh.faces + start for mesh, start in zip(meshes, starts[:-1], strict=True)]
+        ),
     )
 
 

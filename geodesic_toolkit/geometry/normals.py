@@ -1,0 +1,85 @@
+"""Normals of a cloud from neighbourhoods: by Open3D, or by our own principal components.
+
+All that the core needs of Open3D for normals is here, imported on first use. Only the tangent plane
+matters to those who call, so the two normals of a point are as good as each other.
+"""
+
+import re
+
+import numpy as np
+
+from geodesic_toolkit._typing import FloatArray, IntArray
+from geodesic_toolkit.errors import MissingDependencyError
+
+__all__ = ["missing_package", "open3d_normals", "pca_normals"]
+
+SYSTEM_PACKAGES = {
+    "libusb-1.0.so": "libusb-1.0-0",
+    "libEGL.so": "libegl1",
+    "libGL.so": "libgl1",
+    "libGLX": "libglx0",
+    "libOpenGL.so": "libopengl0",
+    "libgomp.so": "libgomp1",
+    "libX11.so": "libx11-6",
+    "libtbb.so": "libtbb12",
+    "libgcc_s.so": "libgcc-s1",
+    "libstdc++.so": "libstdc++6",
+    "libc++.so": "libc++1",
+    "libudev.so": "libudev1",
+}
+"""Debian's and Ubuntu's names of the system packages that hold the libraries Open3D loads."""
+
+
+def pca_normals(points: FloatArray, neighbours: IntArray) -> FloatArray:
+    """Return the direction in which each point's neighbourhood extends least, of shape (N, 3).
+
+    Parameters
+    ----------
+    points : ndarray of shape (N, 3)
+    neighbours : ndarray of shape (N, k)
+        The point itself is added.
+    """
+    count, k = neighbours.shape
+    own = np.arange(count)[:, None]
+    places = points[np.concatenate([own, neighbours], axis=1)]
+    places -= places.mean(axis=1, keepdims=True)
+    spread = places.transpose(0, 2, 1) @ places / (k + 1)
+    _, axes = np.linalg.eigh(spread)
+    return np.ascontiguousarray(axes[:, :, 0])
+
+
+def open3d_normals(points: FloatArray, k: int) -> FloatArray:
+    """Return Open3D's unit normals of every point and its k nearest neighbours, of shape (N, 3).
+
+    Parameters
+    ----------
+    points : ndarray of shape (N, 3)
+        Finite, distinct and at least four: Open3D crashes or guesses on others.
+    k : int
+
+    Raises
+    ------
+    MissingDependencyError
+        Open3D cannot be imported; the message names the package that is missing.
+    """
+    try:
+        import open3d  # heavy: two seconds, and a hundred shared libraries
+    except (ImportError, OSError) as error:  # OSError: ctypes could not load one of them
+        raise MissingDependencyError(
+            f"Open3D cannot be imported ({error}); {missing_package(error)}"
+        ) from error
+    cloud = open3d.geometry.PointCloud(open3d.utility.Vector3dVector(points))
+    cloud.estimate_normals(open3d.geometry.KDTreeSearchParamKNN(k + 1))  # counts the point itself
+    return np.array(cloud.normals, dtype=np.float64)
+
+
+def missing_package(error: Exception) -> str:
+    """Return what to install to cure a failed import of Open3D."""
+    text = str(error)
+    for library, package in SYSTEM_PACKAGES.items():
+        if library in text:
+            return f"the system package {package} is missing (apt-get install {package})"
+    library_name = re.search(r"lib[\w+.-]+\.so[\w.]*", text)
+    if library_name:
+        return f"the system package that holds {library_name.group()} is missing"
+    return "pip install open3d, where there are wheels for this Python and platform"

@@ -1,0 +1,168 @@
+"""Polygons, strips and solid cells as triangles.
+
+Polygons come as their sizes and, one after the other, their corners.
+"""
+
+from collections.abc import Iterable
+from typing import Any
+
+import numpy as np
+
+from geodesic_toolkit._typing import IntArray
+
+__all__ = ["fan_triangles", "strip_triangles", "surface_polygons", "unpadded_polygons"]
+
+PLANE_CELLS = {"triangle": 3, "quad": 4}
+"""Corners of the plane cells; those of higher order ("triangle6") begin with theirs."""
+
+SOLID_CELLS: dict[str, list[tuple[int, ...]]] = {
+    "tetra": [(0, 2, 1), (0, 1, 3), (1, 2, 3), (0, 3, 2)],
+    "hexahedron": [
+        (0, 3, 2, 1),
+        (4, 5, 6, 7),
+        (0, 1, 5, 4),
+        (1, 2, 6, 5),
+        (2, 3, 7, 6),
+        (3, 0, 4, 7),
+    ],
+    "wedge": [(0, 2, 1), (3, 4, 5), (0, 1, 4, 3), (1, 2, 5, 4), (2, 0, 3, 5)],
+    "pyramid": [(0, 3, 2, 1), (0, 1, 4), (1, 2, 4), (2, 3, 4), (3, 0, 4)],
+}
+"""Faces of the solid cells, seen from outside."""
+
+
+def fan_triangles(sizes: IntArray, corners: IntArray) -> tuple[IntArray, list[str]]:
+    """Split polygons into the fans of their first corners.
+
+    Parameters
+    ----------
+    sizes : ndarray of shape (P,), int64
+        Corners of each polygon.
+    corners : ndarray of shape (sizes.sum(),), int64
+        Their vertex indices, polygon by polygon.
+
+    Returns
+    -------
+    faces : ndarray of shape (F, 3), int64
+        The triangles of a polygon follow each other.
+    remarks : list of str
+        What people should hear of: polygons that were split, scraps that were left out.
+    """
+    counts = np.maximum(sizes - 2, 0)
+    owner = np.repeat(np.arange(len(sizes)), counts)
+    first = (np.cumsum(sizes) - sizes)[owner]
+    step = np.arange(len(owner)) - (np.cumsum(counts) - counts)[owner]
+    faces = np.column_stack([corners[first], corners[first + step + 1], corners[first + step + 2]])
+    polygons, scraps = int((sizes > 3).sum()), int((sizes < 3).sum())
+    remarks = []
+    if polygons:
+        plural = "polygon was" if polygons == 1 else "polygons were"
+        remarks.append(
+            f"{polygons} {plural} split into {counts[sizes > 3].sum()} triangles; "
+            "face indices count the triangles"
+        )
+    if scraps:
+        remarks.append(f"{scraps} faces have fewer than three corners and were left out")
+    return faces.astype(np.int64), remarks
+
+
+def strip_triangles(sizes: IntArray, indices: IntArray) -> IntArray:
+    """Return the triangles of strips; -1 begins a new one, and every second triangle is turned.
+
+    Triangles with a repeated vertex are the joints of strips, not faces.
+    """
+    ends = np.cumsum(sizes)
+    strip = np.repeat(np.arange(len(sizes)), sizes)
+    cut = indices == -1
+    strip = strip + np.cumsum(cut)
+    # Position in the strip: its first entry is the one after a cut, or the first of its list.
+    starts = np.zeros(len(indices), dtype=bool)
+    starts[(ends - sizes)[sizes > 0]] = True
+    starts[1:] |= cut[:-1]
+    places = np.arange(len(indices))
+    position = places - np.maximum.accumulate(np.where(starts, places, 0))
+    a, b, c = indices[:-2], indices[1:-1], indices[2:]
+    odd = position[:-2] % 2 == 1
+    faces = np.column_stack([np.where(odd, b, a), np.where(odd, a, b), c])
+    whole = ~cut[:-2] & ~cut[1:-1] & ~cut[2:] & (strip[:-2] == strip[2:])
+    joint = (a == b) | (b == c) | (c == a)
+    kept: IntArray = faces[whole & ~joint]
+    return kept
+
+
+def unpadded_polygons(row: IntArray) -> tuple[IntArray, IntArray]:
+    """Return sizes and corners of polygons that each stand behind their size: ``3 a b c 4 ...``."""
+    step = int(row[0]) + 1 if len(row) else 1
+    if len(row) % step == 0 and (row[::step] == step - 1).all():  # all of one size
+        table = row.reshape(-1, step)
+        return table[:, 0].astype(np.int64), table[:, 1:].ravel().astype(np.int64)
+    places, place = [], 0
+    while place < len(row):
+        places.append(place)
+        place += 1 + int(row[place])
+    return row[places].astype(np.int64), np.delete(row, places).astype(np.int64)
+
+
+def surface_polygons(blocks: Iterable[tuple[str, Any]]) -> tuple[IntArray, IntArray]:
+    """Return the polygons among cells or, where there are none, those around the solid ones.
+
+    Parameters
+    ----------
+    blocks : iterable of (kind, cells)
+        Cells of a kind, by the names of meshio ("triangle", "quad8", "polygon", "tetra10"): arrays
+        with a row a cell, or sequences of rows. Other kinds are passed over.
+
+    Returns
+    -------
+    sizes, corners : ndarray of int64
+        None where there is neither surface nor solid. The solids' surface is seen from outside:
+        the faces that only one cell has.
+    """
+    cells = [(kind, data) for kind, data in blocks if len(data)]
+    polygons = [_polygons(kind, data) for kind, data in cells]
+    if not any(len(sizes) for sizes, _ in polygons):
+        polygons = _boundary([(kind, data) for kind, data in cells if _family(kind, SOLID_CELLS)])
+    nothing = np.zeros(0, dtype=np.int64)
+    return (
+        np.concatenate([nothing, *(sizes for sizes, _ in polygons)]),
+        np.concatenate([nothing, *(corners for _, corners in polygons)]),
+    )
+
+
+def _family(kind: str, families: dict[str, Any]) -> str | None:
+    """Return the cell without its number of nodes: "triangle6" is a "triangle"."""
+    name = kind.rstrip("0123456789")
+    return name if name in families else None
+
+
+def _polygons(kind: str, data: Any) -> tuple[IntArray, IntArray]:
+    if kind.startswith("polygon"):
+        sizes = np.array([len(row) for row in data], dtype=np.int64)
+        return sizes, np.concatenate([np.asarray(row, dtype=np.int64) for row in data])
+    family = _family(kind, PLANE_CELLS)
+    if family is None:
+        return np.zeros(0, dtype=np.int64), np.zeros(0, dtype=np.int64)
+    return _rows(np.asarray(data, dtype=np.int64)[:, : PLANE_CELLS[family]])
+
+
+def _rows(table: IntArray) -> tuple[IntArray, IntArray]:
+    """Return polygons that all have the same number of corners."""
+    return np.full(len(table), table.shape[1], dtype=np.int64), table.ravel()
+
+
+def _boundary(solids: list[tuple[str, Any]]) -> list[tuple[IntArray, IntArray]]:
+    """Return the faces that only one solid cell has."""
+    faces: dict[int, list[IntArray]] = {3: [], 4: []}
+    for kind, data in solids:
+        cells = np.asarray(data, dtype=np.int64)
+        for face in SOLID_CELLS[_family(kind, SOLID_CELLS) or ""]:
+            faces[len(face)].append(cells[:, face])
+    boundary = []
+    for some in faces.values():
+        if some:
+            rows = np.concatenate(some)
+            _, which, counts = np.unique(
+                np.sort(rows, axis=1), axis=0, return_inverse=True, return_counts=True
+            )
+            boundary.append(_rows(rows[counts[which.ravel()] == 1]))
+    return boundary

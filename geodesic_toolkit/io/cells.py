@@ -1,0 +1,60 @@
+"""Finite-element meshes through meshio: mesh (Medit), msh (Gmsh), vtu and vtk grids."""
+
+import contextlib
+import io
+import threading
+from pathlib import Path
+
+import numpy as np
+
+from geodesic_toolkit.domains import Domain, PointCloud, TriangleMesh
+from geodesic_toolkit.errors import ReadError
+from geodesic_toolkit.geometry.polygons import surface_polygons
+from geodesic_toolkit.io.common import optional_package, triangulate, warn
+
+__all__ = ["read_cells", "read_medit", "read_msh", "read_vtu"]
+
+ALONE = threading.Lock()
+"""Standard error belongs to the process: one thread at a time catches what meshio prints there."""
+
+
+def read_medit(path: Path) -> Domain:
+    """Read a Medit .mesh file."""
+    return read_cells(path, "medit")
+
+
+def read_msh(path: Path) -> Domain:
+    """Read a Gmsh .msh file."""
+    return read_cells(path, "gmsh")
+
+
+def read_vtu(path: Path) -> Domain:
+    """Read a VTK XML file of an unstructured grid."""
+    return read_cells(path, "vtu")
+
+
+def read_cells(path: Path, form: str) -> Domain:
+    """Read the surface of a mesh, where it has one, or that of its solid cells.
+
+    `form` is the name of meshio's module for the format.
+    """
+    # The format's own module: meshio.read ends the process where a file is not what it says.
+    module = optional_package(f"meshio.{form}", path.suffix[1:].lower())
+    said = io.StringIO()
+    with ALONE, contextlib.redirect_stderr(said):
+        mesh = module.read(str(path))
+    if remarks := " ".join(said.getvalue().split()):
+        warn(path, f"meshio says: {remarks[:300]}")
+    points = np.asarray(mesh.points, dtype=np.float64)
+    if points.ndim == 2 and points.shape[1] == 2:
+        points = np.column_stack([points, np.zeros(len(points))])
+    blocks = [(str(block.type), block.data) for block in mesh.cells]
+    sizes, corners = surface_polygons(blocks)
+    if len(sizes):
+        return TriangleMesh(points, triangulate(path, sizes, corners))
+    kinds = sorted({kind for kind, _ in blocks})
+    if kinds == ["vertex"]:
+        return PointCloud(points)
+    raise ReadError(
+        f"no surface and no solid: the cells are {', '.join(kinds) or 'of no known kind'}"
+    )

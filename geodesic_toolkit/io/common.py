@@ -1,0 +1,152 @@
+"""What the readers share: numbers from text, fans of polygons, optional packages."""
+
+import importlib
+from collections.abc import Iterable, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from geodesic_toolkit import _warning
+from geodesic_toolkit._typing import FloatArray, IntArray
+from geodesic_toolkit.domains import Domain, PointCloud, TriangleMesh
+from geodesic_toolkit.errors import (
+    InvalidDomainError,
+    MissingDependencyError,
+    ReadError,
+    ReadWarning,
+)
+from geodesic_toolkit.geometry.polygons import fan_triangles
+
+__all__ = [
+    "cloud",
+    "floats",
+    "integers",
+    "optional_package",
+    "surface",
+    "text_of",
+    "triangulate",
+    "warn",
+    "whole_numbers",
+]
+
+BYTE_ORDER_MARK = b"\xef\xbb\xbf"
+
+
+def text_of(path: Path) -> bytes:
+    """Return the contents of a text file, as bytes: numbers need no decoding.
+
+    Raises
+    ------
+    ReadError
+        It is binary.
+    """
+    text = path.read_bytes()
+    if b"\0" in text:
+        raise ReadError("binary, where text is expected")
+    return text.removeprefix(BYTE_ORDER_MARK)
+
+
+def floats(tokens: Sequence[bytes], what: str) -> FloatArray:
+    """Return the tokens as an array of float64; `what` names them in the message."""
+    try:
+        return np.fromiter(map(float, tokens), np.float64, len(tokens))
+    except ValueError as error:
+        raise ReadError(f"{what} must be numbers ({_first_bad(tokens, float)})") from error
+
+
+def integers(tokens: Sequence[bytes], what: str) -> IntArray:
+    """Return the tokens as an array of int64; `what` names them in the message."""
+    try:
+        return np.fromiter(map(int, tokens), np.int64, len(tokens))
+    except (ValueError, OverflowError) as error:
+        raise ReadError(f"{what} must be integers ({_first_bad(tokens, int)})") from error
+
+
+def _first_bad(tokens: Iterable[bytes], convert: Any) -> str:
+    for token in tokens:
+        try:
+            np.int64(convert(token)) if convert is int else convert(token)
+        except (ValueError, OverflowError):
+            return f"found {token[:40].decode('ascii', 'backslashreplace')!r}"
+    return "found something else"  # pragma: no cover - a token was bad a moment ago
+
+
+def whole_numbers(values: NDArray[Any], what: str) -> IntArray:
+    """Return an array of numbers as int64.
+
+    Raises
+    ------
+    ReadError
+        They are not whole, or too large.
+    """
+    if values.dtype.kind == "f":
+        good = (np.abs(values) < 2.0**53) & (values == np.floor(values))
+        if not good.all():
+            raise ReadError(f"{what} must be whole numbers (found {values[~good].flat[0]})")
+    return values.astype(np.int64)
+
+
+def triangulate(path: Path, sizes: IntArray, corners: IntArray) -> IntArray:
+    """Split polygons into the fans of their first corners; warns where there were any.
+
+    Parameters
+    ----------
+    path : Path
+        Named in the warning.
+    sizes : ndarray of shape (P,), int64
+        Corners of each polygon.
+    corners : ndarray of shape (sizes.sum(),), int64
+        Their vertex indices, polygon by polygon.
+
+    Returns
+    -------
+    ndarray of shape (F, 3), int64
+        The triangles of a polygon follow each other.
+    """
+    faces, remarks = fan_triangles(sizes, corners)
+    for remark in remarks:
+        warn(path, remark)
+    return faces
+
+
+def surface(path: Path, vertices: ArrayLike, sizes: IntArray, corners: IntArray) -> Domain:
+    """Return the mesh of some polygons, or the cloud where there are none."""
+    if len(sizes) == 0:
+        return PointCloud(vertices)
+    return TriangleMesh(vertices, triangulate(path, sizes, corners))
+
+
+def cloud(path: Path, points: ArrayLike, normals: ArrayLike | None) -> PointCloud:
+    """Return a point cloud, without the normals where they are not usable (with a warning)."""
+    points_alone = PointCloud(points)
+    if normals is None:
+        return points_alone
+    try:
+        return PointCloud(points, normals)
+    except InvalidDomainError as error:
+        warn(path, f"the normals of the file were left out: {str(error).partition(';')[0]}")
+        return points_alone
+
+
+def warn(path: Path, text: str) -> None:
+    """Issue a ReadWarning that names the file, and the line outside this package that reads it."""
+    _warning.warn(f"{path.name}: {text}", ReadWarning)
+
+
+def optional_package(name: str, suffix: str) -> Any:
+    """Import a package, or a module of one, of the extra ``io``.
+
+    Raises
+    ------
+    MissingDependencyError
+        It is not installed.
+    """
+    try:
+        return importlib.import_module(name)
+    except ImportError as error:
+        package = name.partition(".")[0]
+        raise MissingDependencyError(
+            f'reading .{suffix} files needs {package}: pip install "geodesic-toolkit[io]"'
+        ) from error

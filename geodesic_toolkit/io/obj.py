@@ -1,0 +1,57 @@
+"""Wavefront OBJ.
+
+Only positions and the positions' indices of faces are read: a corner's texture and normal
+indices, which make other readers split vertices along seams, do not cut the surface.
+"""
+
+import re
+from pathlib import Path
+
+import numpy as np
+
+from geodesic_toolkit.domains import Domain, TriangleMesh
+from geodesic_toolkit.errors import ReadError
+from geodesic_toolkit.io.common import cloud, floats, integers, text_of, triangulate
+
+__all__ = ["read_obj"]
+
+
+def read_obj(path: Path) -> Domain:
+    """Read an OBJ file: its ``v`` and ``f`` lines, ``vn`` where it has points only."""
+    text = re.sub(rb"\\\r?\n", b" ", text_of(path))
+    coordinates: list[bytes] = []
+    normals: list[bytes] = []
+    corners: list[bytes] = []
+    sizes: list[int] = []
+    seen: list[int] = []  # vertices before each face, from which negative indices count back
+    for line in text.splitlines():
+        keyword, *words = line.partition(b"#")[0].split() or [b""]
+        if keyword == b"v":
+            if len(words) < 3:
+                raise ReadError(
+                    f"vertex {len(coordinates) // 3} has {len(words)} coordinates, not 3"
+                )
+            coordinates += words[:3]
+        elif keyword == b"f":
+            corners += words
+            sizes.append(len(words))
+            seen.append(len(coordinates) // 3)
+        elif keyword == b"vn" and len(words) >= 3:
+            normals += words[:3]
+    if not coordinates:
+        raise ReadError("not an OBJ file, or one without vertices")
+    vertices = floats(coordinates, "vertex coordinates").reshape(-1, 3)
+    if not sizes:
+        paired = len(normals) == len(coordinates)
+        return cloud(path, vertices, floats(normals, "normals").reshape(-1, 3) if paired else None)
+    numbers = integers([corner.partition(b"/")[0] for corner in corners], "the corners of faces")
+    counts = np.array(sizes, dtype=np.int64)
+    owner = np.repeat(np.arange(len(counts)), counts)
+    indices = np.where(numbers < 0, numbers + np.array(seen, dtype=np.int64)[owner], numbers - 1)
+    outside = np.flatnonzero((indices < 0) | (indices >= len(vertices)))
+    if len(outside):
+        raise ReadError(
+            f"face {owner[outside[0]]} refers to vertex {numbers[outside[0]]}; there are "
+            f"{len(vertices)}, numbered from 1, or from -1 backwards"
+        )
+    return TriangleMesh(vertices, triangulate(path, counts, indices))

@@ -1,0 +1,180 @@
+"""PCD, the Point Cloud Library's format: text, binary and compressed.
+
+Our own reader rather than Open3D's: it keeps missing points and float64 coordinates, and does not
+need Open3D's system libraries.
+"""
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from geodesic_toolkit._typing import FloatArray
+from geodesic_toolkit.domains import PointCloud
+from geodesic_toolkit.errors import ReadError
+from geodesic_toolkit.io.common import cloud, floats
+
+__all__ = ["read_pcd"]
+
+SIZES = {"F": {4, 8}, "I": {1, 2, 4, 8}, "U": {1, 2, 4, 8}}
+LONGEST_HEADER = 1 << 16
+
+
+def read_pcd(path: Path) -> PointCloud:
+    """Read a PCD file; points that are NaN stay, as missing ones."""
+    data = path.read_bytes()
+    header, form, start = _header(data)
+    n_points = _n_points(header)
+    layout = _layout(header)
+    if form == "ascii":
+        columns = _text(data[start:], layout, n_points)
+    elif form == "binary":
+        columns = _rows(data[start:], layout, n_points)
+    else:
+        columns = _compressed(data[start:], layout, n_points)
+    points = _triple(columns, ("x", "y", "z"))
+    if points is None:
+        raise ReadError(f"the fields are {' '.join(header['FIELDS'])[:80]}: no x, y and z")
+    return cloud(path, points, _triple(columns, ("normal_x", "normal_y", "normal_z")))
+
+
+def _triple(columns: dict[str, Any], names: tuple[str, str, str]) -> FloatArray | None:
+    if not columns.keys() >= set(names):
+        return None
+    return np.column_stack([columns[name] for name in names]).astype(np.float64)
+
+
+def _header(data: bytes) -> tuple[dict[str, list[str]], str, int]:
+    """Return the lines of the header by their keyword, the form of the data, and their start."""
+    header: dict[str, list[str]] = {}
+    at = 0
+    while 0 <= (end := data.find(b"\n", at)) < LONGEST_HEADER:
+        keyword, *words = data[at:end].decode("latin-1").split() or ["#"]
+        at = end + 1
+        if keyword.startswith("#"):
+            continue
+        header[keyword.upper()] = words
+        if keyword.upper() == "DATA":
+            form = " ".join(words).lower()
+            if form not in {"ascii", "binary", "binary_compressed"}:
+                raise ReadError(f"PCD data of the form {form[:40]!r} are not known")
+            header["FIELDS"] = header.get("FIELDS", header.get("COLUMNS", []))
+            return header, form, at
+    raise ReadError("not a PCD file: its header has no DATA line")
+
+
+def _n_points(header: dict[str, list[str]]) -> int:
+    try:
+        if "POINTS" in header:
+            (n_points,) = map(int, header["POINTS"])
+        else:
+            n_points = int(header["WIDTH"][0]) * int(header.get("HEIGHT", ["1"])[0])
+    except (ValueError, LookupError) as error:
+        raise ReadError("the header does not say how many points there are") from error
+    if not 0 < n_points < 2**48:
+        raise ReadError(f"the header announces {n_points} points")
+    return n_points
+
+
+def _layout(header: dict[str, list[str]]) -> list[tuple[str, np.dtype[Any], int]]:
+    """Return name, type and number of entries of each field."""
+    names = header["FIELDS"]
+    counts = header.get("COUNT", ["1"] * len(names))
+    sizes, kinds = header.get("SIZE", []), header.get("TYPE", [])
+    if not names or not len(names) == len(sizes) == len(kinds) == len(counts):
+        raise ReadError("FIELDS, SIZE, TYPE and COUNT of the header do not go together")
+    layout = []
+    for name, size, kind, count in zip(names, sizes, kinds, counts, strict=True):
+        if not (size.isdecimal() and int(size) in SIZES.get(kind.upper(), ())):
+            raise ReadError(f"field {name[:40]!r} has type {kind[:8]!r} of size {size[:8]!r}")
+        if not (count.isdecimal() and int(count) < 2**20):
+            raise ReadError(f"field {name[:40]!r} has count {count[:8]!r}")
+        layout.append((name, np.dtype(f"<{kind.lower()}{size}"), int(count)))
+    return layout
+
+
+def _text(
+    text: bytes, layout: list[tuple[str, np.dtype[Any], int]], n_points: int
+) -> dict[str, Any]:
+    width = sum(count for _, _, count in layout)
+    tokens = text.split()
+    if len(tokens) < n_points * width:
+        raise ReadError(f"the file ends before its {n_points} points do")
+    table = floats(tokens[: n_points * width], "the fields").reshape(n_points, width)
+    starts = np.cumsum([0] + [count for _, _, count in layout])
+    return {
+        name: table[:, start]
+        for (name, _, count), start in zip(layout, starts.tolist(), strict=False)
+        if count == 1
+    }
+
+
+def _rows(
+    data: bytes, layout: list[tuple[str, np.dtype[Any], int]], n_points: int
+) -> dict[str, Any]:
+    """Take the fields of data that hold one point after the other."""
+    row = np.dtype([(f"field{i}", kind, (count,)) for i, (_, kind, count) in enumerate(layout)])
+    if n_points * row.itemsize > len(data):
+        raise ReadError(f"the file ends before its {n_points} points do")
+    table = np.frombuffer(data, row, n_points)
+    return {
+        name: table[f"field{i}"][:, 0] for i, (name, _, count) in enumerate(layout) if count == 1
+    }
+
+
+def _compressed(
+    data: bytes, layout: list[tuple[str, np.dtype[Any], int]], n_points: int
+) -> dict[str, Any]:
+    """Take the fields of compressed data, which hold one field after the other."""
+    packed = int.from_bytes(data[:4], "little")
+    size = int.from_bytes(data[4:8], "little")
+    if len(data) < 8 + packed:
+        raise ReadError("the file ends before its compressed points do")
+    if size != n_points * sum(kind.itemsize * count for _, kind, count in layout):
+        raise ReadError(
+            f"the compressed data announce {size} bytes: not those of {n_points} points"
+        )
+    unpacked = _unpack(data[8 : 8 + packed], size)
+    columns, at = {}, 0
+    for name, kind, count in layout:
+        if count == 1:
+            columns[name] = np.frombuffer(unpacked, kind, n_points, at)
+        at += n_points * count * kind.itemsize
+    return columns
+
+
+def _unpack(packed: bytes, size: int) -> bytes:
+    """Undo the compression of liblzf: literal bytes, and repetitions of what came before."""
+    out = bytearray()
+    at, end = 0, len(packed)
+    try:
+        while at < end and len(out) <= size:
+            control = packed[at]
+            at += 1
+            if control < 32:
+                out += packed[at : at + control + 1]
+                at += control + 1
+                continue
+            length = control >> 5
+            if length == 7:
+                length += packed[at]
+                at += 1
+            back = ((control & 31) << 8) + packed[at] + 1
+            at += 1
+            length += 2
+            start = len(out) - back
+            if start < 0:
+                raise ReadError(
+                    "the compressed points are damaged: they refer to before their start"
+                )
+            if back >= length:
+                out += out[start : start + length]
+            else:  # the repetition runs into itself
+                out += (out[start:] * (length // back + 1))[:length]
+    except IndexError as error:
+        raise ReadError(
+            "the compressed points are damaged: they end within a repetition"
+        ) from error
+    if len(out) != size:
+        raise ReadError(f"the compressed points are damaged: {len(out)} bytes, not {size}")
+    return bytes(out)

@@ -1,0 +1,128 @@
+"""`read`: from a path to a domain, by the file's suffix."""
+
+import os
+from pathlib import Path
+
+from geodesic_toolkit.catalog import readers
+from geodesic_toolkit.domains import Domain
+from geodesic_toolkit.errors import (
+    GeodesicError,
+    InvalidDomainError,
+    NotEnoughMemoryError,
+    ReadError,
+    UnknownPluginError,
+)
+
+__all__ = ["check_file", "one_line", "read"]
+
+LONGEST_REASON = 300
+"""Characters of a foreign error's text that a message repeats."""
+
+
+def read(path: str | os.PathLike[str]) -> Domain:
+    """Read a mesh, point cloud or graph from a file.
+
+    The suffix chooses the reader among those registered in ``gt.readers``, where other
+    distributions may add theirs (entry points of the group ``geodesic_toolkit.readers``: functions
+    from a path to a domain). Vertex indices are those of the file: nothing is merged or dropped,
+    but for what is listed here.
+
+    ============================ ======================================================
+    off, obj, ply, stl, glb,     a :class:`TriangleMesh`; off, obj, ply and glb without
+    gltf                         faces are a :class:`PointCloud`. An STL has corners only:
+                                 equal ones are one vertex, in the order of first use
+    mesh, msh, vtk, vtu          a :class:`TriangleMesh`, of a solid the surface (meshio)
+    gii                          a :class:`TriangleMesh` (nibabel)
+    pcd, xyz, pts, las, laz      a :class:`PointCloud`, missing points (NaN) kept (laspy
+                                 for the last two)
+    mtx, npz, edges, edgelist    a :class:`Graph`: entries of a sparse matrix, or rows
+                                 ``i j length`` counted from 0, are edge lengths; an npz
+                                 may also hold ``vertices`` and ``faces``, or ``points``
+                                 and ``normals``
+    ============================ ======================================================
+
+    Parameters
+    ----------
+    path : str or path-like
+
+    Returns
+    -------
+    Domain
+        With positions and lengths in the unit of the file.
+
+    Raises
+    ------
+    ReadError
+        No such file, no reader for its suffix, or contents that are not a shape: the message
+        names the file and what is wrong in it.
+    MissingDependencyError
+        The format needs a package that is not installed.
+    NotEnoughMemoryError
+        The shape does not fit into memory.
+    PluginLoadError, PluginConflictError
+        The reader is a plugin that does not load, or two distributions bring one.
+
+    Warns
+    -----
+    ReadWarning
+        Polygons were split into triangles (fans from their first corner), normals left out
+        because they are not usable, or a surface is cut where the format repeats vertices.
+
+    Examples
+    --------
+    >>> import pathlib, tempfile
+    >>> import geodesic_toolkit as gt
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     path = pathlib.Path(folder, "triangle.off")
+    ...     _ = path.write_text("OFF 3 1 0   0 0 0   1 0 0   0 1 0   3 0 1 2")
+    ...     gt.read(path)
+    TriangleMesh(3 vertices, 1 face)
+    """
+    file = Path(path)
+    check_file(file)
+    suffix = file.suffix[1:].lower()
+    try:
+        reader = readers[suffix]
+    except UnknownPluginError as error:
+        unknown = f"there is no reader for .{suffix}" if suffix else "it has no suffix"
+        raise ReadError(f"{file}: {unknown}; can be read: {', '.join(readers)}") from error
+    try:
+        domain = reader(file)
+    except (ReadError, InvalidDomainError) as error:
+        raise ReadError(f"{file}: {one_line(error)}") from error
+    except GeodesicError:
+        raise
+    except MemoryError as error:
+        raise NotEnoughMemoryError(f"{file}: the shape does not fit into memory") from error
+    except Exception as error:  # parsers meet garbage with whatever exception it trips them into
+        raise ReadError(
+            f"{file}: damaged, or not a .{suffix} file ({type(error).__name__}: {one_line(error)})"
+        ) from error
+    if not isinstance(domain, Domain):
+        raise ReadError(
+            f"{file}: the reader of .{suffix} returned {type(domain).__name__}, no domain"
+        )
+    return domain
+
+
+def check_file(file: Path) -> None:
+    """Raise where there is no file to open; devices and pipes might never end."""
+    try:
+        if file.is_dir():
+            raise ReadError(f"{file} is a directory, not a file")
+        if not file.exists():
+            raise ReadError(f"{file} does not exist")
+        if not file.is_file():
+            raise ReadError(f"{file} is not a regular file")
+        if file.stat().st_size == 0:
+            raise ReadError(f"{file} is empty")
+    except (OSError, ValueError) as error:  # ValueError: a NUL in the path, or ours from above
+        if isinstance(error, ReadError):
+            raise
+        raise ReadError(f"{str(file)!r} cannot be opened: {one_line(error)}") from error
+
+
+def one_line(error: BaseException) -> str:
+    """Return the text of an error on one line, cut where it is endless."""
+    text = " ".join(str(error).split())
+    return text if len(text) <= LONGEST_REASON else text[:LONGEST_REASON] + " ..."

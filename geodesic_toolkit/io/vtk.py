@@ -1,0 +1,127 @@
+"""Legacy VTK files: polygonal surfaces by our own reader, grids through meshio.
+
+The former are what surfaces are saved as, and the one kind that meshio does not know.
+"""
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from geodesic_toolkit._typing import IntArray
+from geodesic_toolkit.domains import Domain, PointCloud, TriangleMesh
+from geodesic_toolkit.errors import ReadError
+from geodesic_toolkit.geometry.polygons import strip_triangles
+from geodesic_toolkit.io.cells import read_cells
+from geodesic_toolkit.io.common import floats, triangulate, whole_numbers
+
+__all__ = ["read_vtk"]
+
+TYPES = {
+    "char": "i1", "unsigned_char": "u1", "short": "i2", "unsigned_short": "u2",
+    "int": "i4", "unsigned_int": "u4", "long": "i8", "unsigned_long": "u8",
+    "vtkidtype": "i4", "vtktypeint64": "i8", "float": "f4", "double": "f8",
+}  # fmt: skip
+CELLS = {"VERTICES", "LINES", "POLYGONS", "TRIANGLE_STRIPS"}
+ATTRIBUTES = {"POINT_DATA", "CELL_DATA", "FIELD"}
+
+
+def read_vtk(path: Path) -> Domain:
+    """Read a legacy VTK file: polygons and strips of triangles, or points alone, or a grid."""
+    data = path.read_bytes()
+    head = data[:2048].decode("latin-1").splitlines()[:4]
+    if len(head) < 4 or not head[0].lower().startswith("# vtk datafile version"):
+        raise ReadError('not a VTK file: it does not begin with "# vtk DataFile Version"')
+    if head[3].upper().split() != ["DATASET", "POLYDATA"]:
+        return read_cells(path, "vtk")
+    cursor = _Cursor(data, binary=head[2].strip().upper() == "BINARY")
+    for _ in range(4):
+        cursor.words()
+    points, faces = None, []
+    while (words := cursor.words()) and words[0].upper() not in ATTRIBUTES:
+        match [words[0].upper(), *words[1:]]:
+            case ["POINTS", number, kind]:
+                points = cursor.numbers(3 * _count(number), kind).reshape(-1, 3)
+            case [section, number, size] if section in CELLS:
+                sizes, corners = cursor.cells(_count(number), _count(size))
+                if section == "POLYGONS" and len(sizes):
+                    faces.append(triangulate(path, sizes, corners))
+                elif section == "TRIANGLE_STRIPS":
+                    faces.append(strip_triangles(sizes, corners))
+            case _:
+                pass  # METADATA and its lines
+    if points is None:
+        raise ReadError("the VTK file has no points")
+    return TriangleMesh(points, np.concatenate(faces)) if faces else PointCloud(points)
+
+
+def _count(word: str) -> int:
+    if not (word.isascii() and word.isdigit() and len(word) < 19):
+        raise ReadError(f"a number of entries is {word[:40]!r}")
+    return int(word)
+
+
+class _Cursor:
+    """A place in the file, which moves on with what is read."""
+
+    def __init__(self, data: bytes, *, binary: bool) -> None:
+        self.data, self.binary, self.at = data, binary, 0
+
+    def words(self) -> list[str]:
+        """Return the words of the next line that has any; none at the end of the file."""
+        while self.at < len(self.data):
+            end = self.data.find(b"\n", self.at)
+            end = len(self.data) if end < 0 else end
+            words = self.data[self.at : end].decode("latin-1").split()
+            self.at = end + 1
+            if words:
+                return words
+        return []
+
+    def numbers(self, n: int, kind: str) -> NDArray[Any]:
+        """Return the next `n` numbers of the type that VTK calls `kind`."""
+        if kind.lower() not in TYPES:
+            raise ReadError(f"numbers of type {kind[:40]!r} are not known")
+        code = TYPES[kind.lower()]
+        early = ReadError(f"the file ends before {n} numbers that it announces")
+        if n * (int(code[1]) if self.binary else 1) > len(self.data) - self.at:
+            raise early
+        if self.binary:
+            values = np.frombuffer(self.data, ">" + code, n, self.at)
+            self.at += values.nbytes
+            return values
+        tokens = self.data[self.at :].split(maxsplit=n)
+        if len(tokens) < n:
+            raise early
+        self.at = len(self.data) - (len(tokens[n]) if len(tokens) > n else 0)
+        return floats(tokens[:n], "the numbers of the file")
+
+    def cells(self, n: int, size: int) -> tuple[IntArray, IntArray]:
+        """Return the sizes of cells and their corners.
+
+        From version 5 on they are stored as offsets and corners, before as each size with its
+        corners behind it.
+        """
+        at = self.at
+        match self.words():
+            case ["OFFSETS", kind]:
+                offsets = whole_numbers(self.numbers(n, kind), "offsets of cells")
+                words = self.words()
+                if words[:1] != ["CONNECTIVITY"] or len(words) != 2:
+                    raise ReadError("offsets of cells without their corners")
+                corners = whole_numbers(self.numbers(size, words[1]), "corners of cells")
+                sizes = np.diff(offsets)
+                if (sizes < 0).any() or (len(offsets) and (offsets[0], offsets[-1]) != (0, size)):
+                    raise ReadError("the offsets of cells do not go together with their corners")
+                return sizes, corners
+        self.at = at
+        row = whole_numbers(self.numbers(size, "int"), "corners of cells")
+        lengths, places, place = [], [], 0
+        for _ in range(n):
+            if place >= size or not 0 <= row[place] < size - place:
+                raise ReadError("the sizes of cells do not go together with their number")
+            lengths.append(int(row[place]))
+            places.append(place)
+            place += 1 + lengths[-1]
+        return np.array(lengths, dtype=np.int64), np.delete(row[:place], places)

@@ -1,0 +1,304 @@
+"""The Laplacian of point clouds: local Delaunay stars, assembled like a triangle mesh."""
+
+import warnings
+from dataclasses import dataclass
+from typing import Any, ClassVar, Literal, final
+
+import numpy as np
+
+from geodesic_toolkit._typing import BoolArray, FloatArray, IntArray
+from geodesic_toolkit.discretization import Discretization, ElementGradient
+from geodesic_toolkit.domains import Domain, PointCloud
+from geodesic_toolkit.errors import InvalidOptionError, MissingDependencyError, NormalsWarning
+from geodesic_toolkit.geometry.neighbours import distinct_points, nearest_neighbours, normalised
+from geodesic_toolkit.geometry.normals import open3d_normals, pca_normals
+from geodesic_toolkit.geometry.triangles import face_areas, hat_gradients
+from geodesic_toolkit.laplacians.base import LaplaceOperator
+from geodesic_toolkit.positivity import positive_part
+
+__all__ = ["PointCloudLaplacian"]
+
+DEFAULT_K = 20
+"""Neighbours that a star begins with: a ball of 2.5 spacings, which holds nearly every star."""
+
+NORMAL_NEIGHBOURS = 12
+"""Neighbours that a normal is estimated from. Measured: more of them see the other leg of a
+U-shaped sheet at a gap of 4 spacings from its corners; noise of half a spacing needs no more."""
+
+TIE_LENGTH = 1e-9
+"""Distance of duplicates from their representative, in spacings."""
+
+TIE_WEIGHT = 1e6
+"""Stiffness between them; ordinary edges have about 1."""
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class PointCloudLaplacian(LaplaceOperator):
+    """Laplacian of a point cloud: the triangles of local Delaunay stars, a third each.
+
+    Every point is surrounded by triangles in its tangent plane: the star of the Delaunay
+    triangulation of its neighbours there. A triangle belongs to the stars of its three corners, so
+    each counts a third, in stiffness, gradient and mass; from there on it is the mesh's
+    ``L = Gᵀ W G``, positive semidefinite (L = -Δ). Noise along the normals does not lengthen
+    distances, because triangles are measured along the tangent planes.
+
+    Neighbours at more than 45° from the tangent plane, and those whose given normal faces the
+    other way, lie on another sheet and do not count.
+
+    Parameters
+    ----------
+    k : int, optional
+        Neighbours that a star begins with; up to twice as many are taken where these do not settle
+        it. By default 20, or all where the cloud has fewer.
+    normals : {"auto", "open3d", "pca"}
+        Who estimates the normals of a cloud that comes without: Open3D, our own principal
+        components, or Open3D where it can be imported. Given normals are used as they are.
+
+    Raises
+    ------
+    InvalidOptionError
+        A value outside the ones above, or a k below 3.
+
+    References
+    ----------
+    N. Sharp, K. Crane, *A Laplacian for Nonmanifold Triangle Meshes*, Computer Graphics Forum 39,
+    2020, section 5.7, https://doi.org/10.1111/cgf.14069
+
+    K. Crane, C. Weischedel, M. Wardetzky, *Geodesics in Heat*, 2013, section 3.2.3,
+    https://doi.org/10.1145/2516971.2516977
+
+    Examples
+    --------
+    >>> import geodesic_toolkit as gt
+    >>> cloud = gt.PointCloud(gt.testing.shapes.icosphere(3).vertices)
+    >>> sphere = gt.PointCloudLaplacian(normals="pca").assemble(cloud)
+    >>> round(float(sphere.mass.sum()), 1)  # 4π
+    12.5
+    >>> sphere.notes["normals"], sphere.notes["k"]
+    ('pca', 20)
+    """
+
+    k: int | None = None
+    normals: Literal["auto", "open3d", "pca"] = "auto"
+
+    domains: ClassVar[tuple[type[Domain], ...]] = (PointCloud,)
+    references: ClassVar[tuple[str, ...]] = ("10.1111/cgf.14069", "10.1145/2516971.2516977")
+
+    def __post_init__(self) -> None:
+        whole = isinstance(self.k, int | np.integer) and not isinstance(self.k, bool)
+        if self.k is not None and (not whole or self.k < 3):
+            raise InvalidOptionError(
+                f"k must be a whole number of 3 or more, or None, not {self.k!r}"
+            )
+        if self.normals not in ("auto", "open3d", "pca"):
+            raise InvalidOptionError(
+                f'normals must be "auto", "open3d" or "pca", not {self.normals!r}'
+            )
+
+    def assemble(self, domain: Domain) -> Discretization:
+        """Return the discretization of -Δ (positive semidefinite) on a point cloud.
+
+        Parameters
+        ----------
+        domain : PointCloud
+            Missing points get no mass, and with that the distance ``inf``. Points at the same
+            place share its mass and are tied together. A point that no triangle reaches, as on a
+            curve, is linked to its neighbours on either side.
+
+        Returns
+        -------
+        Discretization
+            Elements whose three vertices differ are triangles, the centre of the star first; the
+            others, of the form (i, j, j), are links and ties. The spacing is the mean length of
+            the spokes of all stars, in the tangent plane. The boundary is where a star is open.
+            The notes hold ``normals`` ("given", "open3d", "pca", or "none" for a cloud of less than
+            three places), ``k``, and the numbers ``missing``, ``duplicates`` and ``links``.
+
+        Raises
+        ------
+        UnsupportedDomainError
+            Another kind of domain.
+        InvalidOptionError
+            An explicit k that the cloud has not as many neighbours for.
+        MissingDependencyError
+            ``normals="open3d"``, and Open3D cannot be imported.
+
+        Warns
+        -----
+        NormalsWarning
+            ``normals="auto"``, and Open3D cannot be imported.
+        """
+        self.check_domain(domain)
+        assert isinstance(domain, PointCloud)  # for the type checker; check_domain has raised
+        everywhere = np.flatnonzero(domain.present)
+        points, scale = normalised(domain.points, domain.present)
+        first, place = distinct_points(points)
+        count = len(first)
+        k = self._neighbours_of(count)
+        points = points[first]
+        normals, whose = self._normals(points, domain, everywhere[first])
+        soup = _soup(points, normals, k, oriented=whose == "given")
+        spacing = soup.spacing * scale if soup.spacing > 0 else 1.0  # one place: there is no length
+
+        representative = everywhere[first]
+        duplicates = np.flatnonzero(first[place] != np.arange(len(place)))
+        ties = np.column_stack([everywhere[first[place[duplicates]]], everywhere[duplicates]])
+        gradient = _with_segments(
+            representative[soup.triangles],
+            soup.frames * scale,
+            [
+                (representative[soup.links], soup.link_lengths * scale, spacing),
+                (ties, np.full(len(ties), TIE_LENGTH * spacing), TIE_WEIGHT * TIE_LENGTH * spacing),
+            ],
+            domain.n_vertices,
+        )
+        area = _areas(soup, count) * scale**2
+        if count == 1:
+            area[:] = spacing**2 if len(duplicates) else 0.0
+        mass = np.zeros(domain.n_vertices)
+        boundary = np.zeros(domain.n_vertices, dtype=np.bool_)
+        mass[everywhere] = (area / np.bincount(place))[place]
+        boundary[everywhere] = soup.boundary[place]
+        notes: dict[str, Any] = {
+            "normals": whose,
+            "k": k,
+            "missing": domain.n_vertices - len(everywhere),
+            "duplicates": len(duplicates),
+            "links": len(soup.links),
+        }
+        return Discretization(
+            mass=mass,
+            stiffness=gradient.stiffness(),
+            gradient=gradient,
+            spacing=spacing,
+            boundary=boundary,
+            notes=notes,
+        )
+
+    def diffusion(self, metric: Discretization) -> Discretization:
+        """Return the positive part of `metric`: stars that disagree have edges of the wrong sign.
+
+        Without it 2 % of a room scan and a tenth of the vertices of a CAD model get heat that is
+        not positive; with it, none.
+        """
+        return positive_part(metric)
+
+    def _neighbours_of(self, count: int) -> int:
+        if self.k is None:
+            return min(DEFAULT_K, count - 1)
+        if self.k > count - 1:
+            raise InvalidOptionError(
+                f"k={self.k} needs {self.k + 1} points at different places; the cloud has {count} "
+                "(leave k out to have it chosen)"
+            )
+        return int(self.k)
+
+    def _normals(
+        self, points: FloatArray, domain: PointCloud, representative: IntArray
+    ) -> tuple[FloatArray, str]:
+        """Return a unit normal for every distinct point, and whose they are."""
+        count = len(points)
+        if domain.normals is not None:
+            return domain.normals[representative], "given"
+        if count < 3:
+            return np.tile([0.0, 0.0, 1.0], (count, 1)), "none"
+        k = min(NORMAL_NEIGHBOURS, count - 1)
+        # Open3D guesses from fewer than four points; three have one plane, whoever finds it.
+        if self.normals != "pca" and count > 3:
+            try:
+                normals = open3d_normals(points, k)
+            except MissingDependencyError as error:
+                if self.normals == "open3d":
+                    raise
+                warnings.warn(
+                    f"{error}; until then normals come from principal components, which "
+                    'PointCloudLaplacian(normals="pca") chooses without this warning',
+                    NormalsWarning,
+                    stacklevel=4,
+                )
+            else:
+                return normals, "open3d"
+        return pca_normals(points, nearest_neighbours(points, k)), "pca"
+
+
+@dataclass(frozen=True)
+class _Soup:
+    """The triangles of all stars, and links to points of none; indices are those of places."""
+
+    triangles: IntArray
+    frames: FloatArray
+    links: IntArray
+    link_lengths: FloatArray
+    spacing: float
+    boundary: BoolArray
+
+
+def _soup(points: FloatArray, normals: FloatArray, k: int, *, oriented: bool) -> _Soup:
+    count = len(points)
+    triangles, frames = np.empty((0, 3), dtype=np.int64), np.empty((0, 3))
+    boundary = np.zeros(count, dtype=np.bool_)
+    links = np.empty((0, 2), dtype=np.int64)
+    if count > 1:
+        from geodesic_toolkit.geometry.stars import delaunay_stars  # compiles by numba
+
+        neighbours = nearest_neighbours(points, min(2 * k, count - 1))
+        triangles, frames, boundary = delaunay_stars(
+            points, normals, neighbours, k=k, oriented=oriented
+        )
+        alone = np.bincount(triangles.ravel(), minlength=count) == 0
+        links = _links(points, neighbours, np.flatnonzero(alone))
+        ends = np.bincount(links.ravel(), minlength=count) == 1
+        boundary = np.where(alone, ends, boundary)
+    steps = points[links[:, 1]] - points[links[:, 0]]
+    lengths = np.sqrt(np.einsum("ed,ed->e", steps, steps))
+    spokes = np.concatenate([frames[:, 0], np.hypot(frames[:, 1], frames[:, 2])])
+    measured = spokes if len(spokes) else lengths
+    spacing = float(measured.mean()) if len(measured) else 0.0
+    return _Soup(triangles, frames, links, lengths, spacing, boundary)
+
+
+def _links(points: FloatArray, neighbours: IntArray, alone: IntArray) -> IntArray:
+    """Return edges (L, 2) from points of no triangle to their nearest neighbours on either side."""
+    near = neighbours[alone]
+    offsets = points[near] - points[alone][:, None]
+    behind = np.einsum("nkd,nd->nk", offsets, offsets[:, 0]) < 0
+    other = near[np.arange(len(alone)), behind.argmax(axis=1)]
+    two_sided = behind.any(axis=1)
+    ends = np.concatenate([near[:, 0], other[two_sided]])
+    starts = np.concatenate([alone, alone[two_sided]])
+    return np.unique(np.sort(np.column_stack([starts, ends]), axis=1), axis=0)
+
+
+def _areas(soup: _Soup, count: int) -> FloatArray:
+    """Return the measure of every place: a third of a third of its triangles, half of its links."""
+    thirds = np.repeat(face_areas(soup.frames) / 9, 3)
+    halves = np.repeat(soup.link_lengths * soup.spacing / 2, 2)
+    area = np.bincount(soup.triangles.ravel(), thirds, minlength=count)
+    return np.asarray(area + np.bincount(soup.links.ravel(), halves, minlength=count))
+
+
+def _with_segments(
+    triangles: IntArray,
+    frames: FloatArray,
+    segments: list[tuple[IntArray, FloatArray, float]],
+    n_vertices: int,
+) -> ElementGradient:
+    """Return the gradient on triangles, a third of each, and on segments of given widths.
+
+    A segment (i, j) is the element (i, j, j) on which the gradient has one component, along it.
+    """
+    elements, coefficients = [triangles], [hat_gradients(frames)]
+    measures = [face_areas(frames) / 3]
+    for ends, lengths, width in segments:
+        slope = np.zeros((len(ends), 2, 3))
+        slope[:, 0, 0], slope[:, 0, 1] = -1 / lengths, 1 / lengths
+        elements.append(ends[:, [0, 1, 1]])
+        coefficients.append(slope)
+        measures.append(lengths * width)
+    return ElementGradient(
+        np.concatenate(elements),
+        np.concatenate(coefficients),
+        np.concatenate(measures),
+        n_vertices,
+    )

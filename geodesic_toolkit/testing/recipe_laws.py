@@ -1,0 +1,96 @@
+"""Laws that every recipe keeps, be it an operator's or a solver's."""
+
+import copy
+import dataclasses
+import pickle
+from collections.abc import Iterable, Sequence
+from typing import Any, Protocol
+
+from geodesic_toolkit.testing.conformance import Measured
+
+__all__ = ["RECIPE_LAWS", "Recipe", "faults"]
+
+
+class Recipe(Protocol):
+    """A subject of checks that holds the recipe under test."""
+
+    @property
+    def recipe(self) -> Any:
+        """The operator or solver."""
+
+
+def faults(found: Sequence[str]) -> Measured:
+    """Return a number of faults, of which none is allowed, with their text."""
+    return Measured(float(len(found)), 0.0, "; ".join(found))
+
+
+def recipe_is_frozen_data(subject: Recipe) -> Iterable[Measured]:
+    """The recipe is a frozen dataclass of options that all have defaults, and names its DOIs."""
+    kind, found = type(subject.recipe), []
+    if not dataclasses.is_dataclass(kind):
+        found.append(f"{kind.__name__} is no dataclass")
+    elif not kind.__dataclass_params__.frozen:  # type: ignore[attr-defined]
+        found.append(f"{kind.__name__} is not frozen")
+    try:
+        kind()
+    except TypeError as error:
+        found.append(f"{kind.__name__}() does not work: {error}")
+    references = kind.references
+    if not (
+        isinstance(references, tuple) and all(str(doi).startswith("10.") for doi in references)
+    ):
+        found.append(
+            f'references must be a tuple of DOIs such as "10.1145/...", not {references!r}'
+        )
+    yield faults(found)
+
+
+def equal_recipes_are_equal(subject: Recipe) -> Iterable[Measured]:
+    """Two recipes of the same options are equal and hash alike."""
+    recipe, found = subject.recipe, []
+    if dataclasses.is_dataclass(recipe) and not isinstance(recipe, type):
+        twin = dataclasses.replace(recipe)
+    else:
+        twin = copy.copy(recipe)
+    if twin != recipe:
+        found.append(f"{twin!r} differs from {recipe!r}")
+    elif hash(twin) != hash(recipe):
+        found.append("equal recipes have different hashes")
+    yield faults(found)
+
+
+def recipe_survives_pickling(subject: Recipe) -> Iterable[Measured]:
+    """The recipe comes back from pickle and from deepcopy as it was: in kind and in options."""
+    recipe, found = subject.recipe, []
+    travelled = {"pickle": pickle.loads(pickle.dumps(recipe)), "deepcopy": copy.deepcopy(recipe)}  # noqa: S301 - made here
+    for way, arrived in travelled.items():
+        if type(arrived) is not type(recipe) or _options(arrived) != _options(recipe):
+            found.append(f"{way} makes {arrived!r} of {recipe!r}")
+    yield faults(found)
+
+
+def repr_says_what_it_is(subject: Recipe) -> Iterable[Measured]:
+    """The repr holds the name of the class and every option that is not at its default."""
+    recipe, text = subject.recipe, repr(subject.recipe)
+    wanted = [type(recipe).__name__]
+    if dataclasses.is_dataclass(recipe):
+        wanted += [
+            f"{option.name}={getattr(recipe, option.name)!r}"
+            for option in dataclasses.fields(recipe)
+            if option.repr and getattr(recipe, option.name) != option.default
+        ]
+    yield faults([f"{part!r} is not in {text!r}" for part in wanted if part not in text])
+
+
+def _options(recipe: Any) -> dict[str, Any]:
+    if not dataclasses.is_dataclass(recipe):
+        return dict(getattr(recipe, "__dict__", {}))
+    return {option.name: getattr(recipe, option.name) for option in dataclasses.fields(recipe)}
+
+
+RECIPE_LAWS = (
+    recipe_is_frozen_data,
+    equal_recipes_are_equal,
+    recipe_survives_pickling,
+    repr_says_what_it_is,
+)

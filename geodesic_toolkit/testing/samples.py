@@ -1,0 +1,421 @@
+"""Domains about which the truth is known: what the checks of an operator measure it on."""
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from geodesic_toolkit._typing import BoolArray, FloatArray, IntArray
+from geodesic_toolkit.domains import Domain, Graph, PointCloud, TriangleMesh
+from geodesic_toolkit.errors import InvalidOptionError
+from geodesic_toolkit.geometry.triangles import edges_of_faces
+from geodesic_toolkit.testing import shapes
+
+__all__ = ["DomainSamples", "Sample", "samples_of"]
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Sample:
+    """A domain about which the truth is known.
+
+    Parameters
+    ----------
+    name : str
+        For reports.
+    domain : Domain
+        Connected, without isolated vertices.
+    dim : int
+        Its dimension: 1 for a curve, 2 for a surface, 3 for a solid.
+    positions : ndarray of shape (N, d)
+        Where its vertices lie in a Euclidean space in which its lengths are measured.
+    source : int
+        A vertex.
+    distance : ndarray of shape (N,)
+        The distance of every vertex from the source, by a closed form.
+    spacing : float
+        Its mean edge length, or what plays that part.
+    measure : float
+        Its length, area or volume.
+    error : float
+        The largest mean relative error of a distance that the contract allows.
+    inner : ndarray of shape (N,), bool, optional
+        On a flat sample, the vertices well away from its boundary; left out where it is curved.
+
+    Examples
+    --------
+    >>> import geodesic_toolkit as gt
+    >>> sample = gt.testing.samples_of([gt.TriangleMesh])[0].families[0][0]
+    >>> sample.dim, float(sample.distance[sample.source])
+    (2, 0.0)
+    """
+
+    name: str
+    domain: Domain
+    dim: int
+    positions: FloatArray
+    source: int
+    distance: FloatArray
+    spacing: float
+    measure: float
+    error: float
+    inner: BoolArray | None = None
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class DomainSamples:
+    """What the checks need to know of one kind of domain.
+
+    The core has them for meshes, clouds and graphs; a plugin that brings a kind of domain of its
+    own passes them as ``samples=``.
+
+    Parameters
+    ----------
+    kind : type
+        The kind of domain.
+    families : sequence of sequences of Sample
+        Each family is one shape, from coarse to fine.
+    generic : Domain
+        A shape without symmetry and without ties, such as equal distances.
+    permuted : callable
+        From a domain and a permutation p to the same domain, its vertex i the old ``p[i]``.
+    united : callable
+        From two domains to one of both, not connected: the vertices of the first come first.
+    isolated : callable
+        From a domain to the same with one more vertex, the last, that nothing connects to.
+    moved : callable, optional
+        From a domain, a rotation matrix (3, 3) and a shift (3,) to the domain so moved; left out
+        where it has no place in space.
+    scaled : callable, optional
+        From a domain and a factor to the domain whose lengths are that many times as large.
+    degenerate : sequence of Domain
+        Valid domains that an operator may find nothing to do on.
+
+    Examples
+    --------
+    >>> import geodesic_toolkit as gt
+    >>> gt.testing.samples_of([gt.Graph])[0].kind
+    <class 'geodesic_toolkit.domains.graph.Graph'>
+    """
+
+    kind: type[Domain]
+    families: Sequence[Sequence[Sample]]
+    generic: Domain
+    permuted: Callable[[Domain, IntArray], Domain]
+    united: Callable[[Domain, Domain], Domain]
+    isolated: Callable[[Domain], Domain]
+    moved: Callable[[Domain, FloatArray, FloatArray], Domain] | None = None
+    scaled: Callable[[Domain, float], Domain] | None = None
+    degenerate: Sequence[Domain] = ()
+
+
+def samples_of(kinds: Sequence[type[Domain]]) -> list[DomainSamples]:
+    """Return the samples that the core has of `kinds` of domain.
+
+    Parameters
+    ----------
+    kinds : sequence of types
+        Kinds of domain, as in ``operator.domains``.
+
+    Returns
+    -------
+    list of DomainSamples
+        One for each kind.
+
+    Raises
+    ------
+    InvalidOptionError
+        A kind that it has none of.
+
+    Examples
+    --------
+    >>> import geodesic_toolkit as gt
+    >>> from geodesic_toolkit.testing.samples import samples_of
+    >>> [len(family) for family in samples_of([gt.TriangleMesh])[0].families]
+    [2, 2]
+    """
+    missing = [kind.__name__ for kind in kinds if kind not in _MAKERS]
+    if missing:
+        raise InvalidOptionError(
+            f"there are no samples of {', '.join(missing)}: pass samples=[DomainSamples(...)]"
+        )
+    return [_MAKERS[kind]() for kind in kinds]
+
+
+MEAN_ERROR = 0.05
+"""Mean relative error allowed at some 20 edges across: a right operator has 0.5 to 3.5 % there."""
+
+SEGMENT_ERROR = 0.01
+"""The same on a segment, where only the ends disturb."""
+
+PLANE = (11, 21)
+"""Vertices along the side of the square, coarse and fine."""
+
+SPHERE = (2, 3)
+"""Levels of the icosphere: 162 and 642 vertices."""
+
+SEGMENT = (17, 65)
+"""Vertices of the segment."""
+
+BESIDE = np.array([10.0, 0.0, 0.0])
+"""Shift that sets one sample well apart from another."""
+
+NOWHERE = [np.nan, 0.0, 0.0]
+"""A missing point."""
+
+
+def _plane(n: int, domain: Domain, spacing: float, positions: FloatArray) -> Sample:
+    """Return the unit square as sampled by `domain`, measured from its middle."""
+    source = int(np.abs(positions - 0.5).sum(axis=1).argmin())
+    return Sample(
+        name=f"plane, {n} x {n} {type(domain).__name__}",
+        domain=domain,
+        dim=2,
+        positions=positions,
+        source=source,
+        distance=np.linalg.norm(positions - positions[source], axis=1),
+        spacing=spacing,
+        measure=1.0,
+        error=MEAN_ERROR,
+        inner=_near_the_middle(positions),
+    )
+
+
+def _near_the_middle(positions: FloatArray) -> BoolArray:
+    inside: BoolArray = np.abs(positions - 0.5).max(axis=1) < 0.3
+    return inside
+
+
+def _sphere(domain: Domain, spacing: float, positions: FloatArray) -> Sample:
+    """Return the unit sphere as sampled by `domain`."""
+    cosine = np.clip(positions @ positions[0], -1.0, 1.0)
+    return Sample(
+        name=f"sphere, {len(positions)} vertices, {type(domain).__name__}",
+        domain=domain,
+        dim=2,
+        positions=positions,
+        source=0,
+        distance=np.arccos(cosine),
+        spacing=spacing,
+        measure=4 * np.pi,
+        error=MEAN_ERROR,
+    )
+
+
+def _segment(n: int) -> Sample:
+    """Return the unit interval as a path."""
+    positions = np.linspace(0.0, 1.0, n)
+    edges = np.column_stack([np.arange(n - 1), np.arange(1, n)])
+    return Sample(
+        name=f"segment, {n} vertices, Graph",
+        domain=Graph(n, edges, np.full(n - 1, 1 / (n - 1))),
+        dim=1,
+        positions=positions[:, None],
+        source=0,
+        distance=positions,
+        spacing=1 / (n - 1),
+        measure=1.0,
+        error=SEGMENT_ERROR,
+        inner=_near_the_middle(positions[:, None]),
+    )
+
+
+def _edge_lengths(mesh: TriangleMesh) -> tuple[IntArray, FloatArray]:
+    edges, _ = edges_of_faces(mesh.faces, mesh.n_vertices)
+    return edges, np.linalg.norm(mesh.vertices[edges[:, 0]] - mesh.vertices[edges[:, 1]], axis=1)
+
+
+def _mesh_edges(mesh: TriangleMesh) -> Graph:
+    return Graph(mesh.n_vertices, *_edge_lengths(mesh))
+
+
+def _lumpy(level: int = 2) -> TriangleMesh:
+    """Return an ellipsoid with lumps: a closed surface without symmetry."""
+    ball = shapes.icosphere(level)
+    x, y, z = ball.vertices.T
+    radius = 1 + 0.1 * np.sin(3 * x + 1) + 0.07 * np.cos(4 * y + z) + 0.05 * np.sin(2 * z + x)
+    return TriangleMesh(ball.vertices * radius[:, None] * [1.0, 0.8, 0.65], ball.faces)
+
+
+def _mesh_samples() -> DomainSamples:
+    squares = [(n, shapes.grid(n)) for n in PLANE]
+    balls = [shapes.icosphere(level) for level in SPHERE]
+    point, line = np.ones((3, 3)), np.outer([0.0, 1.0, 2.0], [1.0, 0.0, 0.0])
+    triangle = np.eye(3)
+    return DomainSamples(
+        kind=TriangleMesh,
+        families=(
+            [
+                _plane(n, m, float(_edge_lengths(m)[1].mean()), m.vertices[:, :2])
+                for n, m in squares
+            ],
+            [_sphere(m, float(_edge_lengths(m)[1].mean()), m.vertices) for m in balls],
+        ),
+        generic=_lumpy(),
+        permuted=_permuted_mesh,
+        united=_united_meshes,
+        isolated=_mesh_and_vertex,
+        moved=_moved_mesh,
+        scaled=_scaled_mesh,
+        degenerate=(
+            TriangleMesh(triangle, [[0, 1, 2]]),
+            TriangleMesh(triangle, [[0, 1, 2], [0, 1, 2], [2, 1, 0]]),
+            TriangleMesh(triangle, [[0, 0, 1], [0, 1, 2]]),
+            TriangleMesh(triangle, [[0, 0, 0]]),
+            TriangleMesh(point, [[0, 1, 2]]),
+            TriangleMesh(line, [[0, 1, 2]]),
+        ),
+    )
+
+
+def _permuted_mesh(domain: Domain, order: IntArray) -> Domain:
+    assert isinstance(domain, TriangleMesh)
+    return TriangleMesh(domain.vertices[order], np.argsort(order)[domain.faces])
+
+
+def _moved_mesh(domain: Domain, rotation: FloatArray, shift: FloatArray) -> Domain:
+    assert isinstance(domain, TriangleMesh)
+    return TriangleMesh(domain.vertices @ rotation.T + shift, domain.faces)
+
+
+def _scaled_mesh(domain: Domain, factor: float) -> Domain:
+    assert isinstance(domain, TriangleMesh)
+    return TriangleMesh(domain.vertices * factor, domain.faces)
+
+
+def _united_meshes(first: Domain, second: Domain) -> Domain:
+    assert isinstance(first, TriangleMesh)
+    assert isinstance(second, TriangleMesh)
+    beside = TriangleMesh(second.vertices + BESIDE, second.faces)
+    return shapes.disjoint_union(first, beside)
+
+
+def _mesh_and_vertex(domain: Domain) -> Domain:
+    assert isinstance(domain, TriangleMesh)
+    return TriangleMesh(np.concatenate([domain.vertices, [[0.1, 0.2, 0.3]]]), domain.faces)
+
+
+def _cloud_samples() -> DomainSamples:
+    squares = [(n, shapes.grid(n)) for n in PLANE]
+    balls = [shapes.icosphere(level) for level in SPHERE]
+    return DomainSamples(
+        kind=PointCloud,
+        families=(
+            [
+                _plane(
+                    n, PointCloud(m.vertices), float(_edge_lengths(m)[1].mean()), m.vertices[:, :2]
+                )
+                for n, m in squares
+            ],
+            [
+                _sphere(PointCloud(m.vertices), float(_edge_lengths(m)[1].mean()), m.vertices)
+                for m in balls
+            ],
+        ),
+        generic=PointCloud(_lumpy().vertices),
+        permuted=_permuted_cloud,
+        united=_united_clouds,
+        isolated=_cloud_and_missing_point,
+        moved=_moved_cloud,
+        scaled=_scaled_cloud,
+        degenerate=(
+            PointCloud([[0, 0, 0]]),
+            PointCloud([[0.0, 0.0, 0.0], NOWHERE]),
+            PointCloud([[0, 0, 0], [1, 0, 0]]),
+            PointCloud([[0, 0, 0], [1, 0, 0], [0, 1, 0]]),
+            PointCloud(np.zeros((40, 3))),
+            PointCloud(np.linspace(0, 1, 40)[:, None] * [1.0, 2.0, 3.0]),
+            PointCloud(np.repeat(shapes.grid(5).vertices, 2, axis=0)),
+        ),
+    )
+
+
+def _permuted_cloud(domain: Domain, order: IntArray) -> Domain:
+    assert isinstance(domain, PointCloud)
+    return PointCloud(domain.points[order])
+
+
+def _moved_cloud(domain: Domain, rotation: FloatArray, shift: FloatArray) -> Domain:
+    assert isinstance(domain, PointCloud)
+    return PointCloud(domain.points @ rotation.T + shift)
+
+
+def _scaled_cloud(domain: Domain, factor: float) -> Domain:
+    assert isinstance(domain, PointCloud)
+    return PointCloud(domain.points * factor)
+
+
+def _united_clouds(first: Domain, second: Domain) -> Domain:
+    assert isinstance(first, PointCloud)
+    assert isinstance(second, PointCloud)
+    return PointCloud(np.concatenate([first.points, second.points + BESIDE]))
+
+
+def _cloud_and_missing_point(domain: Domain) -> Domain:
+    assert isinstance(domain, PointCloud)
+    return PointCloud(np.concatenate([domain.points, [NOWHERE]]))
+
+
+def _graph_samples() -> DomainSamples:
+    squares = [(n, *_lattice(n)) for n in PLANE]
+    balls = [shapes.icosphere(level) for level in SPHERE]
+    return DomainSamples(
+        kind=Graph,
+        families=(
+            [_segment(n) for n in SEGMENT],
+            [_plane(n, graph, 1 / (n - 1), positions) for n, graph, positions in squares],
+            [_sphere(_mesh_edges(m), float(_edge_lengths(m)[1].mean()), m.vertices) for m in balls],
+        ),
+        generic=_mesh_edges(_lumpy()),
+        permuted=_permuted_graph,
+        united=_united_graphs,
+        isolated=_graph_and_vertex,
+        scaled=_scaled_graph,
+        degenerate=(
+            Graph(1, []),
+            Graph(3, []),
+            Graph(2, [[0, 0], [1, 1]]),
+            Graph(2, [[0, 1]]),
+            Graph(3, [[0, 1], [1, 0], [0, 1], [1, 2]], [1.0, 2.0, 3.0, 1.0]),
+        ),
+    )
+
+
+def _lattice(n: int) -> tuple[Graph, FloatArray]:
+    """Return the square grid of n x n vertices on the unit square, without diagonals."""
+    index = np.arange(n * n).reshape(n, n)
+    along = np.column_stack([index[:, :-1].ravel(), index[:, 1:].ravel()])
+    across = np.column_stack([index[:-1].ravel(), index[1:].ravel()])
+    edges = np.concatenate([along, across])
+    return Graph(n * n, edges, np.full(len(edges), 1 / (n - 1))), shapes.grid(n).vertices[:, :2]
+
+
+def _permuted_graph(domain: Domain, order: IntArray) -> Domain:
+    assert isinstance(domain, Graph)
+    return Graph(domain.n_vertices, np.argsort(order)[domain.edges], domain.lengths)
+
+
+def _scaled_graph(domain: Domain, factor: float) -> Domain:
+    assert isinstance(domain, Graph)
+    return Graph(domain.n_vertices, domain.edges, domain.lengths * factor)
+
+
+def _united_graphs(first: Domain, second: Domain) -> Domain:
+    assert isinstance(first, Graph)
+    assert isinstance(second, Graph)
+    return Graph(
+        first.n_vertices + second.n_vertices,
+        np.concatenate([first.edges, second.edges + first.n_vertices]),
+        np.concatenate([first.lengths, second.lengths]),
+    )
+
+
+def _graph_and_vertex(domain: Domain) -> Domain:
+    assert isinstance(domain, Graph)
+    return Graph(domain.n_vertices + 1, domain.edges, domain.lengths)
+
+
+_MAKERS: Mapping[type[Domain], Callable[[], DomainSamples]] = {
+    TriangleMesh: _mesh_samples,
+    PointCloud: _cloud_samples,
+    Graph: _graph_samples,
+}

@@ -1,0 +1,9 @@
+import pytest
+
+import geodesic_toolkit as gt
+from geodesic_toolkit_robust import RobustLaplacian
+
+
+@pytest.mark.parametrize("law", gt.testing.laplace_operator_checks(RobustLaplacian()), ids=str)
+def test_the_operator_keeps_the_contract(law):
+    law()

@@ -1,0 +1,350 @@
+"""The shapes of other libraries as domains."""
+
+import subprocess
+import sys
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+import scipy.sparse as sp
+
+import geodesic_toolkit as gt
+from geodesic_toolkit.errors import InvalidDomainError, ReadWarning, UnsupportedDomainError
+from geodesic_toolkit.geometry.polygons import fan_triangles, surface_polygons, unpadded_polygons
+from geodesic_toolkit.testing import shapes
+
+SPHERE = shapes.icosphere(1)
+VERTICES, FACES = np.array(SPHERE.vertices), np.array(SPHERE.faces)
+CUBE = np.array([[x, y, z] for z in (0, 1) for y in (0, 1) for x in (0, 1)], dtype=float)[
+    [0, 1, 3, 2, 4, 5, 7, 6]
+]
+
+
+def assert_sphere(domain, rtol=0.0):
+    assert isinstance(domain, gt.TriangleMesh)
+    np.testing.assert_allclose(domain.vertices, VERTICES, rtol=rtol)
+    np.testing.assert_array_equal(domain.faces, FACES)
+
+
+def assert_cloud(domain, normals=None):
+    assert isinstance(domain, gt.PointCloud)
+    np.testing.assert_array_equal(domain.points, VERTICES)
+    if normals is None:
+        assert domain.normals is None
+    else:
+        np.testing.assert_allclose(domain.normals, normals, atol=1e-12)
+
+
+def outward_area(mesh):
+    """The area of a mesh whose faces all turn away from the middle of its vertices."""
+    a, b, c = (mesh.vertices[mesh.faces[:, corner]] for corner in range(3))
+    cross = np.cross(b - a, c - a) / 2
+    middle = mesh.vertices[np.unique(mesh.faces)].mean(axis=0)
+    assert (np.einsum("fd,fd->f", cross, (a + b + c) / 3 - middle) > 0).all()
+    return np.linalg.norm(cross, axis=1).sum()
+
+
+@pytest.mark.parametrize(
+    "domain", [SPHERE, gt.PointCloud(VERTICES), gt.Graph(2, [[0, 1]])], ids=repr
+)
+def test_a_domain_is_itself(domain):
+    assert gt.as_domain(domain) is domain
+
+
+@pytest.mark.parametrize(
+    "pair",
+    [
+        (VERTICES, FACES),
+        [VERTICES, FACES],
+        (VERTICES.tolist(), FACES.tolist()),
+        (VERTICES, FACES.astype(np.uint16)),
+    ],
+    ids=["tuple", "list", "lists", "small indices"],
+)
+def test_vertices_and_faces_are_a_mesh(pair):
+    assert_sphere(gt.as_domain(pair))
+
+
+@pytest.mark.parametrize(
+    "table",
+    [VERTICES, VERTICES.tolist(), tuple(map(tuple, VERTICES))],
+    ids=["array", "list", "tuple"],
+)
+def test_a_table_of_three_columns_is_a_cloud(table):
+    assert_cloud(gt.as_domain(table))
+
+
+def test_two_points_are_a_cloud_and_no_pair():
+    assert repr(gt.as_domain([[0, 0, 0], [1, 0, 0]])) == "PointCloud(2 points)"
+
+
+def test_trimesh():
+    trimesh = pytest.importorskip("trimesh")
+    assert_sphere(gt.as_domain(trimesh.Trimesh(VERTICES, FACES, process=False)))
+    assert_cloud(gt.as_domain(trimesh.PointCloud(VERTICES)))
+    with pytest.raises(UnsupportedDomainError, match="Scene is no shape"):
+        gt.as_domain(trimesh.Scene())
+    path = trimesh.load_path([[[0, 0, 0], [1, 0, 0]]])
+    with pytest.raises(UnsupportedDomainError, match="Path3D is no shape"):
+        gt.as_domain(path)
+
+
+def test_open3d_legacy():
+    o3d = pytest.importorskip("open3d")
+    points = o3d.utility.Vector3dVector(VERTICES)
+    assert_sphere(
+        gt.as_domain(o3d.geometry.TriangleMesh(points, o3d.utility.Vector3iVector(FACES)))
+    )
+    cloud = o3d.geometry.PointCloud(points)
+    assert_cloud(gt.as_domain(cloud))
+    cloud.normals = points
+    assert_cloud(gt.as_domain(cloud), normals=VERTICES)
+    with pytest.raises(InvalidDomainError, match="no vertices"):
+        gt.as_domain(o3d.geometry.TriangleMesh())
+    with pytest.raises(UnsupportedDomainError, match="LineSet is no shape"):
+        gt.as_domain(o3d.geometry.LineSet())
+
+
+def test_open3d_tensors():
+    o3d = pytest.importorskip("open3d")
+    mesh = o3d.t.geometry.TriangleMesh()
+    with pytest.raises(InvalidDomainError, match="no vertices"):
+        gt.as_domain(mesh)
+    mesh.vertex.positions = o3d.core.Tensor(VERTICES.astype(np.float32))
+    mesh.triangle.indices = o3d.core.Tensor(FACES.astype(np.int32))
+    assert_sphere(gt.as_domain(mesh), rtol=1e-6)
+    cloud = o3d.t.geometry.PointCloud(o3d.core.Tensor(VERTICES))
+    assert_cloud(gt.as_domain(cloud))
+    cloud.point.normals = o3d.core.Tensor(VERTICES)
+    assert_cloud(gt.as_domain(cloud), normals=VERTICES)
+
+
+def test_pyvista_surfaces():
+    pv = pytest.importorskip("pyvista")
+    assert_sphere(gt.as_domain(pv.PolyData.from_regular_faces(VERTICES, FACES)))
+    strip = pv.PolyData(VERTICES[:4], strips=[4, 0, 1, 2, 3])
+    np.testing.assert_array_equal(gt.as_domain(strip).faces, [[0, 1, 2], [2, 1, 3]])
+    cloud = pv.PolyData(VERTICES)
+    assert_cloud(gt.as_domain(cloud))
+    cloud.point_data["Normals"] = VERTICES
+    assert_cloud(gt.as_domain(cloud), normals=VERTICES)
+    with pytest.raises(InvalidDomainError, match="no faces, only lines"):
+        gt.as_domain(pv.Line())
+
+
+def test_pyvista_polygons_are_split_with_a_warning():
+    pv = pytest.importorskip("pyvista")
+    mixed = pv.PolyData(CUBE, [4, 0, 3, 2, 1, 3, 4, 5, 6, 3, 4, 6, 7])
+    with pytest.warns(
+        ReadWarning, match="PolyData: 1 polygon was split into 2 triangles"
+    ) as caught:
+        mesh = gt.as_domain(mixed)
+    np.testing.assert_array_equal(mesh.faces, [[0, 3, 2], [0, 2, 1], [4, 5, 6], [4, 6, 7]])
+    assert caught[0].filename == __file__
+
+
+def test_pyvista_grids():
+    pv = pytest.importorskip("pyvista")
+    cells = pv.CellType
+    flat = pv.UnstructuredGrid([3, 0, 1, 2, 2, 0, 1], [cells.TRIANGLE, cells.LINE], CUBE)
+    np.testing.assert_array_equal(gt.as_domain(flat).faces, [[0, 1, 2]])
+    solid = pv.UnstructuredGrid([8, *range(8)], [cells.HEXAHEDRON], CUBE)
+    with pytest.warns(ReadWarning, match="6 polygons were split into 12"):
+        assert outward_area(gt.as_domain(solid)) == pytest.approx(6)
+    voxel = pv.UnstructuredGrid([8, *range(8)], [cells.VOXEL], CUBE)
+    with pytest.raises(InvalidDomainError, match=r"no surface and no solid; .* VTK cell 11"):
+        gt.as_domain(voxel)
+
+
+def test_meshio():
+    meshio = pytest.importorskip("meshio")
+    assert_sphere(gt.as_domain(meshio.Mesh(VERTICES, [("triangle", FACES)])))
+    assert_cloud(gt.as_domain(meshio.Mesh(VERTICES, [])))
+    vertices = np.arange(len(VERTICES))[:, None]
+    assert_cloud(gt.as_domain(meshio.Mesh(VERTICES, [("vertex", vertices)])))
+    plane = gt.as_domain(meshio.Mesh(CUBE[:3, :2], [("triangle", [[0, 1, 2]])]))
+    np.testing.assert_array_equal(plane.vertices, CUBE[:3])
+    with pytest.raises(InvalidDomainError, match="no surface and no solid; the cells are line"):
+        gt.as_domain(meshio.Mesh(CUBE, [("line", [[0, 1]])]))
+
+
+def test_meshio_polygons_are_split_with_a_warning():
+    meshio = pytest.importorskip("meshio")
+    mixed = meshio.Mesh(
+        VERTICES, [("quad", [[0, 1, 2, 3]]), ("triangle", [[4, 5, 6]]), ("polygon", [range(7, 12)])]
+    )
+    with pytest.warns(ReadWarning, match="Mesh: 2 polygons were split into 5 triangles"):
+        mesh = gt.as_domain(mixed)
+    np.testing.assert_array_equal(mesh.faces[[0, 1, 2]], [[0, 1, 2], [0, 2, 3], [4, 5, 6]])
+    assert mesh.n_faces == 6
+
+
+@pytest.mark.parametrize(
+    ("kind", "corners", "area"),
+    [
+        ("tetra", [0, 1, 3, 4], 1.5 + np.sqrt(3) / 2),
+        ("tetra10", [0, 1, 3, 4, 2, 2, 2, 2, 2, 2], 1.5 + np.sqrt(3) / 2),
+        ("hexahedron", range(8), 6),
+        ("wedge", [0, 1, 3, 4, 5, 7], 3 + np.sqrt(2)),
+        ("pyramid", [0, 1, 2, 3, 4], 2 + np.sqrt(2)),
+    ],
+)
+def test_a_solid_becomes_its_surface_seen_from_outside(kind, corners, area):
+    block = SimpleNamespace(type=kind, data=np.array([list(corners)]))
+    sizes, flat = surface_polygons([(block.type, block.data)])
+    faces, _ = fan_triangles(sizes, flat)
+    assert outward_area(gt.TriangleMesh(CUBE, faces)) == pytest.approx(area)
+
+
+def test_the_faces_between_solids_are_inside():
+    stacked = np.vstack([CUBE, CUBE[4:] + np.eye(3)[2]])
+    sizes, corners = surface_polygons([("hexahedron", [range(8), range(4, 12)])])
+    mesh = gt.TriangleMesh(stacked, fan_triangles(sizes, corners)[0])
+    assert outward_area(mesh) == pytest.approx(10)
+
+
+def test_faces_with_fewer_than_three_corners_are_left_out():
+    faces, remarks = fan_triangles(np.array([2, 3]), np.array([7, 8, 0, 1, 2]))
+    np.testing.assert_array_equal(faces, [[0, 1, 2]])
+    assert remarks == ["1 faces have fewer than three corners and were left out"]
+
+
+@pytest.mark.parametrize(
+    ("row", "sizes", "corners"),
+    [
+        ([], [], []),
+        ([1, 9], [1], [9]),
+        ([3, 0, 1, 2, 4, 5, 6, 7, 8], [3, 4], [0, 1, 2, 5, 6, 7, 8]),
+    ],
+)
+def test_polygons_stand_behind_their_sizes(row, sizes, corners):
+    found = unpadded_polygons(np.array(row, dtype=np.int64))
+    assert [part.tolist() for part in found] == [sizes, corners]
+
+
+@pytest.mark.parametrize(
+    "form", [sp.csr_array, sp.csc_matrix, sp.coo_array, sp.lil_matrix, sp.dok_array, sp.dia_array]
+)
+def test_entries_of_a_sparse_matrix_are_lengths(form):
+    both = form(np.array([[5.0, 1, 0], [1, 0, 2.5], [0, 2.5, 0]]))
+    graph = gt.as_domain(both)
+    assert graph.n_vertices == 3
+    assert graph.edges.tolist() == [[0, 1], [1, 2]]
+    assert graph.lengths.tolist() == [1.0, 2.5]
+
+
+def test_one_triangle_of_a_matrix_is_enough_and_the_shorter_length_counts():
+    upper = gt.as_domain(sp.coo_array(np.triu(np.full((3, 3), 4))))
+    assert upper.edges.tolist() == [[0, 1], [0, 2], [1, 2]]
+    uneven = gt.as_domain(sp.csr_array([[0.0, 3.0], [2.0, 0.0]]))
+    assert uneven.lengths.tolist() == [2.0]
+    assert gt.as_domain(sp.csr_array([[False, True], [True, False]])).lengths.tolist() == [1.0]
+
+
+@pytest.mark.parametrize(
+    ("matrix", "message"),
+    [
+        (sp.csr_array(np.ones((2, 3))), "square, not 2 x 3"),
+        (sp.coo_array(np.ones(4)), "square, not 4"),
+        (sp.csr_array([[0, 1j], [1j, 0]]), "edge lengths are real numbers, not complex128"),
+        (sp.coo_array(([0.0], ([0], [1])), shape=(2, 2)), "edge 0 has length 0.0"),
+        (sp.csr_array([[0, -1.0], [-1.0, 0]]), "edge 0 has length -1.0"),
+        (sp.csr_array([[0, 1.0], [np.nan, 0]]), "edge 1 has length nan"),
+    ],
+)
+def test_a_matrix_that_holds_no_lengths_is_refused(matrix, message):
+    with pytest.raises(InvalidDomainError, match=message):
+        gt.as_domain(matrix)
+
+
+def test_networkx():
+    nx = pytest.importorskip("networkx")
+    network = nx.Graph()
+    network.add_edge("b", "a", length=2.0, weight=9.0)
+    network.add_edge("a", "c", weight=3)
+    network.add_edge("c", "d")
+    network.add_node("alone")
+    graph = gt.as_domain(network)
+    assert graph.n_vertices == 5  # b, a, c, d, alone
+    assert graph.edges.tolist() == [[0, 1], [1, 2], [2, 3]]
+    assert graph.lengths.tolist() == [2.0, 3.0, 1.0]
+    assert repr(gt.as_domain(nx.DiGraph([(0, 1), (1, 0), (1, 2)]))) == "Graph(3 vertices, 3 edges)"
+    assert repr(gt.as_domain(nx.MultiGraph([(0, 1), (0, 1)]))) == "Graph(2 vertices, 2 edges)"
+    assert repr(gt.as_domain(nx.empty_graph(2))) == "Graph(2 vertices, 0 edges)"
+
+
+def test_networkx_lengths_that_are_none_are_refused():
+    nx = pytest.importorskip("networkx")
+    with pytest.raises(InvalidDomainError, match="the graph has no vertices"):
+        gt.as_domain(nx.Graph())
+    network = nx.Graph()
+    network.add_edge(0, 1, length="long")
+    with pytest.raises(InvalidDomainError, match="lengths must hold real numbers"):
+        gt.as_domain(network)
+
+
+def test_nilearn_names_its_arrays_coordinates_and_faces():
+    mesh = SimpleNamespace(coordinates=VERTICES, faces=FACES)  # as InMemoryMesh does
+    assert_sphere(gt.as_domain(mesh))
+
+
+def test_gifti_images():
+    gifti = pytest.importorskip("nibabel.gifti")
+    points = gifti.GiftiDataArray(VERTICES.astype(np.float32), "NIFTI_INTENT_POINTSET")
+    triangles = gifti.GiftiDataArray(FACES.astype(np.int32), "NIFTI_INTENT_TRIANGLE")
+    assert_sphere(gt.as_domain(gifti.GiftiImage(darrays=[points, triangles])), rtol=1e-6)
+    with pytest.raises(InvalidDomainError, match="the GIFTI image holds no surface"):
+        gt.as_domain(gifti.GiftiImage(darrays=[points]))
+
+
+@pytest.mark.parametrize(
+    ("thing", "named"),
+    [
+        (7, "int"),
+        ({}, "dict"),
+        (None, "NoneType"),
+        ("bunny.off", r"'bunny.off' \(to read a file: geodesic_toolkit.read\)"),
+        (gt.TriangleMesh, "the class TriangleMesh"),
+        (np.zeros((4, 2)), r"an array of shape \(4, 2\) and dtype float64"),
+        (np.zeros((2, 2, 3)), r"an array of shape \(2, 2, 3\)"),
+        (np.zeros((4, 3), complex), r"an array of shape \(4, 3\) and dtype complex128"),
+        ([[0, 0, 0], [1]], "list"),
+        ([[[0, 0, 0], [1]], [[0, 1, 2]]], "list"),
+        ((1, 2), "tuple"),
+        (object(), "object"),
+    ],
+    ids=lambda value: None,
+)
+def test_what_is_no_shape_is_refused_by_name(thing, named):
+    with pytest.raises(
+        UnsupportedDomainError, match=f"^{named}.* is no shape; give a TriangleMesh"
+    ):
+        gt.as_domain(thing)
+
+
+@pytest.mark.parametrize(
+    ("thing", "message"),
+    [
+        ((VERTICES, FACES + 1), "refers to vertex 42"),
+        ((VERTICES, []), "no faces"),
+        ((VERTICES, [[0, 1, 2], [0, 1]]), "faces cannot be read as an array"),
+        (np.zeros((0, 3)), "no points"),
+    ],
+)
+def test_a_shape_with_something_wrong_is_an_invalid_domain(thing, message):
+    with pytest.raises(InvalidDomainError, match=message):
+        gt.as_domain(thing)
+
+
+def test_no_foreign_package_is_imported():
+    code = (
+        "import sys, geodesic_toolkit as gt\n"
+        "gt.as_domain(([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 2]]))\n"
+        "try:\n    gt.as_domain(object())\nexcept gt.errors.UnsupportedDomainError:\n    pass\n"
+        "print(*{name.partition('.')[0] for name in sys.modules})"
+    )
+    result = subprocess.run(
+        [sys.executable, "-c", code], check=True, capture_output=True, text=True
+    )
+    foreign = {"trimesh", "open3d", "pyvista", "vtk", "meshio", "networkx", "nibabel", "nilearn"}
+    assert not foreign & set(result.stdout.split())
