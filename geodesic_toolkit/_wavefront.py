@@ -103,6 +103,7 @@ def _across(  # noqa: PLR0917 - kernels take no keywords
 def sweep(  # noqa: PLR0917 - kernels take no keywords
     order: IntArray,
     starts: IntArray,
+    ends: IntArray,
     others: IntArray,
     lengths: FloatArray,
     curvature: FloatArray,
@@ -114,8 +115,8 @@ def sweep(  # noqa: PLR0917 - kernels take no keywords
     """Visit the pending vertices in `order` once; return how many got a better distance.
 
     Corner p of the triangles around vertex v, ``starts[v] <= p < starts[v + 1]``, has the other
-    two vertices ``others[p] = (a, b)`` and the edges ``lengths[p] = (|va|, |vb|, |ab|)``.
-    `distance`, `kappa` and `pending` are changed in place: whoever has a neighbour that improved
+    two vertices ``others[p] = (a, b)`` and the edges ``lengths[p] = (|va|, |vb|, |ab|)``. The
+    vertex takes its distance from those before ``ends[v]``. `distance`, `kappa` and `pending` are changed in place: whoever has a neighbour that improved
     is pending.
     """
     improved = 0
@@ -124,7 +125,7 @@ def sweep(  # noqa: PLR0917 - kernels take no keywords
             continue
         pending[vertex] = False
         best, best_kappa = distance[vertex], kappa[vertex]
-        for p in range(starts[vertex], starts[vertex + 1]):
+        for p in range(starts[vertex], ends[vertex]):
             a, b = others[p, 0], others[p, 1]
             to_a, to_b, edge = lengths[p, 0], lengths[p, 1], lengths[p, 2]
             d_a, d_b = distance[a], distance[b]

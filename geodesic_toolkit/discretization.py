@@ -88,6 +88,9 @@ class ElementGradient(Gradient):
         Area or volume of each element, non-negative.
     vertex_count : int
         Number N of vertices, the unreferenced ones among them.
+    stars : bool
+        Whether the elements overlap, each being part of the star of its first vertex, as those of
+        a point cloud do; `measure` then counts a share of each.
 
     Raises
     ------
@@ -119,6 +122,7 @@ class ElementGradient(Gradient):
     coefficients: FloatArray
     measure: FloatArray
     vertex_count: int
+    stars: bool = False
 
     def __post_init__(self) -> None:
         _coerce(self, elements=np.int64, coefficients=np.float64, measure=np.float64)

@@ -91,7 +91,7 @@ class WavefrontSweeper:
         """
         from geodesic_toolkit._wavefront import sweep  # numba takes a second to import
 
-        starts, others, lengths = self._corners
+        starts, ends, others, lengths = self._corners
         count = len(log_heat)
         distance, kappa = np.full(count, np.inf), np.zeros(count)
         np.minimum.at(distance, vertices, distances)
@@ -102,25 +102,37 @@ class WavefrontSweeper:
             pending[others[starts[vertex] : starts[vertex + 1]]] = True
         order = np.argsort(-log_heat, kind="stable")
         tolerance = TOLERANCE * self.metric.spacing
-        triangles = (starts, others, lengths, self._curvature)
+        triangles = (starts, ends, others, lengths, self._curvature)
         for _ in range(MAX_SWEEPS):
             if not sweep(order, *triangles, distance, kappa, pending, tolerance):
                 break
         return distance
 
     @cached_property
-    def _corners(self) -> tuple[IntArray, IntArray, FloatArray]:
-        """The triangles around each vertex: (starts, others, lengths), as the kernel wants them."""
+    def _corners(self) -> tuple[IntArray, IntArray, IntArray, FloatArray]:
+        """The triangles around each vertex: (starts, ends, others, lengths), as the kernel wants.
+
+        Where stars overlap, a vertex listens to its own star only, which comes first: the shortest
+        of several slightly different measurements would be too short.
+        """
         gradient = self._triangles
         faces, opposite = gradient.elements, self._edge_lengths
-        corner = np.argsort(faces.ravel(), kind="stable")
+        count = gradient.n_vertices
+        total = np.bincount(faces.ravel(), minlength=count)
+        heard = total
+        foreign = np.zeros(faces.shape, dtype=np.bool_)
+        if gradient.stars:
+            segment = np.isinf(self._areas)
+            foreign[~segment, 1:] = True
+            own = np.bincount(faces[~foreign], minlength=count)
+            heard = np.where(own > 0, own, total)
+        corner = np.lexsort((foreign.ravel(), faces.ravel()))
         face, c = corner // 3, corner % 3
         a, b = (c + 1) % 3, (c + 2) % 3
         others = np.column_stack([faces[face, a], faces[face, b]])
         lengths = np.column_stack([opposite[face, b], opposite[face, a], opposite[face, c]])
-        counts = np.bincount(faces.ravel(), minlength=gradient.n_vertices)
-        starts = np.concatenate([[0], np.cumsum(counts)])
-        return starts, others, lengths
+        starts = np.concatenate([[0], np.cumsum(total)])
+        return starts, starts[:-1] + heard, others, lengths
 
     @property
     def _triangles(self) -> ElementGradient:
@@ -154,19 +166,18 @@ class WavefrontSweeper:
     def _curvature(self) -> FloatArray:
         """The (N,) Gaussian curvature, angle defect over area, averaged over one-rings.
 
-        Overlapping triangles (the soup of a point cloud) count by their share of the measure, as
-        they do in the stiffness.
+        Taken for 0 where stars overlap: each is flat, and how they disagree is mostly noise.
         """
         gradient, boundary = self._triangles, self.metric.boundary
         faces, count = gradient.elements, gradient.n_vertices
-        share = gradient.measure / self._areas
+        if gradient.stars:
+            return np.zeros(count)
         corners = faces.ravel()
-        angles = np.bincount(corners, (share[:, None] * self._angles).ravel(), minlength=count)
+        angles = np.bincount(corners, self._angles.ravel(), minlength=count)
         area = np.bincount(corners, np.repeat(gradient.measure / 3, 3), minlength=count)
         defect = np.where(boundary | (area == 0), 0.0, 2 * np.pi - angles)
         pairs = (np.repeat(faces, 3, axis=1).ravel(), np.tile(faces, (1, 3)).ravel())
-        weight = np.repeat(share, 9)
-        ring = csr_array(coo_array((weight, pairs), shape=(count, count)))
+        ring = csr_array(coo_array((np.ones(len(pairs[0])), pairs), shape=(count, count)))
         total = ring @ area
         curvature = np.divide(ring @ defect, total, out=np.zeros(count), where=total > 0)
         spread = np.abs(curvature) * area * 2 / np.sqrt(3)  # K h² where triangles are equilateral

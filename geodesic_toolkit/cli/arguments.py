@@ -4,13 +4,25 @@ import math
 from collections.abc import Sequence
 from enum import StrEnum
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from geodesic_toolkit.errors import InvalidOptionError, InvalidSourceError
 
-__all__ = ["BoundaryChoice", "Input", "Json", "check_plugins", "check_time", "parse_sources"]
+if TYPE_CHECKING:
+    from geodesic_toolkit.domains import Domain
+
+__all__ = [
+    "BoundaryChoice",
+    "Input",
+    "Json",
+    "check_plugins",
+    "check_positions",
+    "check_reach",
+    "check_time",
+    "parse_sources",
+]
 
 Input = Annotated[
     Path,
@@ -77,6 +89,22 @@ def check_time(time: float | None, time_factor: float | None) -> None:
     for option, value in (("--time", time), ("--time-factor", time_factor)):
         if value is not None and not (value > 0 and math.isfinite(value)):
             raise InvalidOptionError(f"{option} must be positive and finite, not {value:g}")
+
+
+def check_reach(reach: float | None, at: Path | None) -> None:
+    """Raise an `InvalidOptionError` for a reach without points, or one that is no length."""
+    if reach is not None and at is None:
+        raise InvalidOptionError("--reach is for the points of --at")
+    if reach is not None and not reach > 0:
+        raise InvalidOptionError(f"--reach must be positive, not {reach:g}")
+
+
+def check_positions(domain: "Domain") -> None:
+    """Raise an `InvalidOptionError` where `domain` has no positions for points to be near to."""
+    from geodesic_toolkit.domains import Graph
+
+    if isinstance(domain, Graph):
+        raise InvalidOptionError("--at: a graph has no positions; its vertices are all there is")
 
 
 def check_plugins(solver: str, *operators: str | None) -> None:

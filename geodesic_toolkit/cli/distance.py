@@ -12,6 +12,8 @@ from geodesic_toolkit.cli.arguments import (
     Input,
     Json,
     check_plugins,
+    check_positions,
+    check_reach,
     check_time,
     parse_sources,
 )
@@ -21,7 +23,9 @@ from geodesic_toolkit.cli.targets import Targets
 
 if TYPE_CHECKING:  # importing NumPy takes longer than all of --help
     from geodesic_toolkit._typing import FloatArray
+    from geodesic_toolkit.domains import Domain, PointCloud
     from geodesic_toolkit.solver import GeodesicSolver
+    from geodesic_toolkit.source_points import SourcePoints
 
 __all__ = ["distance"]
 
@@ -38,6 +42,26 @@ def distance(
             show_default=False,
         ),
     ],
+    at: Annotated[
+        Path | None,
+        typer.Option(
+            exists=True,
+            dir_okay=False,
+            readable=True,
+            metavar="POINTS",
+            help="Give the distance at the points of this file instead of at the vertices: an .npy "
+            "or .csv table, a point cloud or a mesh. They may lie anywhere on or near INPUT.",
+        ),
+    ] = None,
+    reach: Annotated[
+        float | None,
+        typer.Option(
+            metavar="R",
+            help="How far from the surface a point of --at may lie: two mean edge lengths unless "
+            "given.",
+            show_default=False,
+        ),
+    ] = None,
     operator: Annotated[
         str, typer.Option(metavar="NAME", help="Laplace operator; see the command plugins.")
     ] = "auto",
@@ -83,19 +107,20 @@ def distance(
     ] = None,
     json: Json = False,
 ) -> None:
-    """Geodesic distance of every vertex of INPUT from the sources.
+    """Geodesic distance of every vertex of INPUT, or of the points --at, from the sources.
 
     Example: geodesic-toolkit distance bunny.off --source 500 --output d.ply --picture d.png
     """
-    from geodesic_toolkit.io import read
+    from geodesic_toolkit.io import read, read_points
     from geodesic_toolkit.solver import GeodesicSolver
     from geodesic_toolkit.sources import locate_sources
 
     sources = parse_sources(source)
     check_time(time, time_factor)
+    check_reach(reach, at)
     check_plugins(solver, operator, diffusion)
     targets = Targets(tables=tuple(output or ()), picture=picture, html=html, cmap=cmap)
-    targets.check(path)
+    targets.check(path, *([] if at is None else [at]))
 
     with running() as run:
         if targets.drawn:
@@ -105,6 +130,9 @@ def distance(
             domain = read(path)
             places = locate_sources(domain, sources)
             targets.check_domain(domain)
+            points = None if at is None else read_points(at)
+            if points is not None:
+                check_positions(domain)
         with run.step("factorising"):
             geodesic = GeodesicSolver(
                 domain,
@@ -117,10 +145,17 @@ def distance(
             )
         with run.step("solving"):
             distances = geodesic.method.distance(places)
-        targets.write(run, domain, distances, sources)
-        result = Result(path, geodesic, sources, distances, targets.paths, run)
-        if result.reached == len(sources):
+        shown = domain, sources
+        if points is not None:
+            with run.step("asking"):
+                distances = _at(points, geodesic, distances, places, reach)
+            shown = points, _positions(domain, places)
+        targets.write(run, shown[0], distances, shown[1])
+        result = Result(path, geodesic, sources, at, distances, targets.paths, run)
+        if at is None and result.reached == len(sources):
             run.warn("the sources are connected to no other vertex: every other distance is inf")
+        elif result.reached == 0:
+            run.warn(f"no point of {at} has a distance: none is near what the sources reach")
     if json:
         show_json(result.as_dict())
     else:
@@ -134,13 +169,14 @@ class Result:
     path: Path
     solver: "GeodesicSolver"
     sources: list[int] | list[list[float]]
+    at: Path | None
     distances: "FloatArray"
     outputs: Sequence[Path]
     run: Run
 
     @property
     def finite(self) -> "FloatArray":
-        """The distances of the vertices that a source reaches."""
+        """The distances of the vertices, or points, that a source reaches."""
         import numpy as np
 
         return self.distances[np.isfinite(self.distances)]
@@ -156,8 +192,10 @@ class Result:
         return {
             "input": str(self.path),
             "domain": type(self.solver.domain).__name__,
-            "n_vertices": len(self.distances),
+            "n_vertices": self.solver.domain.n_vertices,
             "sources": self.sources,
+            "at": None if self.at is None else str(self.at),
+            "n_points": None if self.at is None else len(self.distances),
             "operator": repr(self.solver.operator),
             "diffusion": None if self.solver.diffusion is None else repr(self.solver.diffusion),
             "solver": {"heat": repr(method.heat_solver), "poisson": repr(method.poisson_solver)},
@@ -166,9 +204,9 @@ class Result:
             "spacing": method.metric.spacing,
             "reached": self.reached,
             "unreachable": len(self.distances) - self.reached,
-            "min": finite.min(),
-            "mean": finite.mean(),
-            "max": finite.max(),
+            "min": finite.min() if self.reached else None,
+            "mean": finite.mean() if self.reached else None,
+            "max": finite.max() if self.reached else None,
             "timings": self.run.timings,
             "warnings": self.run.warnings,
             "notes": method.metric.notes,
@@ -178,19 +216,23 @@ class Result:
 
     def __str__(self) -> str:
         method, finite = self.solver.method, self.finite
+        places = "vertices" if self.at is None else "points"
         solvers = dict.fromkeys([repr(method.heat_solver), repr(method.poisson_solver)])
         rows = [
             ("shape", repr(self.solver.domain)),
             ("source", "; ".join(map(_place, self.sources))),
+            *([] if self.at is None else [("at", f"{len(self.distances)} points of {self.at}")]),
             ("method", f"{self.solver.operator!r}, {' and '.join(solvers)}"),
             ("time step", f"{method.time:.4g}, mean edge length {method.metric.spacing:.4g}"),
             (
                 "distance",
-                f"min {finite.min():.6g}, mean {finite.mean():.6g}, max {finite.max():.6g}",
+                f"min {finite.min():.6g}, mean {finite.mean():.6g}, max {finite.max():.6g}"
+                if self.reached
+                else "-",
             ),
             (
                 "reached",
-                f"{self.reached} vertices, {len(self.distances) - self.reached} unreachable",
+                f"{self.reached} {places}, {len(self.distances) - self.reached} unreachable",
             ),
             (
                 "notes",
@@ -201,6 +243,34 @@ class Result:
             *(("wrote", str(path)) for path in self.outputs),
         ]
         return "\n".join(aligned(rows))
+
+
+def _at(
+    points: "PointCloud",
+    solver: "GeodesicSolver",
+    distances: "FloatArray",
+    places: "SourcePoints",
+    reach: float | None,
+) -> "FloatArray":
+    """Return the distance at each point; infinite at those that are missing."""
+    import numpy as np
+
+    from geodesic_toolkit.queries import interpolate
+
+    found = np.full(points.n_vertices, np.inf)
+    present = points.points[points.present]
+    found[points.present] = interpolate(
+        solver.domain, solver.method.metric, distances, present, reach=reach, sources=places
+    )
+    return found
+
+
+def _positions(domain: "Domain", places: "SourcePoints") -> list[list[float]]:
+    """Return where the sources lie."""
+    from geodesic_toolkit.queries import positions_of
+
+    rows: list[list[float]] = (places.weights @ positions_of(domain)).tolist()
+    return rows
 
 
 def _short(note: object) -> str:

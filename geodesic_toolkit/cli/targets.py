@@ -43,14 +43,14 @@ class Targets:
         """Whether there is something to draw."""
         return self.picture is not None or self.html is not None
 
-    def check(self, source: Path | None = None) -> None:
+    def check(self, *inputs: Path) -> None:
         """Raise before any work where something could not be written after it.
 
         Raises
         ------
         InvalidOptionError
             A suffix that does not fit, an unknown colour map, two outputs in one file, or an
-            output in the place of `source`, the input.
+            output in the place of one of the `inputs`.
         WriteError
             A folder that is not there or not writable.
         MissingDependencyError
@@ -59,7 +59,7 @@ class Targets:
         from geodesic_toolkit.io import check_output
         from geodesic_toolkit.io.writing import DISTANCE_SUFFIXES
 
-        seen = {} if source is None else {source.resolve(): "the input"}
+        seen = {path.resolve(): "the input" for path in inputs}
         for path in self.paths:
             if path.resolve() in seen:
                 raise InvalidOptionError(f"{path} would overwrite {seen[path.resolve()]}")

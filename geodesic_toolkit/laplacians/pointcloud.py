@@ -301,4 +301,5 @@ def _with_segments(
         np.concatenate(coefficients),
         np.concatenate(measures),
         n_vertices,
+        stars=True,
     )

@@ -1,0 +1,29 @@
+"""Pictures: PNG without a display, one HTML file that rotates, widgets, the desktop.
+
+Nothing is imported until it is used: the packages behind it come with
+``pip install "geodesic-toolkit[viz]"`` (and ``[gui]`` for :func:`polyscope`).
+"""
+
+import importlib
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from geodesic_toolkit.viz.desktop import polyscope
+    from geodesic_toolkit.viz.html import save_html, show
+    from geodesic_toolkit.viz.picture import plot
+
+_HOMES = {"plot": "picture", "polyscope": "desktop", "save_html": "html", "show": "html"}
+
+__all__ = ["plot", "polyscope", "save_html", "show"]
+
+
+def __getattr__(name: str) -> Any:
+    if name in _HOMES:
+        value = getattr(importlib.import_module(f"{__name__}.{_HOMES[name]}"), name)
+        globals()[name] = value
+        return value
+    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+
+
+def __dir__() -> list[str]:
+    return sorted(__all__)

@@ -1,0 +1,41 @@
+"""Isolines on a triangle mesh, by VTK."""
+
+from typing import Any
+
+import numpy as np
+
+from geodesic_toolkit._typing import FloatArray, IntArray
+from geodesic_toolkit.viz.extras import require
+from geodesic_toolkit.viz.scene import Scene, compacted
+
+__all__ = ["contour_lines", "surface"]
+
+
+def surface(points: FloatArray, faces: IntArray) -> tuple[Any, IntArray]:
+    """Return a ``pyvista.PolyData`` of `faces`, and the points that it is made of."""
+    pyvista = require("pyvista", "viz", "Pictures")
+    used, own = compacted(faces)
+    return pyvista.PolyData.from_regular_faces(points[used], own), used
+
+
+def contour_lines(scene: Scene, levels: FloatArray) -> tuple[FloatArray, IntArray]:
+    """Return the isolines of a scene's field as segments.
+
+    Only faces with a value at every corner have any.
+
+    Returns
+    -------
+    points : ndarray of shape (P, 3), float64
+    segments : ndarray of shape (S, 2), int64
+    """
+    assert scene.faces is not None
+    faces = scene.faces[scene.face_reached]
+    nothing = np.zeros((0, 3)), np.zeros((0, 2), dtype=np.int64)
+    if len(levels) == 0 or len(faces) == 0:
+        return nothing
+    mesh, used = surface(scene.points, faces)
+    lines = mesh.contour(levels.tolist(), scalars=scene.values[used])
+    if lines.n_lines == 0:
+        return nothing
+    segments = lines.lines.reshape(-1, 3)[:, 1:]
+    return np.asarray(lines.points, dtype=np.float64), np.asarray(segments, dtype=np.int64)

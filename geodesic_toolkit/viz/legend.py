@@ -1,0 +1,75 @@
+"""What stands around the shape on an HTML page: title, colour bar, the value under the pointer."""
+
+import html
+from importlib import resources
+
+from geodesic_toolkit.errors import MissingDependencyError
+from geodesic_toolkit.viz.colours import UNREACHED, Style, isoline_levels, packed
+from geodesic_toolkit.viz.scene import Scene
+
+__all__ = ["with_legend"]
+
+CANVAS = '<div id="canvasTarget"></div>'
+"""Where k3d's page has its drawing."""
+
+STOPS = 64
+"""Colours of the bar's gradient."""
+
+MOST_MARKS = 60
+"""More isolines than that would blacken the bar."""
+
+
+def with_legend(
+    page: str, scene: Scene, style: Style, *, label: str, unit: str, title: str | None
+) -> str:
+    """Return k3d's page with a legend and a title of its own.
+
+    Raises
+    ------
+    MissingDependencyError
+        The page is not of the form that k3d 3.2 gives it.
+    """
+    start, end = page.find("<title>"), page.find("</title>")
+    if page.count(CANVAS) != 1 or not 0 <= start < end:
+        raise MissingDependencyError(
+            "the k3d that is installed writes HTML pages of another form than version 3.2; "
+            'install one that fits: pip install -U "geodesic-toolkit[viz]"'
+        )
+    css = resources.files(__package__).joinpath("page.css").read_text(encoding="utf-8")
+    parts = [CANVAS, f"<style>\n{css}</style>"]
+    if title:
+        parts.append(_box("title", html.escape(title)))
+    if scene.reached.any():
+        parts.append(_bar(scene, style))
+        parts.append(_box("label", html.escape(f"{label} [{unit}]" if unit else label)))
+    if not scene.reached[scene.present].all():
+        parts.append(_box("none", f'<b style="background: {_hex(UNREACHED)}"></b>not reached'))
+    parts.append(_box("value", "", f'data-unit="{html.escape(unit)}"'))
+    head = f"{page[:start]}<title>{html.escape(title or label)}{page[end:]}"
+    return head.replace(CANVAS, "\n".join(parts))
+
+
+def _bar(scene: Scene, style: Style) -> str:
+    low, high = scene.limits
+
+    def height(value: float) -> float:
+        return 100 * (value - low) / (high - low)
+
+    every = max(1, len(style.table) // STOPS)
+    gradient = ", ".join(_hex(colour) for colour in style.table[::every])
+    levels = style.levels if len(style.levels) <= MOST_MARKS else ()
+    marks = [f'<i style="bottom: {height(level):.3f}%"></i>' for level in levels]
+    numbers = [
+        f'<span style="top: {100 - height(value):.3f}%">{value:.6g}</span>'
+        for value in ([low] if low == 0 else []) + isoline_levels(5, scene.limits).tolist()
+    ]
+    style_text = f'style="background: linear-gradient(to top, {gradient})"'
+    return _box("bar", "".join(marks + numbers), style_text)
+
+
+def _box(name: str, content: str, attributes: str = "") -> str:
+    return f'<div class="gt" id="gt-{name}" {attributes}>{content}</div>'
+
+
+def _hex(colour: object) -> str:
+    return f"#{packed(colour):06x}"

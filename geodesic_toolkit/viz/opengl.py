@@ -1,0 +1,43 @@
+"""Whether the system can draw at all, found out without a crash."""
+
+import contextlib
+import ctypes.util
+from collections.abc import Iterator
+
+from geodesic_toolkit.errors import MissingDependencyError
+from geodesic_toolkit.viz.extras import require
+
+__all__ = ["check_opengl", "quiet"]
+
+
+@contextlib.contextmanager
+def quiet() -> Iterator[None]:
+    """Keep VTK from writing to stderr that there is no X server, which nobody asked for."""
+    logger = require("vtkmodules.vtkCommonCore", "viz", "Pictures").vtkLogger
+    before = logger.GetCurrentVerbosityCutoff()
+    logger.SetStderrVerbosity(logger.VERBOSITY_OFF)
+    try:
+        yield
+    finally:
+        logger.SetStderrVerbosity(before)
+
+
+def check_opengl() -> None:
+    """Raise where drawing would end the process: VTK without OpenGL follows a null pointer.
+
+    Its factory tries X, then EGL, then returns a window of OSMesa without trying that one.
+
+    Raises
+    ------
+    MissingDependencyError
+        None of the three is there; the message names the system packages.
+    """
+    require("vtkmodules.vtkRenderingOpenGL2", "viz", "Pictures")  # it registers the windows
+    window = require("vtkmodules.vtkRenderingCore", "viz", "Pictures").vtkRenderWindow()
+    if window.GetClassName() != "vtkOSOpenGLRenderWindow" or ctypes.util.find_library("OSMesa"):
+        return
+    raise MissingDependencyError(
+        "there is no OpenGL to draw pictures with: the system library libEGL or its driver is "
+        "missing; install it (Debian, Ubuntu: apt-get install libegl1 libgl1 libgl1-mesa-dri; "
+        "Fedora: dnf install mesa-libEGL mesa-dri-drivers)"
+    )

@@ -1,0 +1,241 @@
+"""What there is to draw: a domain, a value at each vertex, the places of the sources.
+
+All that depends on no graphics package, so that picture, HTML and desktop show the same.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from geodesic_toolkit._typing import BoolArray, FloatArray, IntArray
+from geodesic_toolkit.domains import Domain, Graph, PointCloud, TriangleMesh
+from geodesic_toolkit.errors import InvalidOptionError, UnsupportedDomainError
+from geodesic_toolkit.geometry.triangles import proper_faces
+from geodesic_toolkit.sources import locate_sources
+
+__all__ = ["Scene", "compacted", "make_scene"]
+
+MOST_IMPLICIT_SOURCES = 100
+"""With more zeros than that a field has no sources worth marking, but a flat part."""
+
+
+@dataclass(frozen=True)
+class Scene:
+    """A field on a shape, in a frame where the shape has its centre at 0 and radius near 1.
+
+    So neither coordinates of millions nor models of a micrometre trouble single precision, and
+    sizes of markers need no scale.
+
+    Attributes
+    ----------
+    points : ndarray of shape (N, 3)
+        Positions in that frame; 0 where a point is missing.
+    present : ndarray of shape (N,), bool
+        Which of them are to be seen.
+    faces : ndarray of shape (F, 3)
+        None for clouds and graphs.
+    edges : ndarray of shape (E, 2)
+        Of graphs.
+    values : ndarray of shape (N,)
+        NaN where there is none.
+    limits : (float, float)
+        Ends of the colour map.
+    sources : ndarray of shape (S, 3)
+        Places of the sources in the frame.
+    centre : ndarray of shape (3,)
+    radius : float
+        ``points * radius + centre`` is where the domain has them.
+    """
+
+    points: FloatArray
+    present: BoolArray
+    faces: IntArray | None
+    edges: IntArray | None
+    values: FloatArray
+    limits: tuple[float, float]
+    sources: FloatArray
+    centre: FloatArray
+    radius: float
+
+    @property
+    def reached(self) -> BoolArray:
+        """Where there is a value."""
+        return np.isfinite(self.values)
+
+    @property
+    def face_reached(self) -> BoolArray:
+        """Which faces have a value at every corner."""
+        assert self.faces is not None
+        return np.asarray(self.reached[self.faces].all(axis=1))
+
+    @property
+    def ball(self) -> float:
+        """Radius to draw a point with: neighbours overlap; on a graph they stay apart."""
+        return float(np.clip((1.1 if self.edges is None else 0.3) * self.spacing, 0.003, 0.04))
+
+    @property
+    def band(self) -> float:
+        """How near to a level a point is dark, in the values' unit: a row of points or two."""
+        return 0.5 * self.spacing * self.radius
+
+    @cached_property
+    def spacing(self) -> float:
+        """Typical distance of neighbouring points, in the scene's frame."""
+        from scipy.spatial import cKDTree
+
+        shown = self.points[self.present]
+        if len(shown) < 2:
+            return 1.0
+        step = max(1, len(shown) // 5000)  # a sample tells
+        gaps = np.asarray(cKDTree(shown).query(shown[::step], k=min(5, len(shown)))[0])
+        positive = gaps[gaps > 0]  # repeated points have no spacing
+        return float(np.quantile(positive, 0.75)) if len(positive) else 1.0
+
+
+def make_scene(
+    domain: Domain,
+    values: ArrayLike,
+    *,
+    sources: Any = None,
+    positions: ArrayLike | None = None,
+    limits: Sequence[float] | None = None,
+) -> Scene:
+    """Return what there is to draw.
+
+    Parameters
+    ----------
+    domain : Domain
+    values : array-like of shape (N,)
+        The distance, or any other number a vertex; not finite where there is none.
+    sources : optional
+        As :meth:`GeodesicSolver.distance` takes them. By default the places where the value is
+        exactly 0, if they are few; an empty list marks none.
+    positions : array-like of shape (N, 3), optional
+        Where to draw the vertices of a graph.
+    limits : pair of float, optional
+        Ends of the colour map; those of the values by default.
+
+    Returns
+    -------
+    Scene
+
+    Raises
+    ------
+    UnsupportedDomainError
+        A domain without positions, and none given.
+    InvalidOptionError
+        Values or positions that do not fit the domain, limits that are no interval.
+    InvalidSourceError
+        Sources that name no place.
+    """
+    points = _positions(domain, positions)
+    field = _field(domain, values)
+    faces = domain.faces[proper_faces(domain.faces)] if isinstance(domain, TriangleMesh) else None
+    edges = domain.edges if isinstance(domain, Graph) else None
+    present: BoolArray = np.asarray(np.isfinite(points).all(axis=1))
+    if faces is not None:
+        used = np.zeros(len(points), dtype=np.bool_)
+        used[faces] = True
+        present &= used if used.any() else True
+    low, high = points[present].min(axis=0), points[present].max(axis=0)
+    centre = low + (high - low) / 2
+    radius = float(np.linalg.norm((high - low) / 2)) or 1.0
+    framed = (np.where(np.isfinite(points), points, centre) - centre) / radius
+    return Scene(
+        points=framed,
+        present=present,
+        faces=faces,
+        edges=edges,
+        values=field,
+        limits=_limits(field[present], limits),
+        sources=_source_places(domain, sources, framed, field, present),
+        centre=centre,
+        radius=radius,
+    )
+
+
+def compacted(rows: IntArray) -> tuple[IntArray, IntArray]:
+    """Return which points faces or edges use, and the rows in terms of those.
+
+    Examples
+    --------
+    >>> compacted(np.array([[7, 2, 4]]))
+    (array([2, 4, 7]), array([[2, 0, 1]]))
+    """
+    used, own = np.unique(rows, return_inverse=True)
+    return used, np.asarray(own, dtype=np.int64).reshape(rows.shape)
+
+
+def _positions(domain: Domain, positions: ArrayLike | None) -> FloatArray:
+    if positions is not None:
+        try:
+            given = np.asarray(positions, dtype=np.float64)
+        except (TypeError, ValueError) as error:
+            raise InvalidOptionError(f"positions cannot be read: {error}") from error
+        if given.shape == (domain.n_vertices, 2):
+            given = np.column_stack([given, np.zeros(len(given))])
+        if given.shape != (domain.n_vertices, 3) or not np.isfinite(given).any(axis=0).all():
+            raise InvalidOptionError(
+                f"positions must have shape ({domain.n_vertices}, 3), one finite point a vertex, "
+                f"not {given.shape}"
+            )
+        return given
+    if isinstance(domain, TriangleMesh):
+        return domain.vertices
+    if isinstance(domain, PointCloud):
+        return domain.points
+    raise UnsupportedDomainError(
+        f"a {type(domain).__name__} has no positions to draw; pass positions=, an array of shape "
+        f"({domain.n_vertices}, 3), from a layout of your choice"
+        if isinstance(domain, Domain)
+        else f"only domains can be drawn, not a {type(domain).__name__}"
+    )
+
+
+def _field(domain: Domain, values: ArrayLike) -> FloatArray:
+    try:
+        field = np.array(values, dtype=np.float64)
+    except (TypeError, ValueError) as error:
+        raise InvalidOptionError(f"the distance cannot be read as numbers: {error}") from error
+    if field.shape != (domain.n_vertices,):
+        raise InvalidOptionError(
+            f"the distance must have shape ({domain.n_vertices},), one number a vertex, "
+            f"not {field.shape}"
+        )
+    field[~np.isfinite(field)] = np.nan
+    return field
+
+
+def _limits(field: FloatArray, limits: Sequence[float] | None) -> tuple[float, float]:
+    if limits is not None:
+        try:
+            low, high = (float(end) for end in limits)
+        except (TypeError, ValueError) as error:
+            raise InvalidOptionError(f"limits are two numbers, not {limits!r}") from error
+        if not (np.isfinite([low, high]).all() and low < high):
+            raise InvalidOptionError(f"limits are two numbers, the lesser first, not {limits!r}")
+        return low, high
+    finite = field[np.isfinite(field)]
+    if len(finite) == 0:
+        return 0.0, 1.0
+    low, high = float(finite.min()), float(finite.max())
+    return (low, high) if low < high else (low, low + (abs(low) or 1.0))
+
+
+def _source_places(
+    domain: Domain, sources: Any, framed: FloatArray, field: FloatArray, present: BoolArray
+) -> FloatArray:
+    if sources is None:
+        zeros = np.flatnonzero((field == 0) & present)
+        return framed[zeros if len(zeros) <= MOST_IMPLICIT_SOURCES else zeros[:0]]
+    if (
+        isinstance(sources, list | tuple | np.ndarray)
+        and len(np.atleast_1d(np.asarray(sources, dtype=object))) == 0
+    ):
+        return np.zeros((0, 3))
+    places: FloatArray = locate_sources(domain, sources).weights @ framed
+    return places
