@@ -147,6 +147,9 @@ def sweep(  # noqa: PLR0917 - kernels take no keywords
             distance[vertex], kappa[vertex] = best, best_kappa
             improved += 1
             for p in range(starts[vertex], starts[vertex + 1]):
-                pending[others[p, 0]] = True
-                pending[others[p, 1]] = True
+                a, b = others[p, 0], others[p, 1]
+                if distance[a] > best:
+                    pending[a] = True
+                if distance[b] > best:
+                    pending[b] = True
     return improved

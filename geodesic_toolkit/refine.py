@@ -100,7 +100,7 @@ class WavefrontSweeper:
         pending = np.zeros(count, dtype=np.bool_)
         for vertex in vertices:
             pending[others[starts[vertex] : starts[vertex + 1]]] = True
-        order = np.argsort(-log_heat, kind="stable")
+        order = np.argsort(-log_heat)
         tolerance = TOLERANCE * self.metric.spacing
         triangles = (starts, ends, others, lengths, self._curvature)
         for _ in range(MAX_SWEEPS):

@@ -23,7 +23,7 @@ from geodesic_toolkit.cli.targets import Targets
 
 if TYPE_CHECKING:  # importing NumPy takes longer than all of --help
     from geodesic_toolkit._typing import FloatArray
-    from geodesic_toolkit.domains import Domain, PointCloud
+    from geodesic_toolkit.domains import PointCloud
     from geodesic_toolkit.solver import GeodesicSolver
     from geodesic_toolkit.source_points import SourcePoints
 
@@ -50,7 +50,8 @@ def distance(
             readable=True,
             metavar="POINTS",
             help="Give the distance at the points of this file instead of at the vertices: an .npy "
-            "or .csv table, a point cloud or a mesh. They may lie anywhere on or near INPUT.",
+            "or .csv table, a point cloud or a mesh. They may lie anywhere on or near INPUT, which "
+            "pictures show all the same.",
         ),
     ] = None,
     reach: Annotated[
@@ -145,13 +146,13 @@ def distance(
             )
         with run.step("solving"):
             distances = geodesic.method.distance(places)
-        shown = domain, sources
+        asked = None
         if points is not None:
             with run.step("asking"):
-                distances = _at(points, geodesic, distances, places, reach)
-            shown = points, _positions(domain, places)
-        targets.write(run, shown[0], distances, shown[1])
-        result = Result(path, geodesic, sources, at, distances, targets.paths, run)
+                asked = points, _at(points, geodesic, distances, places, reach)
+        targets.write(run, domain, distances, sources, asked=asked)
+        summed_up = distances if asked is None else asked[1]
+        result = Result(path, geodesic, sources, at, summed_up, targets.paths, run)
         if at is None and result.reached == len(sources):
             run.warn("the sources are connected to no other vertex: every other distance is inf")
         elif result.reached == 0:
@@ -263,14 +264,6 @@ def _at(
         solver.domain, solver.method.metric, distances, present, reach=reach, sources=places
     )
     return found
-
-
-def _positions(domain: "Domain", places: "SourcePoints") -> list[list[float]]:
-    """Return where the sources lie."""
-    from geodesic_toolkit.queries import positions_of
-
-    rows: list[list[float]] = (places.weights @ positions_of(domain)).tolist()
-    return rows
 
 
 def _short(note: object) -> str:

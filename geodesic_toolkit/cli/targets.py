@@ -107,8 +107,19 @@ class Targets:
         domain: "Domain",
         distances: "FloatArray",
         sources: Sequence[int] | Sequence[Sequence[float]],
+        *,
+        asked: "tuple[Domain, FloatArray] | None" = None,
     ) -> None:
         """Write everything: numbers first, so that a picture that fails costs no work.
+
+        Parameters
+        ----------
+        run : Run
+        domain : Domain
+        distances : ndarray of shape (N,)
+        sources : sequence
+        asked : tuple, optional
+            Points and the distances there, for the tables; pictures still show the `domain`.
 
         Raises
         ------
@@ -122,7 +133,10 @@ class Targets:
 
             with run.step("writing"):
                 for path in self.tables:
-                    write_distances(path, domain, distances, sources=sources)
+                    if asked is None:
+                        write_distances(path, domain, distances, sources=sources)
+                    else:
+                        write_distances(path, *asked)
         if self.drawn:
             from geodesic_toolkit import viz
 

@@ -1,0 +1,117 @@
+#!/usr/bin/env bash
+# Make .venv and install the project into it.
+#
+#   bash tools/setup.sh        what users need: the package with its `all` extra
+#   bash tools/setup.sh dev    what developers need: an editable install and every checking tool
+#
+# Safe to run again: it repairs and updates what is there. PYTHON=/path/to/python chooses another
+# interpreter.
+set -euo pipefail
+cd "$(dirname "${BASH_SOURCE[0]}")/.."
+
+say() { printf '%s\n' "setup: $*" >&2; }
+fail() { say "$*"; exit 1; }
+
+mode=${1:-user}
+case $mode in
+    user) requirement=(".[all]") ;;
+    dev) requirement=(--editable ".[dev]") ;;
+    *) fail "usage: bash tools/setup.sh [dev]" ;;
+esac
+
+# -- system libraries ------------------------------------------------------------------------------
+
+as_root() {
+    if [ "$(id -u)" -eq 0 ]; then "$@"; else sudo -n "$@"; fi
+}
+
+can_be_root() {
+    [ "$(id -u)" -eq 0 ] || { command -v sudo && sudo -n true; } >/dev/null 2>&1
+}
+
+is_installed() {
+    [ "$(dpkg-query -W -f '${db:Status-Status}' "$1" 2>/dev/null)" = installed ]
+}
+
+# Install packages, or say what to install and go on: all but pictures and Open3D works without.
+# apt's lists may be missing (fresh images) or old: they are refreshed once, before the first use.
+want() {
+    local purpose=$1 log
+    shift
+    if can_be_root; then
+        log=$(mktemp)
+        say "installing $* with apt-get"
+        if { [ -n "${lists_are_fresh:-}" ] || as_root apt-get "${quietly[@]}" update; } >"$log" 2>&1 &&
+            lists_are_fresh=yes &&
+            as_root env DEBIAN_FRONTEND=noninteractive apt-get "${quietly[@]}" -y \
+                --no-install-recommends install "$@" >>"$log" 2>&1; then
+            rm -f "$log"
+            return
+        fi
+        cat "$log" >&2
+        rm -f "$log"
+    fi
+    say "going on without $purpose; to have it:"
+    say "    sudo apt-get install $*"
+}
+quietly=(-qq -o DPkg::Lock::Timeout=300)
+
+if command -v apt-get >/dev/null && command -v dpkg-query >/dev/null; then
+    # Open3D loads the first three, off-screen rendering the next two, and neither wheel has them.
+    wanted=(libusb-1.0-0 libgomp1 libx11-6 libegl1 libgl1)
+    if [ -z "${PYTHON:-}" ] && ! python3 -c 'import ensurepip' 2>/dev/null; then
+        wanted+=(python3 python3-venv)
+    fi
+    missing=()
+    for package in "${wanted[@]}"; do
+        is_installed "$package" || missing+=("$package")
+    done
+    if [ ${#missing[@]} -gt 0 ]; then
+        want "system libraries for Open3D and for pictures" "${missing[@]}"
+    fi
+    if [ "$mode" = dev ] && ! command -v chromium chromium-browser google-chrome >/dev/null; then
+        want "a browser, in which the tests open exported pages" chromium
+    fi
+fi
+
+# -- Python ----------------------------------------------------------------------------------------
+
+is_recent() {
+    "$1" -c 'import sys; raise SystemExit(sys.version_info < (3, 11))' >/dev/null 2>&1
+}
+
+choose_python() {
+    local candidate
+    for candidate in ${PYTHON:-python3 python3.12 python3.11 python3.13 python3.14}; do
+        if is_recent "$candidate"; then
+            printf '%s\n' "$candidate"
+            return
+        fi
+    done
+    return 1
+}
+
+python=.venv/bin/python
+if [ -n "${PYTHON:-}" ] || ! is_recent "$python"; then
+    chosen=$(choose_python) || fail "Python 3.11 or newer is needed (found: ${PYTHON:-$(
+        python3 --version 2>&1 || echo none
+    )}). Install one, or name it: PYTHON=/path/to/python bash tools/setup.sh"
+    "$chosen" -m venv --clear .venv || fail "$chosen cannot make a virtual environment; on Debian
+and Ubuntu: sudo apt-get install python3-venv"
+fi
+
+# -- the project -----------------------------------------------------------------------------------
+
+# uv installs in a fraction of the time that pip takes; where it cannot be had, pip does the same.
+uv=$(command -v uv || true)
+if [ -z "$uv" ]; then
+    "$python" -m pip install -qq --disable-pip-version-check uv && uv=.venv/bin/uv ||
+        say "uv is not to be had; pip takes a little longer"
+fi
+say "installing geodesic-toolkit (${requirement[*]}) into .venv"
+if [ -n "$uv" ]; then
+    "$uv" pip install --quiet --python "$python" "${requirement[@]}"
+else
+    "$python" -m pip install -qq --disable-pip-version-check "${requirement[@]}"
+fi
+say "done: $("$python" --version), .venv/bin/geodesic-toolkit"
