@@ -23,7 +23,7 @@ from geodesic_toolkit.errors import UnsupportedDomainError
 
 __all__ = ["WavefrontSweeper"]
 
-TOLERANCE = 1e-4
+TOLERANCE = 3e-4
 """Improvement, in mean edge lengths, below which a vertex is left as it is."""
 
 MAX_SWEEPS = 100
@@ -91,7 +91,7 @@ class WavefrontSweeper:
         """
         from geodesic_toolkit._wavefront import sweep  # numba takes a second to import
 
-        starts, ends, others, lengths = self._corners
+        starts, ends, others, shapes = self._corners
         count = len(log_heat)
         distance, kappa = np.full(count, np.inf), np.zeros(count)
         np.minimum.at(distance, vertices, distances)
@@ -102,7 +102,7 @@ class WavefrontSweeper:
             pending[others[starts[vertex] : starts[vertex + 1]]] = True
         order = np.argsort(-log_heat)
         tolerance = TOLERANCE * self.metric.spacing
-        triangles = (starts, ends, others, lengths, self._curvature)
+        triangles = (starts, ends, others, shapes, self._curvature)
         for _ in range(MAX_SWEEPS):
             if not sweep(order, *triangles, distance, kappa, pending, tolerance):
                 break
@@ -110,7 +110,7 @@ class WavefrontSweeper:
 
     @cached_property
     def _corners(self) -> tuple[IntArray, IntArray, IntArray, FloatArray]:
-        """The triangles around each vertex: (starts, ends, others, lengths), as the kernel wants.
+        """The triangles around each vertex: (starts, ends, others, shapes), as the kernel wants.
 
         Where stars overlap, a vertex listens to its own star only, which comes first: the shortest
         of several slightly different measurements would be too short.
@@ -130,9 +130,13 @@ class WavefrontSweeper:
         face, c = corner // 3, corner % 3
         a, b = (c + 1) % 3, (c + 2) % 3
         others = np.column_stack([faces[face, a], faces[face, b]])
-        lengths = np.column_stack([opposite[face, b], opposite[face, a], opposite[face, c]])
+        to_a, to_b, edge = opposite[face, b], opposite[face, a], opposite[face, c]
+        with np.errstate(divide="ignore", invalid="ignore"):  # segments have no plane, nor use one
+            x = (edge**2 + (to_a - to_b) * (to_a + to_b)) / (2 * edge)
+        y = np.sqrt(np.maximum(to_a**2 - x**2, 0.0))
         starts = np.concatenate([[0], np.cumsum(total)])
-        return starts, starts[:-1] + heard, others, lengths
+        shapes = np.column_stack([to_a, to_b, edge, x, y])
+        return starts, starts[:-1] + heard, others, shapes
 
     @property
     def _triangles(self) -> ElementGradient:

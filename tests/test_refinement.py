@@ -41,7 +41,7 @@ def test_on_the_plane_it_is_exact():
     mesh = shapes.grid(30)
     for source in (0, 465, 899):
         distance = gt.geodesic_distance(mesh, source, refine=True)
-        np.testing.assert_allclose(distance, on_plane(mesh, source), atol=1e-3 / 29)
+        np.testing.assert_allclose(distance, on_plane(mesh, source), atol=5e-3 / 29)
 
 
 def test_on_a_long_tube_it_is_right_to_the_end():
