@@ -62,9 +62,9 @@ def _across(  # noqa: PLR0917 - kernels take no keywords
 ) -> tuple[float, float, float]:
     """Return what reaches corner c of a triangle through its edge ab.
 
-    In the plane, with a at the origin, b at (edge, 0) and c at (c_x, c_y), the front on the edge is a circle of
-    curvature κ whose centre lies below, or above if it converges. The ray through c meets the edge
-    at a right angle to the front.
+    In the plane, with a at the origin, b at (edge, 0) and c at (c_x, c_y), the front on the edge is
+    a circle of curvature κ whose centre lies below, or above if it converges. The ray through c is
+    at a right angle to it.
 
     Returns
     -------
