@@ -92,7 +92,7 @@ html_sidebars = {
 html_theme_options = {
     "header_links_before_dropdown": 7,
     "navbar_align": "left",
-    "navbar_end": ["theme-switcher", "navbar-icon-links"],
+    "navbar_end": ["theme-switcher"],
     "footer_start": ["copyright"],
     "footer_end": [],
     "show_toc_level": 2,
@@ -100,13 +100,6 @@ html_theme_options = {
     "show_prev_next": False,
     "pygments_light_style": "tango",
     "pygments_dark_style": "monokai",
-    "icon_links": [
-        {
-            "name": "Source",
-            "url": "https://github.com/geodesic-toolkit/geodesic-toolkit",
-            "icon": "fa-brands fa-github",
-        }
-    ],
 }
 
 

@@ -63,6 +63,13 @@ def test_getting_started_runs_from_top_to_bottom(tmp_path):
     assert (tmp_path / "distance.png").exists()
 
 
+@pytest.mark.parametrize("name", ["point_clouds.md", "graphs.md"])
+def test_a_guide_runs_from_top_to_bottom(name, tmp_path):
+    page = (DOCS / name).read_text(encoding="utf-8")
+    finished = run_python("\n".join(blocks(page, "python")), tmp_path)
+    assert finished.returncode == 0, finished.stderr
+
+
 @pytest.mark.parametrize("script", sorted(DOCS.glob("examples/plot_*.py")), ids=lambda p: p.stem)
 def test_a_gallery_script_runs_in_another_folder(script, tmp_path):
     finished = run_python(script.read_text(encoding="utf-8"), tmp_path)

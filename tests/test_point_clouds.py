@@ -1,5 +1,6 @@
 """Point clouds: accuracy, noise, thin gaps, duplicates, missing points, and whose normals."""
 
+import os
 import subprocess
 import sys
 
@@ -325,7 +326,8 @@ def test_open3d_and_pca_find_the_same_planes():
 
 
 def test_auto_takes_open3d_and_says_so():
-    pytest.importorskip("open3d")
+    if "CI" not in os.environ:  # there its normals must be in use
+        pytest.importorskip("open3d")
     points, _ = random_sphere(300)
     metric = cloud_solver(points, operator="auto").method.metric
     assert metric.notes["normals"] == "open3d"
