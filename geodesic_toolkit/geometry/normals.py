@@ -11,7 +11,7 @@ import numpy as np
 from geodesic_toolkit._typing import FloatArray, IntArray
 from geodesic_toolkit.errors import MissingDependencyError
 
-__all__ = ["missing_package", "open3d_normals", "pca_normals"]
+__all__ = ["missing_package", "open3d_normals", "pca_normals", "roughness"]
 
 SYSTEM_PACKAGES = {
     "libusb-1.0.so": "libusb-1.0-0",
@@ -46,6 +46,22 @@ def pca_normals(points: FloatArray, neighbours: IntArray) -> FloatArray:
     spread = places.transpose(0, 2, 1) @ places / (k + 1)
     _, axes = np.linalg.eigh(spread)
     return np.ascontiguousarray(axes[:, :, 0])
+
+
+def roughness(points: FloatArray, neighbours: IntArray) -> FloatArray:
+    """Return how far neighbourhoods stand off their planes, relative to their width, of shape (M,).
+
+    Parameters
+    ----------
+    points : ndarray of shape (N, 3)
+    neighbours : ndarray of shape (M, k)
+    """
+    places = points[neighbours]
+    places -= places.mean(axis=1, keepdims=True)
+    spread = np.linalg.eigvalsh(places.transpose(0, 2, 1) @ places)
+    off, width = np.maximum(spread[:, 0], 0.0), spread[:, 1]
+    share: FloatArray = np.sqrt(np.divide(off, width, out=np.zeros_like(off), where=width > 0))
+    return share
 
 
 def open3d_normals(points: FloatArray, k: int) -> FloatArray:

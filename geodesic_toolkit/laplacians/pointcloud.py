@@ -11,7 +11,7 @@ from geodesic_toolkit.discretization import Discretization, ElementGradient
 from geodesic_toolkit.domains import Domain, PointCloud
 from geodesic_toolkit.errors import InvalidOptionError, MissingDependencyError, NormalsWarning
 from geodesic_toolkit.geometry.neighbours import distinct_points, nearest_neighbours, normalised
-from geodesic_toolkit.geometry.normals import open3d_normals, pca_normals
+from geodesic_toolkit.geometry.normals import open3d_normals, pca_normals, roughness
 from geodesic_toolkit.geometry.triangles import face_areas, hat_gradients
 from geodesic_toolkit.laplacians.base import LaplaceOperator
 from geodesic_toolkit.positivity import positive_part
@@ -23,7 +23,14 @@ DEFAULT_K = 20
 
 NORMAL_NEIGHBOURS = 12
 """Neighbours that a normal is estimated from. Measured: more of them see the other leg of a
-U-shaped sheet at a gap of 4 spacings from its corners; noise of half a spacing needs no more."""
+U-shaped sheet at a gap of 4 spacings from its corners."""
+
+NOISY_NEIGHBOURS = 30
+"""The same where the cloud is noisy. Measured on a sphere with noise of a third of the spacing:
+refined distances err by 0.4-0.9 % instead of 1.3-1.4 %."""
+
+SAMPLE = 2000
+"""Points that tell whether it is."""
 
 TIE_LENGTH = 1e-9
 """Distance of duplicates from their representative, in spacings."""
@@ -203,7 +210,7 @@ class PointCloudLaplacian(LaplaceOperator):
             return domain.normals[representative], "given"
         if count < 3:
             return np.tile([0.0, 0.0, 1.0], (count, 1)), "none"
-        k = min(NORMAL_NEIGHBOURS, count - 1)
+        k = min(NOISY_NEIGHBOURS if _is_noisy(points) else NORMAL_NEIGHBOURS, count - 1)
         # Open3D guesses from fewer than four points; three have one plane, whoever finds it.
         if self.normals != "pca" and count > 3:
             try:
@@ -220,6 +227,22 @@ class PointCloudLaplacian(LaplaceOperator):
             else:
                 return normals, "open3d"
         return pca_normals(points, nearest_neighbours(points, k)), "pca"
+
+
+def _is_noisy(points: FloatArray) -> bool:
+    """Return whether the points stand off their surface by noise rather than by its curvature.
+
+    A wider neighbourhood of a curved surface is rougher relative to its width, one of a noisy
+    surface smoother. Measured, as the median ratio of both: spheres, meshes and fused scans 0.86
+    to 1.5; noise from a sixth of the spacing on, a raw object scan and a depth image 0.6 to 0.8.
+    """
+    if len(points) <= 4 * NOISY_NEIGHBOURS:
+        return False
+    chosen = np.linspace(0, len(points) - 1, min(SAMPLE, len(points))).astype(np.int64)
+    wide = nearest_neighbours(points, NOISY_NEIGHBOURS, chosen)
+    rough = roughness(points, wide[:, :NORMAL_NEIGHBOURS])
+    ratio = np.divide(roughness(points, wide), rough, out=np.ones_like(rough), where=rough > 0)
+    return bool(np.median(rough) > 0.15 and np.median(ratio) < 0.85)
 
 
 @dataclass(frozen=True)
