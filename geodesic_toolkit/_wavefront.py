@@ -17,10 +17,6 @@ DISAGREEMENT = 0.5
 """Difference of κ at the two ends of an edge, times its length, above which they did not see the
 same front; the front is then taken for a circle about the source."""
 
-UPSTREAM = 0.5
-"""How much nearer than a neighbour that improved, in lengths of their edge, a vertex may be and
-still be looked at again. Measured: 0 takes half the time and adds 0.01 points to the mean error."""
-
 STRAIGHT = 1e-6
 """Least curvature of a front, times edge length: below it circles lose their last digits."""
 
@@ -120,7 +116,8 @@ def sweep(  # noqa: PLR0917 - kernels take no keywords
     two vertices ``others[p] = (a, b)`` and the measures ``shapes[p] = (|va|, |vb|, |ab|, x, y)``,
     where (x, y) is v in the plane with a at the origin and b on the first axis. The vertex takes
     its distance from those before ``ends[v]``. `distance`, `kappa` and `pending` are changed in
-    place: whoever may gain from a vertex that improved is pending.
+    place: whoever may gain from a vertex that improved is pending. That is whoever lies farther,
+    and across an obtuse angle also who lies nearer.
     """
     improved = 0
     for vertex in order:
@@ -152,6 +149,7 @@ def sweep(  # noqa: PLR0917 - kernels take no keywords
             improved += 1
             for p in range(starts[vertex], starts[vertex + 1]):
                 a, b = others[p, 0], others[p, 1]
-                pending[a] |= distance[a] > best - UPSTREAM * shapes[p, 0]
-                pending[b] |= distance[b] > best - UPSTREAM * shapes[p, 1]
+                a2, b2, edge2 = shapes[p, 0] ** 2, shapes[p, 1] ** 2, shapes[p, 2] ** 2
+                pending[a] |= distance[a] > best or a2 + edge2 < b2
+                pending[b] |= distance[b] > best or b2 + edge2 < a2
     return improved
