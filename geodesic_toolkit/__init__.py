@@ -13,17 +13,23 @@ __version__ = "0.1.0"
 
 if TYPE_CHECKING:
     from geodesic_toolkit import errors, testing, viz
+    from geodesic_toolkit.analysis.paths import GeodesicPath, geodesic_path
+    from geodesic_toolkit.analysis.residual import eikonal_residual
     from geodesic_toolkit.api import geodesic_distance
     from geodesic_toolkit.catalog import operators, readers, solvers
     from geodesic_toolkit.conversion import as_domain
-    from geodesic_toolkit.discretization import (
-        Discretization,
-        EdgeGradient,
-        ElementGradient,
-        Gradient,
+    from geodesic_toolkit.discretization import Discretization
+    from geodesic_toolkit.domains import (
+        Curve,
+        Domain,
+        Graph,
+        OffsetSources,
+        PointCloud,
+        SurfacePoint,
+        TriangleMesh,
     )
-    from geodesic_toolkit.domains import Domain, Graph, PointCloud, SurfacePoint, TriangleMesh
     from geodesic_toolkit.exact import exact_distance
+    from geodesic_toolkit.gradient import EdgeGradient, ElementGradient, Gradient
     from geodesic_toolkit.heat import HeatMethod
     from geodesic_toolkit.io import read
     from geodesic_toolkit.laplacians.base import LaplaceOperator
@@ -38,18 +44,21 @@ if TYPE_CHECKING:
 _HOMES = {
     "CG": "linear.cg",
     "CotanLaplacian": "laplacians.cotan",
+    "Curve": "domains",
     "Diagnosis": "solver",
     "Discretization": "discretization",
     "Domain": "domains",
-    "EdgeGradient": "discretization",
-    "ElementGradient": "discretization",
+    "EdgeGradient": "gradient",
+    "ElementGradient": "gradient",
     "Factor": "linear.base",
+    "GeodesicPath": "analysis.paths",
     "GeodesicSolver": "solver",
-    "Gradient": "discretization",
+    "Gradient": "gradient",
     "Graph": "domains",
     "HeatMethod": "heat",
     "LaplaceOperator": "laplacians.base",
     "LinearSolver": "linear.base",
+    "OffsetSources": "domains",
     "PointCloud": "domains",
     "PointCloudLaplacian": "laplacians.pointcloud",
     "SuperLU": "linear.superlu",
@@ -57,8 +66,10 @@ _HOMES = {
     "TriangleMesh": "domains",
     "UniformLaplacian": "laplacians.uniform",
     "as_domain": "conversion",
+    "eikonal_residual": "analysis.residual",
     "exact_distance": "exact",
     "geodesic_distance": "api",
+    "geodesic_path": "analysis.paths",
     "operators": "catalog",
     "read": "io",
     "readers": "catalog",

@@ -15,7 +15,12 @@ from geodesic_toolkit.geometry.triangles import (
 )
 from geodesic_toolkit.heat import HeatMethod
 
-__all__ = ["Diagnosis", "diagnose"]
+__all__ = ["COARSE", "Diagnosis", "diagnose"]
+
+COARSE = 20
+"""Vertices of a part of a mesh below which plain heat is not to be trusted. Measured: its mean
+error is 6 to 14 % on generated shapes of so few vertices and 7 to 25 % on parts of models; refined
+distances stay below 2 %."""
 
 
 @dataclass(frozen=True)
@@ -28,6 +33,9 @@ class Diagnosis:
         What was discretized, and how.
     components : int
         Connected components of more than one vertex.
+    coarse_components : int
+        Those among them that have too few vertices for plain heat to be trusted; 0 where there are
+        no faces.
     isolated_vertices : int
         Vertices connected to nothing; their distance is ``inf``.
     boundary_vertices : int
@@ -62,6 +70,7 @@ class Diagnosis:
     domain: str
     operator: str
     components: int
+    coarse_components: int
     isolated_vertices: int
     boundary_vertices: int
     non_manifold_edges: int | None
@@ -104,6 +113,9 @@ def diagnose(domain: Domain, operator: object, method: HeatMethod) -> Diagnosis:
         domain=repr(domain),
         operator=repr(operator),
         components=int((sizes > 1).sum()),
+        coarse_components=(
+            int(((sizes > 1) & (sizes < COARSE)).sum()) if isinstance(domain, TriangleMesh) else 0
+        ),
         isolated_vertices=int((sizes == 1).sum()),
         boundary_vertices=int(metric.boundary.sum()),
         non_manifold_edges=manifold,

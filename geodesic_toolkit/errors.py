@@ -5,6 +5,7 @@ Catching :class:`GeodesicError` catches all of them; catching the builtin
 """
 
 __all__ = [
+    "CoarseMeshWarning",
     "ConformanceError",
     "GeodesicError",
     "GeodesicWarning",
@@ -23,6 +24,7 @@ __all__ = [
     "ReadWarning",
     "SolverError",
     "UnknownPluginError",
+    "UnreachableError",
     "UnsupportedDomainError",
     "WriteError",
 ]
@@ -42,6 +44,10 @@ class UnsupportedDomainError(GeodesicError, TypeError):
 
 class InvalidSourceError(GeodesicError, IndexError):
     """Sources that do not name places on the domain."""
+
+
+class UnreachableError(GeodesicError, ValueError):
+    """Two places that nothing connects, where a way from one to the other was asked for."""
 
 
 class InvalidOptionError(GeodesicError, ValueError):
@@ -98,6 +104,10 @@ class GeodesicWarning(UserWarning):
 
 class ReadWarning(GeodesicWarning):
     """A file or object was read, but not quite as it stands: polygons were triangulated, say."""
+
+
+class CoarseMeshWarning(GeodesicWarning):
+    """A mesh has too few vertices for plain heat to be trusted; refined distances can be."""
 
 
 class NonPositiveHeatWarning(GeodesicWarning):

@@ -7,8 +7,8 @@ from scipy.sparse import coo_array, csr_array
 from scipy.sparse.csgraph import connected_components
 
 from geodesic_toolkit._typing import FloatArray, IntArray
-from geodesic_toolkit.domains import TriangleMesh
-from geodesic_toolkit.errors import SolverError, UnsupportedDomainError
+from geodesic_toolkit.domains import Curve, OffsetSources, TriangleMesh
+from geodesic_toolkit.errors import InvalidSourceError, SolverError, UnsupportedDomainError
 from geodesic_toolkit.geometry.insertion import insert_points
 from geodesic_toolkit.geometry.triangles import edges_of_faces, proper_faces
 from geodesic_toolkit.sources import locate_sources
@@ -39,7 +39,8 @@ def exact_distance(mesh: TriangleMesh, sources: Any) -> FloatArray:
     Raises
     ------
     InvalidSourceError
-        No source, an index out of range, a point that is not finite, something else.
+        No source, an index out of range, a point that is not finite, a curve, offsets, something
+        else.
     UnsupportedDomainError
         Not a triangle mesh, or a non-manifold one.
     SolverError
@@ -63,6 +64,11 @@ def exact_distance(mesh: TriangleMesh, sources: Any) -> FloatArray:
     if not isinstance(mesh, TriangleMesh):
         raise UnsupportedDomainError(
             f"exact distances need a TriangleMesh, not a {type(mesh).__name__}"
+        )
+    if isinstance(sources, Curve | OffsetSources):
+        raise InvalidSourceError(
+            "exact distances start at 0 from vertices and points, not from "
+            f"{type(sources).__name__}"
         )
     places = locate_sources(mesh, sources)
     proper = mesh.faces[proper_faces(mesh.faces)]
@@ -112,4 +118,12 @@ def _exact(vertices: FloatArray, faces: IntArray, sources: IntArray) -> FloatArr
     )
     if not (np.isfinite(distance).all() and (distance >= 0).all()):
         raise SolverError("the exact algorithm failed on this mesh; are some faces degenerate?")
+    sides = np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]])
+    length = np.linalg.norm(vertices[sides[:, 0]] - vertices[sides[:, 1]], axis=1)
+    excess = np.abs(distance[sides[:, 0]] - distance[sides[:, 1]]) - length
+    if (excess > 1e-6 * distance.max()).any():  # it walks around a vertex rather than through it
+        raise SolverError(
+            "the exact algorithm failed on this mesh: along some edge the distance changes by more "
+            "than the edge is long, as where two sheets meet in a single vertex"
+        )
     return distance

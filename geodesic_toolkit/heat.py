@@ -24,6 +24,7 @@ from geodesic_toolkit.errors import (
 )
 from geodesic_toolkit.heat_flow import Boundary, HeatFlow, HeatReport
 from geodesic_toolkit.linear.base import Factor, LinearSolver
+from geodesic_toolkit.linear.memory import require_memory
 from geodesic_toolkit.positivity import positive_part
 from geodesic_toolkit.refine import WavefrontSweeper
 from geodesic_toolkit.source_points import SourcePoints, as_vertices
@@ -180,8 +181,14 @@ class HeatMethod:
         ------
         InvalidSourceError
             As for `distance`; the message says which set.
+        NotEnoughMemoryError
+            The table would not fit.
         """
         points = [self._source_points(sources, k) for k, sources in enumerate(source_sets)]
+        require_memory(
+            8.0 * len(points) * self.n_vertices,
+            f"the table of distances from {len(points)} source sets to {self.n_vertices} vertices",
+        )
         distances = np.empty((len(points), self.n_vertices))
         for start in range(0, len(points), BLOCK):
             block = points[start : start + BLOCK]
@@ -296,12 +303,16 @@ class HeatMethod:
         components = self.metric.components
         distances = np.full(potential.T.shape, np.inf)
         for k, points in enumerate(block):
-            above = points.weights @ potential[:, k] - points.offsets
+            above = points.weights @ potential[:, k] - points.offsets - points.starts
             home = points.components(self.metric)
+            first = points.first_to_start(home)  # others may be overtaken before they start
             heated = np.isin(self.diffusion.components, points.components(self.diffusion))
             for component in np.unique(home):
                 inside = heated & (components == component)
-                distances[k, inside] = potential[inside, k] - above[home == component].mean()
+                anchors = above[first & (home == component)]
+                anchored = potential[inside, k] - anchors.mean()
+                # Of several sources some are below their mean by right; of one, nothing is.
+                distances[k, inside] = anchored if len(anchors) > 1 else np.maximum(anchored, 0.0)
         return distances
 
     # -- instead of steps 2 and 3 --------------------------------------------------------------
@@ -314,7 +325,8 @@ class HeatMethod:
         def column(k: int) -> FloatArray:
             points = block[k]
             vertices = points.weights.indices.astype(np.int64)
-            return sweeper.distance(log_heat[:, k], vertices, points.distances)
+            distances = points.distances + points.starts[points.rows]
+            return sweeper.distance(log_heat[:, k], vertices, distances, points.curvatures)
 
         if len(block) == 1:
             return column(0)[None]

@@ -8,7 +8,7 @@ from typing import Literal, TypeAlias
 import numpy as np
 from scipy.sparse import csr_array, diags_array
 
-from geodesic_toolkit._typing import BoolArray, FloatArray
+from geodesic_toolkit._typing import BoolArray, FloatArray, IntArray
 from geodesic_toolkit.discretization import Discretization
 from geodesic_toolkit.linear.base import Factor, LinearSolver
 from geodesic_toolkit.linear.log_solve import fill_from_neighbours, log_solve
@@ -70,8 +70,10 @@ class HeatFlow:
 
     def heat(self, block: Sequence[SourcePoints]) -> FloatArray:
         """Return u, (N, K), as the solver gives it: with underflow, zeros and negative values."""
-        parts = [system.factor.solve(system.load(block)) for system in self.systems()]
-        return np.asarray(np.mean(parts, axis=0), dtype=np.float64)
+        loads, log_scales, owners = self._loads(block)
+        parts = [system.factor.solve(system.load(loads)) for system in self.systems()]
+        scaled = np.mean(parts, axis=0) * np.exp(log_scales)
+        return np.column_stack([scaled[:, owners == k].sum(axis=1) for k in range(len(block))])
 
     def log_heat(self, block: Sequence[SourcePoints]) -> tuple[FloatArray, list[HeatReport]]:
         """Return log u, (N, K), over an unlimited range, and a report on each column.
@@ -79,13 +81,19 @@ class HeatFlow:
         Vertices whose heat is not positive take it from their neighbours.
         """
         parts, stages = [], 1
+        loads, log_scales, owners = self._loads(block)
         for system in self.systems():
             if self.solver.componentwise:
-                part, needed = log_solve(system.matrix, system.factor, system.load(block))
+                part, needed = log_solve(system.matrix, system.factor, system.load(loads))
                 stages = max(stages, needed)
             else:  # restarts rest on every entry being right: take what the solver gives
-                solution = system.factor.solve(system.load(block))
+                solution = system.factor.solve(system.load(loads))
                 part = np.log(solution, out=np.full_like(solution, -np.inf), where=solution > 0)
+            if len(owners) > len(block):
+                columns = [np.flatnonzero(owners == k) for k in range(len(block))]
+                part = np.column_stack(
+                    [np.logaddexp.reduce((part + log_scales)[:, own], axis=1) for own in columns]
+                )
             parts.append(part)
         log_heat = parts[0] if len(parts) == 1 else np.logaddexp(*parts) - np.log(2)
         reports = []
@@ -98,6 +106,16 @@ class HeatFlow:
                 log_heat[:, k] = fill_from_neighbours(matrix, log_heat[:, k], missing)
             reports.append(HeatReport(int(reached.sum()), count, stages))
         return log_heat, reports
+
+    def _loads(self, block: Sequence[SourcePoints]) -> tuple[FloatArray, FloatArray, IntArray]:
+        """Return right-hand sides (N, K'), the logarithms of their scales, and whose they are."""
+        # exp(-d / √t) in the smooth limit; by steps of h the heat equation has this solution.
+        spacing = self.diffusion.spacing
+        decay = float(np.arccosh(1 + spacing**2 / (2 * self.time))) / spacing
+        loads = [points.loads(points.components(self.diffusion), decay) for points in block]
+        flat = [load for own in loads for load in own]
+        owners = np.repeat(np.arange(len(block)), [len(own) for own in loads])
+        return np.column_stack([load for load, _ in flat]), np.array([x for _, x in flat]), owners
 
     def reached(self, points: SourcePoints) -> BoolArray:
         """Return where heat from a source set should come, of shape (N,)."""
@@ -150,9 +168,8 @@ class _HeatSystem:
     diagonal: FloatArray
     factor: Factor
 
-    def load(self, block: Sequence[SourcePoints]) -> FloatArray:
-        """Return the right-hand sides δ, (N, K): the weights of each set's points, summed."""
-        delta = np.column_stack([points.weights.sum(axis=0) for points in block])
+    def load(self, delta: FloatArray) -> FloatArray:
+        """Return the right-hand sides that put the heat δ, (N, K), where the condition allows."""
         spikes = np.where(self.held[:, None], delta, 0.0) / self.diagonal[:, None]
         if not spikes.any():
             return np.where(self.held[:, None], 0.0, delta)

@@ -8,7 +8,8 @@ import numpy as np
 from scipy.sparse import coo_array, csr_array, diags_array, triu
 
 from geodesic_toolkit._typing import FloatArray
-from geodesic_toolkit.discretization import Discretization, EdgeGradient
+from geodesic_toolkit.discretization import Discretization
+from geodesic_toolkit.gradient import EdgeGradient
 
 __all__ = ["obtuse_excess", "positive_part"]
 
@@ -19,12 +20,12 @@ LINK = 1e-3
 """What is left of an edge of the wrong sign: enough that no part comes off."""
 
 
-def obtuse_excess(stiffness: csr_array, mass: FloatArray) -> float:
-    """Return how much of a stiffness has the wrong sign where it is worst: 0 for an M-matrix.
+def obtuse_excess(stiffness: csr_array, mass: FloatArray) -> FloatArray:
+    """Return how much of a stiffness has the wrong sign around each vertex: 0 for an M-matrix.
 
-    At a vertex, the share of positive entries in the absolute sum of its row without the diagonal;
-    averaged by mass over neighbourhoods of four rings, and of these the largest. A lone obtuse
-    triangle is harmless, and tiny ones are: it takes a region of them to turn heat negative.
+    The share of positive entries in the absolute sum of a row without the diagonal, averaged by
+    mass over neighbourhoods of four rings, of shape (N,). A lone obtuse triangle is harmless, and
+    tiny ones are: it takes a region of them to turn heat negative.
     """
     ones = np.ones(len(mass))
     weights = csr_array(stiffness - diags_array(stiffness.diagonal()))
@@ -36,7 +37,7 @@ def obtuse_excess(stiffness: csr_array, mass: FloatArray) -> float:
     for _ in range(RINGS):
         excess = excess + ring @ excess
         area = area + ring @ area
-    return float(np.divide(excess, area, out=np.zeros_like(area), where=area > 0).max())
+    return np.asarray(np.divide(excess, area, out=np.zeros_like(area), where=area > 0))
 
 
 def positive_part(metric: Discretization) -> Discretization:

@@ -7,11 +7,12 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from geodesic_toolkit._typing import FloatArray, IntArray
-from geodesic_toolkit.discretization import Discretization, ElementGradient
+from geodesic_toolkit.discretization import Discretization
 from geodesic_toolkit.domains import Domain, PointCloud, TriangleMesh
 from geodesic_toolkit.errors import InvalidOptionError, UnsupportedDomainError
 from geodesic_toolkit.geometry.closest import TriangleTree, closest_points
 from geodesic_toolkit.geometry.triangles import proper_faces
+from geodesic_toolkit.gradient import ElementGradient
 from geodesic_toolkit.source_points import SourcePoints
 
 __all__ = ["as_points", "interpolate", "positions_of"]

@@ -18,8 +18,9 @@ import numpy as np
 from scipy.sparse import coo_array, csr_array
 
 from geodesic_toolkit._typing import FloatArray, IntArray
-from geodesic_toolkit.discretization import Discretization, ElementGradient
+from geodesic_toolkit.discretization import Discretization
 from geodesic_toolkit.errors import UnsupportedDomainError
+from geodesic_toolkit.gradient import ElementGradient
 
 __all__ = ["WavefrontSweeper"]
 
@@ -27,9 +28,10 @@ TOLERANCE = 3e-4
 """Improvement, in mean edge lengths, below which a vertex is left as it is."""
 
 MAX_SWEEPS = 100
-"""Sweeps after which improvement stops; two do most of it, and real meshes take four to forty."""
+"""Sweeps after which improvement stops, unless some vertex has not been reached; two do most of
+it, and real meshes take four to forty."""
 
-COARSE = 0.2
+COARSE = 0.3
 """Curvature of a vertex, K h², at which it counts for half.
 
 A vertex is no sample of a smooth surface where its angle defect is of the order of 1; there the
@@ -71,7 +73,11 @@ class WavefrontSweeper:
         return self
 
     def distance(
-        self, log_heat: FloatArray, vertices: IntArray, distances: FloatArray
+        self,
+        log_heat: FloatArray,
+        vertices: IntArray,
+        distances: FloatArray,
+        curvatures: FloatArray | None = None,
     ) -> FloatArray:
         """Return refined distances.
 
@@ -83,6 +89,9 @@ class WavefrontSweeper:
             Vertices at and around the sources.
         distances : ndarray of shape (P,), float64
             Their distances, which are taken as exact.
+        curvatures : ndarray of shape (P,), float64, optional
+            Geodesic curvature of the front there; unless given that of a circle, infinite at its
+            centre.
 
         Returns
         -------
@@ -94,18 +103,30 @@ class WavefrontSweeper:
         starts, ends, others, shapes = self._corners
         count = len(log_heat)
         distance, kappa = np.full(count, np.inf), np.zeros(count)
-        np.minimum.at(distance, vertices, distances)
-        with np.errstate(divide="ignore"):
-            kappa[vertices] = 1 / distance[vertices]
+        if curvatures is None:
+            with np.errstate(divide="ignore"):
+                curvatures = 1 / distances
+        nearest_last = np.argsort(-distances, kind="stable")
+        distance[vertices[nearest_last]] = distances[nearest_last]
+        kappa[vertices[nearest_last]] = curvatures[nearest_last]
         pending = np.zeros(count, dtype=np.bool_)
         for vertex in vertices:
             pending[others[starts[vertex] : starts[vertex + 1]]] = True
         order = np.argsort(-log_heat)
         tolerance = TOLERANCE * self.metric.spacing
         triangles = (starts, ends, others, shapes, self._curvature)
-        for _ in range(MAX_SWEEPS):
-            if not sweep(order, *triangles, distance, kappa, pending, tolerance):
+        heated, sweeps = np.isfinite(log_heat), 0
+        while sweeps < MAX_SWEEPS or np.isinf(distance[heated]).any():
+            sweeps += 1
+            if sweep(order, *triangles, distance, kappa, pending, tolerance):
+                continue
+            # Stars need not be mutual: who is heard by the reached but hears none of them itself
+            # now listens to every triangle that it is part of.
+            pending = np.isinf(distance) & heated & (ends < starts[1:])
+            if not pending.any():
                 break
+            ends = np.where(pending, starts[1:], ends)
+            triangles = (starts, ends, others, shapes, self._curvature)
         return distance
 
     @cached_property
@@ -179,9 +200,11 @@ class WavefrontSweeper:
         corners = faces.ravel()
         angles = np.bincount(corners, self._angles.ravel(), minlength=count)
         area = np.bincount(corners, np.repeat(gradient.measure / 3, 3), minlength=count)
-        defect = np.where(boundary | (area == 0), 0.0, 2 * np.pi - angles)
         pairs = (np.repeat(faces, 3, axis=1).ravel(), np.tile(faces, (1, 3)).ravel())
         ring = csr_array(coo_array((np.ones(len(pairs[0])), pairs), shape=(count, count)))
+        # Where sheets meet there is no angle to fall short of: more faces than neighbours.
+        sheets = np.bincount(corners, minlength=count) > np.diff(ring.indptr) - 1
+        defect = np.where(boundary | sheets | (area == 0), 0.0, 2 * np.pi - angles)
         total = ring @ area
         curvature = np.divide(ring @ defect, total, out=np.zeros(count), where=total > 0)
         spread = np.abs(curvature) * area * 2 / np.sqrt(3)  # K h² where triangles are equilateral

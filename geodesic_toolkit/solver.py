@@ -4,17 +4,22 @@ import threading
 from collections.abc import Iterable
 from typing import Any
 
+import numpy as np
 from numpy.typing import ArrayLike
 
 from geodesic_toolkit._typing import FloatArray
+from geodesic_toolkit._warning import warn
 from geodesic_toolkit.catalog import resolve_operator, resolve_solvers
 from geodesic_toolkit.conversion import as_domain
-from geodesic_toolkit.diagnosis import Diagnosis, diagnose
-from geodesic_toolkit.errors import InvalidSourceError
+from geodesic_toolkit.diagnosis import COARSE, Diagnosis, diagnose
+from geodesic_toolkit.domains import TriangleMesh
+from geodesic_toolkit.errors import CoarseMeshWarning, InvalidSourceError
 from geodesic_toolkit.heat import Boundary, HeatMethod, Progress
 from geodesic_toolkit.laplacians.base import LaplaceOperator
 from geodesic_toolkit.linear.base import LinearSolver
+from geodesic_toolkit.masking import as_mask, without
 from geodesic_toolkit.queries import as_points, interpolate, positions_of
+from geodesic_toolkit.source_points import SourcePoints
 from geodesic_toolkit.sources import locate_sources
 
 __all__ = ["Diagnosis", "GeodesicSolver"]
@@ -48,6 +53,9 @@ class GeodesicSolver:
         Sweep wavefronts over the triangles in the order of the heat, instead of solving the
         Poisson equation: several times more accurate on meshes, exact at the sources. For
         operators whose elements are triangles.
+    mask : array-like of shape (N,), bool, optional
+        True at vertices that paths may not cross: faces and edges that touch one do not conduct,
+        and it reads ``inf`` itself. It needs no boundary of its own: what is left ends there.
 
     Attributes
     ----------
@@ -94,11 +102,14 @@ class GeodesicSolver:
         boundary: Boundary = "neumann",
         solver: str | type[LinearSolver] | LinearSolver | dict[str, Any] = "auto",
         refine: bool = False,
+        mask: ArrayLike | None = None,
     ) -> None:
         domain = as_domain(domain)
         self.domain = domain
         self.operator = resolve_operator(operator, domain)
         self.diffusion = None if diffusion is None else resolve_operator(diffusion, domain)
+        self._mask = None if mask is None else as_mask(mask, domain.n_vertices)
+        self._passable = domain = domain if self._mask is None else without(domain, self._mask)
         heat_solver, poisson_solver = resolve_solvers(solver)
         self.operator.check_domain(domain)
         metric = self.operator.assemble(domain)
@@ -124,9 +135,10 @@ class GeodesicSolver:
 
         Parameters
         ----------
-        sources : int, array-like of int, array-like of float, SurfacePoint or sequence of them
+        sources : int, array-like, SurfacePoint, sequence of them, Curve or OffsetSources
             Vertex indices; points in space, of shape (3,) or (P, 3), snapped to the nearest point
-            of the surface; or points inside faces.
+            of the surface; points inside faces; a polyline; or any of the first three with
+            offsets. The vertices of a label are ``numpy.flatnonzero(labels == label)``.
 
         Returns
         -------
@@ -147,7 +159,9 @@ class GeodesicSolver:
         >>> gt.GeodesicSolver(square).distance([0.5, 0.5, 0.0])[12].round(3)
         np.float64(0.0)
         """
-        return self.method.distance(locate_sources(self.domain, sources))
+        places = self._locate(sources)
+        self._warn_where_coarse([places])
+        return self.method.distance(places)
 
     def distances(
         self, source_sets: ArrayLike | Iterable[Any], *, progress: Progress | None = None
@@ -171,7 +185,9 @@ class GeodesicSolver:
         InvalidSourceError
             As for `distance`, before any work; the message says which set.
         """
-        return self.method.distances(self._locate_sets(source_sets), progress=progress)
+        sets = self._locate_sets(source_sets)
+        self._warn_where_coarse(sets)
+        return self.method.distances(sets, progress=progress)
 
     def query(self, points: ArrayLike, sources: Any, *, reach: float | None = None) -> FloatArray:
         """Return the geodesic distance at any points on or near a mesh or a cloud.
@@ -215,14 +231,14 @@ class GeodesicSolver:
         """
         positions_of(self.domain)  # refuses a graph before the work
         queries = as_points(points)
-        places = locate_sources(self.domain, sources)
+        places = self._locate(sources)
         return interpolate(
-            self.domain,
+            self._passable,
             self.method.metric,
             self.method.distance(places),
             queries,
             reach=reach,
-            sources=places,
+            sources=places if places.radial else None,
         )
 
     def heat(self, sources: Any) -> FloatArray:
@@ -231,24 +247,55 @@ class GeodesicSolver:
         It underflows some 700 edges from the source; :meth:`log_heat` does not. Parameters and
         errors are those of :meth:`distance`.
         """
-        return self.method.heat(locate_sources(self.domain, sources))
+        return self.method.heat(self._locate(sources))
 
     def log_heat(self, sources: Any) -> FloatArray:
         """Return log u of step 1, of shape (N,), over an unlimited range; ``-inf`` where u = 0.
 
         Parameters and errors are those of :meth:`distance`.
         """
-        return self.method.log_heat(locate_sources(self.domain, sources))
+        return self.method.log_heat(self._locate(sources))
 
     @property
     def diagnosis(self) -> Diagnosis:
         """What the shape is like and what was done about it; computed on first use."""
         with self._lock:
             if self._diagnosis is None:
-                self._diagnosis = diagnose(self.domain, self.operator, self.method)
+                self._diagnosis = diagnose(self._passable, self.operator, self.method)
             return self._diagnosis
 
-    def _locate_sets(self, source_sets: Any) -> list[Any]:
+    def _locate(self, sources: Any, name: str = "sources") -> SourcePoints:
+        if isinstance(sources, SourcePoints):  # located before
+            places = sources
+        else:
+            places = locate_sources(self.domain, sources, name, passable=self._passable)
+        if self._mask is not None:
+            used = places.weights.indices
+            if self._mask[used].any():
+                raise InvalidSourceError(
+                    f"{name}: vertex {used[self._mask[used]][0]} is masked, so that no path starts "
+                    "there"
+                )
+        return places
+
+    def _warn_where_coarse(self, sets: list[SourcePoints]) -> None:
+        """Warn where plain heat starts in so small a part of a mesh that it cannot be trusted."""
+        metric = self.method.metric
+        if self.method.refine or not isinstance(self.domain, TriangleMesh):
+            return
+        sizes = np.bincount(metric.components)
+        for places in sets:
+            smallest = int(sizes[places.components(metric)].min())
+            if 1 < smallest < COARSE:
+                warn(
+                    f"a source lies on a part of the mesh that has only {smallest} vertices: too "
+                    "coarse for the heat method, whose error is 10 % and more there; use "
+                    "refine=True, or exact_distance, or divide the faces",
+                    CoarseMeshWarning,
+                )
+                return
+
+    def _locate_sets(self, source_sets: Any) -> list[SourcePoints]:
         if isinstance(source_sets, str | bytes) or not isinstance(source_sets, Iterable):
             raise InvalidSourceError(
                 f"source sets must be a sequence of them, not {source_sets!r}; "
@@ -258,8 +305,7 @@ class GeodesicSolver:
         if not sets:
             raise InvalidSourceError("there are no source sets; give at least one")
         return [
-            locate_sources(self.domain, sources, f"source set {position}")
-            for position, sources in enumerate(sets)
+            self._locate(sources, f"source set {position}") for position, sources in enumerate(sets)
         ]
 
     def __getstate__(self) -> dict[str, Any]:

@@ -1,16 +1,19 @@
 """Sources as convex combinations of vertices: what the heat method starts from."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
 from scipy.sparse import coo_array, csr_array
 
-from geodesic_toolkit._typing import FloatArray, IntArray
+from geodesic_toolkit._typing import BoolArray, FloatArray, IntArray
 from geodesic_toolkit.discretization import Discretization
 from geodesic_toolkit.errors import InvalidSourceError
 
 __all__ = ["SourcePoints", "as_vertices"]
+
+LAYER = 200.0
+"""Powers of e between the sources of one right-hand side; float64 has 700."""
 
 
 @dataclass(frozen=True)
@@ -24,10 +27,24 @@ class SourcePoints:
     distances : ndarray of shape (nnz,), float64
         How far the point is from each of those vertices, in the order of ``weights.data``; 0 for a
         point at a vertex.
+    starts : ndarray of shape (P,), float64, optional
+        The distance that each point starts with; 0 unless given.
+    curvatures : ndarray of shape (nnz,), float64, optional
+        Geodesic curvature κ of the front when it comes to those vertices; that of a circle about
+        the point, ``1 / distances``, unless given.
     """
 
     weights: csr_array
     distances: FloatArray
+    starts: FloatArray = field(default_factory=lambda: np.zeros(0))
+    curvatures: FloatArray = field(default_factory=lambda: np.zeros(0))
+
+    def __post_init__(self) -> None:
+        if not len(self.starts):
+            object.__setattr__(self, "starts", np.zeros(self.weights.shape[0]))
+        if not len(self.curvatures):
+            with np.errstate(divide="ignore"):
+                object.__setattr__(self, "curvatures", 1 / self.distances)
 
     @classmethod
     def at_vertices(cls, vertices: IntArray, n_vertices: int) -> "SourcePoints":
@@ -38,11 +55,59 @@ class SourcePoints:
         return cls(weights, np.zeros(count))
 
     @property
+    def rows(self) -> IntArray:
+        """The (nnz,) point that each weight belongs to."""
+        return np.repeat(np.arange(self.weights.shape[0]), np.diff(self.weights.indptr))
+
+    @property
     def offsets(self) -> FloatArray:
         """The (P,) distances of the points from their vertices, in the weighted mean."""
-        rows = np.repeat(np.arange(self.weights.shape[0]), np.diff(self.weights.indptr))
+        rows = self.rows
         sums = np.bincount(rows, self.weights.data * self.distances, self.weights.shape[0])
         return np.asarray(sums, dtype=np.float64)
+
+    @property
+    def radial(self) -> bool:
+        """Whether distance grows from 0 in circles about the points: no curve, no head starts."""
+        return bool((self.curvatures > 0).all() and not self.starts.any())
+
+    def first_to_start(self, components: IntArray) -> BoolArray:
+        """Return the points of which none in the same component starts earlier, of shape (P,).
+
+        Parameters
+        ----------
+        components : ndarray of shape (P,), int64
+        """
+        least = np.full(components.max() + 1, np.inf)
+        np.minimum.at(least, components, self.starts)
+        return np.asarray(self.starts == least[components])
+
+    def loads(self, components: IntArray, decay: float) -> list[tuple[FloatArray, float]]:
+        """Return right-hand sides δ, (N,), each with the logarithm of what to scale its heat by.
+
+        Heat falls exponentially: a source that starts later is weaker by that. One load serves
+        unless starts differ by so much that floats would underflow.
+
+        Parameters
+        ----------
+        components : ndarray of shape (P,), int64
+            The connected component that each point lies in; they do not hear of one another.
+        decay : float
+            Powers of e by which heat falls in a unit of length.
+        """
+        if not self.starts.any():
+            return [(np.asarray(self.weights.sum(axis=0), dtype=np.float64), 0.0)]
+        least = np.full(components.max() + 1, np.inf)
+        np.minimum.at(least, components, self.starts)
+        delay = (self.starts - least[components]) * decay
+        layers = np.floor(delay / LAYER)
+        loads = []
+        for layer in np.unique(layers):
+            strength = np.where(
+                layers == layer, np.exp(np.minimum(layer * LAYER - delay, 0.0)), 0.0
+            )
+            loads.append((np.asarray(self.weights.T @ strength), -float(layer) * LAYER))
+        return loads
 
     def components(self, discretization: Discretization) -> IntArray:
         """Return the connected component that each point lies in, of shape (P,)."""

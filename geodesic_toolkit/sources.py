@@ -7,25 +7,45 @@ import numpy as np
 from scipy.sparse import csr_array
 
 from geodesic_toolkit._typing import FloatArray, IntArray
-from geodesic_toolkit.domains import Domain, PointCloud, SurfacePoint, TriangleMesh
+from geodesic_toolkit.domains import (
+    Curve,
+    Domain,
+    OffsetSources,
+    PointCloud,
+    SurfacePoint,
+    TriangleMesh,
+)
 from geodesic_toolkit.errors import InvalidSourceError
 from geodesic_toolkit.geometry.closest import closest_on_triangles, closest_points
+from geodesic_toolkit.geometry.polylines import distance_to_segments, sample_polyline
+from geodesic_toolkit.geometry.triangles import face_edge_lengths
 from geodesic_toolkit.source_points import SourcePoints, as_vertices
 
 __all__ = ["locate_sources"]
 
+SAMPLES = 4
+"""Samples of a curve to a mean edge length."""
 
-def locate_sources(domain: Domain, sources: Any, name: str = "sources") -> SourcePoints:
+MOST_SAMPLES = 10_000_000
+"""A curve of more is in another unit than the shape."""
+
+
+def locate_sources(
+    domain: Domain, sources: Any, name: str = "sources", *, passable: Domain | None = None
+) -> SourcePoints:
     """Return one set of sources on `domain`.
 
     Parameters
     ----------
     domain : Domain
-    sources : int, array-like of int, array-like of float, SurfacePoint or sequence of them
+    sources : int, array-like, SurfacePoint, sequence of them, Curve or OffsetSources
         Vertex indices; points in space, of shape (3,) or (P, 3), snapped to the nearest point of
-        the surface (or of the cloud); or points inside faces.
+        the surface (or of the cloud); points inside faces; a polyline; or any of the first three
+        with offsets.
     name : str
         What to call them in messages.
+    passable : Domain, optional
+        What is left of the domain where paths may go: points in space snap to that.
 
     Returns
     -------
@@ -37,6 +57,15 @@ def locate_sources(domain: Domain, sources: Any, name: str = "sources") -> Sourc
         None at all, an index out of range, a missing point of a cloud, coordinates that are not
         finite, or something that names no place.
     """
+    if isinstance(sources, OffsetSources):
+        places = locate_sources(domain, sources.sources, name, passable=passable)
+        if isinstance(sources.sources, Curve) or len(sources.offsets) != places.weights.shape[0]:
+            raise InvalidSourceError(
+                f"{name}: {len(sources.offsets)} offsets must be one for each source"
+            )
+        return SourcePoints(places.weights, places.distances, sources.offsets)
+    if isinstance(sources, Curve):
+        return _along(domain, domain if passable is None else passable, sources, name)
     surface_points = _as_surface_points(sources)
     if surface_points is not None:
         return _on_faces(domain, surface_points, name)
@@ -45,12 +74,17 @@ def locate_sources(domain: Domain, sources: Any, name: str = "sources") -> Sourc
     except (ValueError, TypeError) as error:
         raise InvalidSourceError(f"{name} cannot be read: {error}") from error
     if array.dtype.kind == "f" and array.size:
-        return _in_space(domain, array, name)
+        return _in_space(domain if passable is None else passable, _as_points(array, name), name)
+    if array.dtype.kind == "b" and array.shape == (domain.n_vertices,):
+        raise InvalidSourceError(f"{name} must be indices, not a mask: use numpy.flatnonzero(mask)")
     vertices = as_vertices(sources, domain.n_vertices, name)
     if isinstance(domain, PointCloud) and not domain.present[vertices].all():
         missing = int(vertices[~domain.present[vertices]][0])
         raise InvalidSourceError(f"{name}: point {missing} of the cloud is missing (not finite)")
     return SourcePoints.at_vertices(vertices, domain.n_vertices)
+
+
+# -- points inside faces -------------------------------------------------------------------------
 
 
 def _as_surface_points(sources: Any) -> Sequence[SurfacePoint] | None:
@@ -62,6 +96,12 @@ def _as_surface_points(sources: Any) -> Sequence[SurfacePoint] | None:
 
 
 def _on_faces(domain: Domain, points: Sequence[Any], name: str) -> SourcePoints:
+    faces, barycentric = _faces_of(domain, points, name)
+    assert isinstance(domain, TriangleMesh)  # for the type checker; _faces_of has raised
+    return _barycentric(domain, faces, barycentric)
+
+
+def _faces_of(domain: Domain, points: Sequence[Any], name: str) -> tuple[IntArray, FloatArray]:
     if not isinstance(domain, TriangleMesh):
         raise InvalidSourceError(
             f"{name}: a SurfacePoint lies on a TriangleMesh, not on a {type(domain).__name__}"
@@ -74,10 +114,13 @@ def _on_faces(domain: Domain, points: Sequence[Any], name: str) -> SourcePoints:
                 f"{name}: point {position} lies on face {point.face}; there are {domain.n_faces}"
             )
     faces = np.array([point.face for point in points], dtype=np.int64)
-    return _barycentric(domain, faces, np.array([point.barycentric for point in points]))
+    return faces, np.array([point.barycentric for point in points])
 
 
-def _in_space(domain: Domain, array: Any, name: str) -> SourcePoints:
+# -- points in space -----------------------------------------------------------------------------
+
+
+def _as_points(array: Any, name: str) -> FloatArray:
     points = np.atleast_2d(array).astype(np.float64)
     if points.ndim != 2 or points.shape[1] != 3:
         raise InvalidSourceError(
@@ -87,26 +130,101 @@ def _in_space(domain: Domain, array: Any, name: str) -> SourcePoints:
     if not np.isfinite(points).all():
         bad = int(np.flatnonzero(~np.isfinite(points).all(axis=1))[0])
         raise InvalidSourceError(f"{name}: point {bad} is not finite: {points[bad].tolist()}")
+    return points
+
+
+def _in_space(domain: Domain, points: FloatArray, name: str) -> SourcePoints:
     if isinstance(domain, TriangleMesh):
         faces, barycentric = closest_on_triangles(points, domain.vertices, domain.faces)
         return _barycentric(domain, faces, barycentric)
     if isinstance(domain, PointCloud):
-        present = np.flatnonzero(domain.present)
-        nearest = present[closest_points(points, domain.points[present])]
-        return SourcePoints.at_vertices(nearest, domain.n_vertices)
-    raise InvalidSourceError(
+        return SourcePoints.at_vertices(_nearest_present(domain, points), domain.n_vertices)
+    raise _no_positions(domain, name)
+
+
+def _nearest_present(cloud: PointCloud, points: FloatArray) -> IntArray:
+    present = np.flatnonzero(cloud.present)
+    nearest: IntArray = present[closest_points(points, cloud.points[present])]
+    return nearest
+
+
+def _no_positions(domain: Domain, name: str) -> InvalidSourceError:
+    return InvalidSourceError(
         f"{name}: a {type(domain).__name__} has no positions; give vertex indices"
     )
 
 
-def _barycentric(mesh: TriangleMesh, faces: IntArray, barycentric: FloatArray) -> SourcePoints:
-    """Return points in faces; their corners lie at their straight distances."""
+# -- curves --------------------------------------------------------------------------------------
+
+
+def _along(domain: Domain, passable: Domain, curve: Curve, name: str) -> SourcePoints:
+    """Return samples of a curve; the corners around one lie at their distance from the curve."""
+    if isinstance(curve.points, tuple):
+        faces, barycentric = _faces_of(domain, curve.points, name)
+        assert isinstance(domain, TriangleMesh)  # for the type checker; _faces_of has raised
+        corners = np.einsum("pc,pcd->pd", barycentric, domain.vertices[domain.faces[faces]])
+    else:
+        corners = curve.points
+    step = _spacing(passable, name) / SAMPLES
+    if curve.closed:
+        corners = np.concatenate([corners, corners[:1]])
+    length = np.linalg.norm(np.diff(corners, axis=0), axis=1).sum()
+    if not length < MOST_SAMPLES * step:
+        raise InvalidSourceError(
+            f"{name}: the curve is {length / (SAMPLES * step):.3g} times as long as the mean edge; "
+            "is it in the unit of the shape?"
+        )
+    points = sample_polyline(corners, step)
+    if isinstance(passable, PointCloud):
+        nearest = _nearest_present(passable, points)
+        vertices, place = np.unique(nearest, return_inverse=True)
+        off = np.full(len(vertices), np.inf)
+        np.minimum.at(off, place, np.linalg.norm(passable.points[nearest] - points, axis=1))
+        at = SourcePoints.at_vertices(vertices, domain.n_vertices)
+        return SourcePoints(at.weights, off, curvatures=np.zeros(len(vertices)))
+    assert isinstance(passable, TriangleMesh)  # for the type checker; _spacing has raised
+    faces, barycentric = closest_on_triangles(points, passable.vertices, passable.faces)
+    around = passable.vertices[passable.faces[faces]]
+    laid = np.einsum("pc,pcd->pd", barycentric, around)
+    distances, beside = distance_to_segments(around, laid)
+    with np.errstate(divide="ignore"):
+        curvatures = np.where(beside, 0.0, 1 / distances)  # beside a line the front is straight
+    return _barycentric(passable, faces, barycentric, distances, curvatures)
+
+
+def _spacing(domain: Domain, name: str) -> float:
+    """Return the mean edge length, or how far the points of a cloud are apart."""
+    if isinstance(domain, TriangleMesh):
+        return float(face_edge_lengths(domain.vertices, domain.faces).mean())
+    if isinstance(domain, PointCloud):
+        from scipy.spatial import cKDTree
+
+        points = np.unique(domain.points[domain.present], axis=0)
+        if len(points) == 1:
+            return 1.0
+        some = points[:: max(1, len(points) // 1000)]
+        near = np.asarray(cKDTree(points).query(some, k=2)[0], dtype=np.float64)
+        return float(np.median(near[:, 1]))
+    raise _no_positions(domain, name)
+
+
+def _barycentric(
+    mesh: TriangleMesh,
+    faces: IntArray,
+    barycentric: FloatArray,
+    distances: FloatArray | None = None,
+    curvatures: FloatArray | None = None,
+) -> SourcePoints:
+    """Return points in faces; their corners lie at their straight distances unless told."""
     corners = mesh.faces[faces]
-    places = mesh.vertices[corners]
-    at = np.einsum("pc,pcd->pd", barycentric, places)
-    distances = np.linalg.norm(places - at[:, None], axis=2)
+    if distances is None:
+        places = mesh.vertices[corners]
+        at = np.einsum("pc,pcd->pd", barycentric, places)
+        distances = np.linalg.norm(places - at[:, None], axis=2)
     used = barycentric > 0
     starts = np.concatenate([[0], np.cumsum(used.sum(axis=1))])
     shape = (len(faces), mesh.n_vertices)
     weights = csr_array((barycentric[used], corners[used], starts), shape=shape)
-    return SourcePoints(weights, distances[used])
+    if curvatures is None:
+        return SourcePoints(weights, distances[used])
+    return SourcePoints(weights, distances[used], curvatures=curvatures[used])

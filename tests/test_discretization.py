@@ -112,17 +112,66 @@ def test_intrinsic_delaunay_does_not_mind_how_faces_are_turned():
 
 
 def crowded_edge():
-    """Three sheared sheets that share an edge."""
-    vertices = [[0, 0, 0], [1, 0, 0], [9, 1, 0], [9, 0, 1], [9, -1, 0]]
-    return gt.TriangleMesh(vertices, [[0, 1, 2], [0, 1, 3], [0, 1, 4]])
+    """Return three sheared sheets that share an edge: 200 faces each."""
+    sheet = shapes.grid(11, shear=3.0)
+    turns = [np.diag([1.0, np.cos(a), 1.0]) + np.sin(a) * np.eye(3)[[0, 2, 1]] * [0, 1, 0]
+             for a in (0.0, 2.0, 4.0)]  # fmt: skip
+    vertices = np.concatenate([sheet.vertices @ turn for turn in turns])
+    faces = np.concatenate([sheet.faces + part * 121 for part in range(3)])
+    shared = sheet.vertices[:, 1] == 0
+    same = np.arange(363)
+    same[121:] = np.where(np.tile(shared, 2), np.tile(np.arange(121), 2), same[121:])
+    return gt.TriangleMesh(vertices, same[faces])
 
 
-def test_intrinsic_delaunay_refuses_what_it_cannot_flip():
-    with pytest.raises(UnsupportedDomainError, match="at most two"):
-        gt.CotanLaplacian(intrinsic_delaunay=True).assemble(crowded_edge())
-    auto = gt.CotanLaplacian(intrinsic_delaunay="auto").assemble(crowded_edge())
-    assert auto.notes["triangulation"] == "given"
-    assert auto.notes["obtuse_excess"] > 0.13
+def test_intrinsic_delaunay_leaves_edges_of_more_than_two_faces_alone():
+    mesh = crowded_edge()
+    sides = mesh.faces[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2)
+    _, count = np.unique(np.sort(sides, axis=1), axis=0, return_counts=True)
+    assert (count == 3).sum() == 10
+    flipped = gt.CotanLaplacian(intrinsic_delaunay=True).assemble(mesh)
+    assert flipped.mass.sum() == pytest.approx(gt.CotanLaplacian().assemble(mesh).mass.sum())
+    inner = np.flatnonzero(~flipped.boundary & (mesh.vertices[:, 1] != 0))
+    weights = flipped.stiffness.toarray()[inner]
+    weights[np.arange(len(inner)), inner] = 0
+    assert weights.max() < 1e-9
+    middle = 5
+    exact = np.linalg.norm(mesh.vertices[:121] - mesh.vertices[middle], axis=1)
+    distance = gt.geodesic_distance(mesh, middle, refine=True)
+    np.testing.assert_allclose(distance[:121], exact, rtol=3e-3, atol=1e-9)
+
+
+def test_intrinsic_delaunay_does_a_one_sided_surface():
+    turn = np.linspace(0, np.pi, 31)[:-1]
+    across = np.linspace(-0.3, 0.3, 4)
+    a, w = np.meshgrid(turn, across, indexing="ij")
+    ring = np.column_stack([
+        ((1 + w * np.cos(a)) * np.cos(2 * a)).ravel(),
+        ((1 + w * np.cos(a)) * np.sin(2 * a)).ravel(),
+        (w * np.sin(a)).ravel(),
+    ])  # fmt: skip
+    at = np.arange(120).reshape(30, 4)
+    rows = np.concatenate([at, at[:1, ::-1]])
+    lower, upper = rows[:-1], rows[1:]
+    faces = np.concatenate([
+        np.stack([lower[:, :-1], upper[:, :-1], upper[:, 1:]], axis=-1).reshape(-1, 3),
+        np.stack([lower[:, :-1], upper[:, 1:], lower[:, 1:]], axis=-1).reshape(-1, 3),
+    ])  # fmt: skip
+    strip = gt.TriangleMesh(ring, faces)
+    flipped = gt.CotanLaplacian(intrinsic_delaunay=True).assemble(strip)
+    plain = gt.CotanLaplacian().assemble(strip)
+    assert flipped.mass.sum() == pytest.approx(plain.mass.sum())
+    assert (flipped.components == 0).all()
+
+
+def test_auto_flips_the_components_that_need_it_alone():
+    good, bad = shapes.grid(21), shapes.grid(21, shear=3.0)
+    both = gt.CotanLaplacian(intrinsic_delaunay="auto").assemble(shapes.disjoint_union(good, bad))
+    assert both.notes["triangulation"] == "partly intrinsic Delaunay"
+    alone = gt.CotanLaplacian(intrinsic_delaunay=True).assemble(bad).stiffness
+    np.testing.assert_allclose(both.stiffness[441:, 441:].toarray(), alone.toarray(), atol=1e-12)
+    plain = gt.CotanLaplacian().assemble(good).stiffness
+    np.testing.assert_allclose(both.stiffness[:441, :441].toarray(), plain.toarray(), atol=1e-12)
 
 
 def test_degenerate_faces_stay_finite_and_connect():
@@ -132,7 +181,7 @@ def test_degenerate_faces_stay_finite_and_connect():
     assert discretization.notes["dropped_faces"] == 1
     assert discretization.notes["mollified_by"] > 0
     assert discretization.components.max() == 0
-    assert np.isfinite(gt.geodesic_distance(flat, 0)).all()
+    assert np.isfinite(gt.geodesic_distance(flat, 0, refine=True)).all()
 
 
 def test_a_mesh_of_one_place_has_no_laplacian():

@@ -88,6 +88,14 @@ def distance(
     solver: Annotated[
         str, typer.Option(metavar="NAME", help="Linear solver; see the command plugins.")
     ] = "auto",
+    refine: Annotated[
+        bool,
+        typer.Option(
+            "--refine",
+            help="Sweep wavefronts over the triangles in the order of the heat: several times more "
+            "accurate on meshes and clouds, exact at the sources.",
+        ),
+    ] = False,
     output: Annotated[
         list[Path] | None,
         typer.Option(
@@ -143,9 +151,10 @@ def distance(
                 time_factor=1.0 if time_factor is None else time_factor,
                 boundary=boundary.value,
                 solver=solver,
+                refine=refine,
             )
         with run.step("solving"):
-            distances = geodesic.method.distance(places)
+            distances = geodesic.distance(places)
         asked = None
         if points is not None:
             with run.step("asking"):
@@ -200,6 +209,7 @@ class Result:
             "operator": repr(self.solver.operator),
             "diffusion": None if self.solver.diffusion is None else repr(self.solver.diffusion),
             "solver": {"heat": repr(method.heat_solver), "poisson": repr(method.poisson_solver)},
+            "refine": method.refine,
             "boundary": method.boundary,
             "time": method.time,
             "spacing": method.metric.spacing,
@@ -223,7 +233,11 @@ class Result:
             ("shape", repr(self.solver.domain)),
             ("source", "; ".join(map(_place, self.sources))),
             *([] if self.at is None else [("at", f"{len(self.distances)} points of {self.at}")]),
-            ("method", f"{self.solver.operator!r}, {' and '.join(solvers)}"),
+            (
+                "method",
+                f"{self.solver.operator!r}, {' and '.join(solvers)}"
+                + (", refined" if method.refine else ""),
+            ),
             ("time step", f"{method.time:.4g}, mean edge length {method.metric.spacing:.4g}"),
             (
                 "distance",

@@ -90,6 +90,11 @@ def _advice(diagnosis: "Diagnosis") -> list[str]:
             f"The shape has {diagnosis.components} components: distances are inf in those without "
             "a source. Join them, or give each a source."
         )
+    if diagnosis.coarse_components:
+        advice.append(
+            f"{diagnosis.coarse_components} components have so few vertices that the heat method "
+            "is 10 % off there and more: use --refine, or divide the faces."
+        )
     if diagnosis.isolated_vertices:
         advice.append(
             f"{diagnosis.isolated_vertices} vertices are connected to nothing; their distance is "
@@ -98,7 +103,7 @@ def _advice(diagnosis: "Diagnosis") -> list[str]:
     if diagnosis.non_manifold_edges:
         advice.append(
             f"{diagnosis.non_manifold_edges} edges have more than two faces: heat flows into all "
-            "of them. Exact distances and intrinsic triangulations refuse such a mesh."
+            "of them. Exact distances refuse such a mesh."
         )
     if diagnosis.minimum_angle is not None and diagnosis.minimum_angle < SHARP_ANGLE:
         advice.append(

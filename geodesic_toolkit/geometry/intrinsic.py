@@ -4,39 +4,73 @@ All that the core needs of libigl's triangulation side is here, imported on firs
 """
 
 import numpy as np
+from scipy.sparse import coo_array, csr_array
+from scipy.sparse.csgraph import connected_components
 
 from geodesic_toolkit._typing import FloatArray, IntArray
 
 __all__ = ["coherently_oriented", "intrinsic_delaunay", "voronoi_areas"]
 
 
-def coherently_oriented(faces: IntArray, lengths: FloatArray) -> tuple[IntArray, FloatArray] | None:
-    """Return the same triangles turned so that neighbours agree, or None where they cannot.
+def coherently_oriented(
+    faces: IntArray, lengths: FloatArray
+) -> tuple[IntArray, FloatArray, IntArray]:
+    """Return the same triangles turned so that neighbours agree, cut apart where they cannot.
 
-    They cannot where an edge has more than two faces or the surface is one-sided. Flipping edges
-    needs this: libigl's flips crash or bend the surface without it.
+    They cannot along an edge of more than two faces, and somewhere on a one-sided surface. Flipping
+    edges needs this: libigl's flips crash or bend the surface without it, and leave the edges of a
+    cut alone as those of a boundary.
 
     Parameters
     ----------
     faces : ndarray of shape (F, 3), int64
     lengths : ndarray of shape (F, 3), float64
         The edge opposite corner i in column i.
+
+    Returns
+    -------
+    faces : ndarray of shape (F, 3), int64
+        In vertices of their own, of which a cut makes several out of one.
+    lengths : ndarray of shape (F, 3), float64
+    origin : ndarray of int64
+        The vertex that each of these was.
     """
     if _coherent(faces):
-        return faces, lengths
+        return faces, lengths, np.arange(faces.max() + 1)
     import igl  # heavy: 0.3 s
 
     turned, _ = igl.bfs_orient(faces)
-    if not _coherent(turned):
-        return None
     reversed_rows = (turned != faces).any(axis=1, keepdims=True)
-    return turned, np.where(reversed_rows, lengths[:, ::-1], lengths)
+    cut, origin = _cut_apart(turned)
+    return cut, np.where(reversed_rows, lengths[:, ::-1], lengths), origin
 
 
 def _coherent(faces: IntArray) -> bool:
     """Return whether no two faces run along an edge in the same direction."""
     half_edges = faces.ravel() * (faces.max() + 1) + faces[:, [1, 2, 0]].ravel()
     return bool(len(np.unique(half_edges)) == half_edges.size)
+
+
+def _cut_apart(faces: IntArray) -> tuple[IntArray, IntArray]:
+    """Return the faces glued along those edges only where two meet that run against each other."""
+    corners = np.arange(faces.size).reshape(faces.shape)
+    tail, head = faces.ravel(), faces[:, [1, 2, 0]].ravel()
+    ends = np.sort(np.column_stack([tail, head]), axis=1)
+    order = np.lexsort((ends[:, 1], ends[:, 0]))
+    new = np.ones(len(order) + 1, dtype=np.bool_)
+    new[1:-1] = (ends[order][1:] != ends[order][:-1]).any(axis=1)
+    first = np.flatnonzero(new[:-1] & ~new[1:])  # edges of two half-edges or more
+    first = first[new[first + 2]]  # of exactly two
+    one, other = order[first], order[first + 1]
+    against = tail[one] == head[other]
+    one, other = one[against], other[against]
+    to = corners[:, [1, 2, 0]].ravel()
+    pairs = (np.concatenate([one, to[one]]), np.concatenate([to[other], other]))
+    glue = coo_array((np.ones(len(pairs[0])), pairs), shape=(faces.size, faces.size))
+    _, vertex = connected_components(csr_array(glue), directed=False)
+    origin = np.empty(vertex.max() + 1, dtype=np.int64)
+    origin[vertex] = tail
+    return vertex.reshape(faces.shape).astype(np.int64), origin
 
 
 def intrinsic_delaunay(faces: IntArray, lengths: FloatArray) -> tuple[IntArray, FloatArray]:

@@ -4,9 +4,11 @@ from dataclasses import dataclass
 from typing import Any, ClassVar, Literal, final
 
 import numpy as np
+from scipy.sparse import csr_array
+from scipy.sparse.csgraph import connected_components
 
-from geodesic_toolkit._typing import FloatArray, IntArray
-from geodesic_toolkit.discretization import Discretization, ElementGradient
+from geodesic_toolkit._typing import BoolArray, FloatArray, IntArray
+from geodesic_toolkit.discretization import Discretization
 from geodesic_toolkit.domains import Domain, TriangleMesh
 from geodesic_toolkit.errors import InvalidOptionError, UnsupportedDomainError
 from geodesic_toolkit.geometry.intrinsic import (
@@ -24,6 +26,7 @@ from geodesic_toolkit.geometry.triangles import (
     mollified_lengths,
     proper_faces,
 )
+from geodesic_toolkit.gradient import ElementGradient
 from geodesic_toolkit.laplacians.base import LaplaceOperator
 from geodesic_toolkit.positivity import obtuse_excess
 
@@ -35,6 +38,21 @@ DELAUNAY_LIMIT = 0.13
 Measured: sheared grids (0.13 and more) have errors of 7-60 % without flips; scans and models below
 (bunny 0.09, armadillo 0.11, horse 0.13) lose at most 0.3 points; of those above, camelhead (0.15)
 halves its error and a CAD model (0.15) goes from 15 % to 3 %.
+"""
+
+ROUNDING = 1e-9
+"""The `obtuse_excess` below which there is none."""
+
+_TRIANGULATION = {
+    (False, False): "given",
+    (True, False): "partly intrinsic Delaunay",
+    (True, True): "intrinsic Delaunay",
+}
+
+SMALL = 500
+"""Faces of a component up to which ``intrinsic_delaunay="auto"`` flips edges wherever one can be
+flipped: it costs nothing there. Measured on the parts of a truck, of 10 to 150 vertices: mean error
+of 14.2 without, 9.5 % with flips; of the worst part 64 and 7 %.
 """
 
 
@@ -110,7 +128,7 @@ class CotanLaplacian(LaplaceOperator):
         -------
         Discretization
             Its notes hold ``dropped_faces``, ``mollified_by`` (a length), ``obtuse_excess`` and
-            ``triangulation`` ("given" or "intrinsic Delaunay").
+            ``triangulation`` ("given", "intrinsic Delaunay", or "partly intrinsic Delaunay").
 
         Raises
         ------
@@ -138,16 +156,16 @@ class CotanLaplacian(LaplaceOperator):
         gradient = triangle_gradient(faces, frames, n_vertices)
         stiffness = gradient.stiffness()
         excess = obtuse_excess(stiffness, vertex_thirds(gradient))
-        flipped = self._flipped(faces, lengths, excess)
-        if flipped is not None:
-            faces, lengths = flipped
+        flip = self._to_be_flipped(faces, stiffness, excess)
+        if flip.any():
+            faces, lengths = _flipped(faces, lengths, flip)
             gradient = triangle_gradient(faces, frames_from_lengths(lengths), n_vertices)
             stiffness = gradient.stiffness()
         notes: dict[str, Any] = {
             "dropped_faces": int(len(proper) - proper.sum()),
             "mollified_by": added,
-            "obtuse_excess": excess,
-            "triangulation": "given" if flipped is None else "intrinsic Delaunay",
+            "obtuse_excess": float(excess.max()),
+            "triangulation": _TRIANGULATION[bool(flip.any()), bool(flip.all())],
         }
         return Discretization(
             mass=self._mass(faces, lengths, gradient),
@@ -158,22 +176,19 @@ class CotanLaplacian(LaplaceOperator):
             notes=notes,
         )
 
-    def _flipped(
-        self, faces: IntArray, lengths: FloatArray, excess: float
-    ) -> tuple[IntArray, FloatArray] | None:
-        """Return the intrinsic Delaunay triangulation, or None where it is not wanted."""
-        wanted = self.intrinsic_delaunay
-        if wanted is False or (wanted == "auto" and excess <= DELAUNAY_LIMIT):
-            return None
-        oriented = coherently_oriented(faces, lengths)
-        if oriented is not None:
-            return intrinsic_delaunay(*oriented)
-        if wanted == "auto":
-            return None
-        raise UnsupportedDomainError(
-            "intrinsic_delaunay needs an orientable surface on which an edge has at most two "
-            'faces; this mesh is not one, so leave the option at False or "auto"'
-        )
+    def _to_be_flipped(
+        self, faces: IntArray, stiffness: csr_array, excess: FloatArray
+    ) -> BoolArray:
+        """Return the faces of the components that are to be made intrinsically Delaunay."""
+        if self.intrinsic_delaunay != "auto":
+            return np.full(len(faces), bool(self.intrinsic_delaunay))
+        _, labels = connected_components(stiffness, directed=False)
+        worst = np.zeros(labels.max() + 1)
+        np.maximum.at(worst, labels, excess)
+        component = labels[faces[:, 0]]
+        small = np.bincount(component, minlength=len(worst)) <= SMALL
+        wanted = worst > np.where(small, ROUNDING, DELAUNAY_LIMIT)
+        return np.asarray(wanted[component])
 
     def _mass(self, faces: IntArray, lengths: FloatArray, gradient: ElementGradient) -> FloatArray:
         n_vertices = gradient.n_vertices
@@ -182,6 +197,17 @@ class CotanLaplacian(LaplaceOperator):
         if self.mass == "identity":
             return (np.bincount(faces.ravel(), minlength=n_vertices) > 0).astype(np.float64)
         return vertex_thirds(gradient)
+
+
+def _flipped(faces: IntArray, lengths: FloatArray, flip: BoolArray) -> tuple[IntArray, FloatArray]:
+    """Return the triangles, the chosen ones of them made intrinsically Delaunay."""
+    used, local = np.unique(faces[flip], return_inverse=True)
+    cut, cut_lengths, origin = coherently_oriented(local.reshape(-1, 3), lengths[flip])
+    delaunay, delaunay_lengths = intrinsic_delaunay(cut, cut_lengths)
+    return (
+        np.concatenate([faces[~flip], used[origin[delaunay]]]),
+        np.concatenate([lengths[~flip], delaunay_lengths]),
+    )
 
 
 def vertex_thirds(gradient: ElementGradient) -> FloatArray:

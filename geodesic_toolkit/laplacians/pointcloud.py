@@ -7,12 +7,13 @@ from typing import Any, ClassVar, Literal, final
 import numpy as np
 
 from geodesic_toolkit._typing import BoolArray, FloatArray, IntArray
-from geodesic_toolkit.discretization import Discretization, ElementGradient
+from geodesic_toolkit.discretization import Discretization
 from geodesic_toolkit.domains import Domain, PointCloud
 from geodesic_toolkit.errors import InvalidOptionError, MissingDependencyError, NormalsWarning
 from geodesic_toolkit.geometry.neighbours import distinct_points, nearest_neighbours, normalised
 from geodesic_toolkit.geometry.normals import open3d_normals, pca_normals, roughness
 from geodesic_toolkit.geometry.triangles import face_areas, hat_gradients
+from geodesic_toolkit.gradient import ElementGradient
 from geodesic_toolkit.laplacians.base import LaplaceOperator
 from geodesic_toolkit.positivity import positive_part
 

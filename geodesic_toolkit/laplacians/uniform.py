@@ -6,11 +6,12 @@ from typing import ClassVar, Literal, final
 import numpy as np
 
 from geodesic_toolkit._typing import BoolArray, FloatArray, IntArray
-from geodesic_toolkit.discretization import Discretization, EdgeGradient
+from geodesic_toolkit.discretization import Discretization
 from geodesic_toolkit.domains import Domain, Graph, TriangleMesh
 from geodesic_toolkit.errors import InvalidOptionError
 from geodesic_toolkit.geometry.dimension import graph_dimension
 from geodesic_toolkit.geometry.triangles import edges_of_faces, proper_faces
+from geodesic_toolkit.gradient import EdgeGradient
 from geodesic_toolkit.laplacians.base import LaplaceOperator
 
 __all__ = ["UniformLaplacian"]

@@ -9,6 +9,7 @@ from scipy.sparse import csr_array
 from geodesic_toolkit._typing import FloatArray
 from geodesic_toolkit.errors import NotEnoughMemoryError, SolverError
 from geodesic_toolkit.linear.base import Factor, LinearSolver
+from geodesic_toolkit.linear.memory import factor_bytes, require_memory
 
 __all__ = ["SuperLU"]
 
@@ -42,6 +43,10 @@ class SuperLU(LinearSolver):
 
     def factorize(self, matrix: csr_array) -> "SuperLUFactor":
         """Return the LU factors of a symmetric positive definite `matrix`."""
+        require_memory(
+            factor_bytes(matrix.shape[0], matrix.nnz),
+            f"factorising {matrix.shape[0]} unknowns with {matrix.nnz} entries",
+        )
         from scipy.sparse.linalg import splu  # half a second: not before it is needed
 
         try:

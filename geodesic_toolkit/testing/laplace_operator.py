@@ -11,9 +11,10 @@ from scipy.sparse import csr_array
 from scipy.spatial.transform import Rotation
 
 from geodesic_toolkit._typing import FloatArray
-from geodesic_toolkit.discretization import Discretization, ElementGradient
+from geodesic_toolkit.discretization import Discretization
 from geodesic_toolkit.domains import Domain
 from geodesic_toolkit.errors import GeodesicError, InvalidOptionError, UnsupportedDomainError
+from geodesic_toolkit.gradient import ElementGradient
 from geodesic_toolkit.heat import HeatMethod
 from geodesic_toolkit.laplacians.base import LaplaceOperator
 from geodesic_toolkit.linear.superlu import SuperLU

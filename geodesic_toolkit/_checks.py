@@ -1,0 +1,36 @@
+"""Checks that the data of a discretization share."""
+
+import numpy as np
+
+from geodesic_toolkit._typing import FloatArray, IntArray
+from geodesic_toolkit.errors import InvalidDiscretizationError
+
+__all__ = ["check_finite", "check_range", "coerce"]
+
+
+def coerce(data: object, **dtypes: type[np.generic]) -> None:
+    """Give the named attributes their dtype and C order; no copy where they have both."""
+    for name, dtype in dtypes.items():
+        try:
+            array = np.ascontiguousarray(getattr(data, name), dtype=dtype)
+        except (TypeError, ValueError) as error:
+            raise InvalidDiscretizationError(f"{name} is not an array: {error}") from error
+        object.__setattr__(data, name, array)
+
+
+def check_range(indices: IntArray, n_vertices: int, name: str) -> None:
+    if indices.size and not (indices.min() >= 0 and indices.max() < n_vertices):
+        outside = ((indices < 0) | (indices >= n_vertices)).any(axis=1)
+        bad = int(np.flatnonzero(outside)[0])
+        raise InvalidDiscretizationError(
+            f"{name} {bad} refers to {indices[bad].tolist()}; there are {n_vertices} vertices"
+        )
+
+
+def check_finite(values: FloatArray, name: str) -> None:
+    if not np.isfinite(values.sum()):  # one pass without a temporary; look closer only on doubt
+        rows = np.isfinite(values).reshape(len(values), -1).all(axis=1)
+        if not rows.all():
+            raise InvalidDiscretizationError(
+                f"{name} {int(np.flatnonzero(~rows)[0])} is not finite"
+            )

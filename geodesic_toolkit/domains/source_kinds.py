@@ -1,0 +1,130 @@
+"""Sources that are more than places: curves, and places with a head start."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any, final
+
+import numpy as np
+
+from geodesic_toolkit._frozen import freeze
+from geodesic_toolkit._typing import FloatArray
+from geodesic_toolkit.domains.surface_point import SurfacePoint
+from geodesic_toolkit.errors import InvalidSourceError
+
+__all__ = ["Curve", "OffsetSources"]
+
+
+@final
+@dataclass(frozen=True, eq=False)
+class Curve:
+    """A polyline on a surface, all of which is the source.
+
+    Its segments are sampled densely and laid onto the surface, point by point to the nearest place:
+    give points that follow the surface.
+
+    Parameters
+    ----------
+    points : array-like of shape (P, 3), or sequence of SurfacePoint
+        The corners of the polyline in order, two or more: in space, or on the faces of a mesh.
+    closed : bool
+        Whether the last point is joined to the first.
+
+    Raises
+    ------
+    InvalidSourceError
+        Fewer than two points, another shape, a point that is not finite.
+
+    Examples
+    --------
+    >>> import geodesic_toolkit as gt
+    >>> square = gt.testing.shapes.grid(11)
+    >>> side = gt.Curve([[0, 0, 0], [0, 1, 0]])
+    >>> distance = gt.geodesic_distance(square, side, refine=True)
+    >>> bool(abs(distance - square.vertices[:, 0]).max() < 0.02)
+    True
+    """
+
+    points: Any
+    closed: bool = False
+
+    def __post_init__(self) -> None:
+        points = self.points
+        if isinstance(points, Sequence) and any(isinstance(p, SurfacePoint) for p in points):
+            strange = [p for p in points if not isinstance(p, SurfacePoint)]
+            if strange:
+                raise InvalidSourceError(
+                    f"curve: {strange[0]!r} stands among SurfacePoints; use one kind"
+                )
+            count = len(points)
+            object.__setattr__(self, "points", tuple(points))
+        else:
+            table = _floats(points, "curve")
+            if table.ndim != 2 or table.shape[1] != 3:
+                raise InvalidSourceError(
+                    f"curve: points must have shape (P, 3), or be SurfacePoints, not {table.shape}"
+                )
+            _check_finite(table, "curve: point")
+            count = len(table)
+            object.__setattr__(self, "points", freeze(table))
+        if count < 2:
+            raise InvalidSourceError(f"curve: two points or more make a curve, not {count}")
+
+
+@final
+@dataclass(frozen=True, eq=False)
+class OffsetSources:
+    """Sources that do not all start at zero: the distance is the least of offset plus way.
+
+    A source whose offset exceeds the distance that others give it has no effect.
+
+    Parameters
+    ----------
+    sources : int, array-like of int, array-like of float, SurfacePoint or sequence of them
+        As :meth:`GeodesicSolver.distance` takes them.
+    offsets : array-like of float
+        One a source, in the unit of the domain, finite and not negative.
+
+    Raises
+    ------
+    InvalidSourceError
+        Offsets that are not numbers, not finite or negative. That there is one for every source
+        is checked on use.
+
+    Examples
+    --------
+    >>> import geodesic_toolkit as gt
+    >>> path = gt.Graph(101, [[i, i + 1] for i in range(100)])
+    >>> late = gt.OffsetSources([0, 100], [0.0, 50.0])
+    >>> gt.geodesic_distance(path, late, operator=gt.UniformLaplacian(dim=1))[[0, 60, 100]].round()
+    array([ 0., 60., 50.])
+    """
+
+    sources: Any
+    offsets: FloatArray
+
+    def __post_init__(self) -> None:
+        offsets = np.atleast_1d(_floats(self.offsets, "offsets"))
+        if offsets.ndim != 1:
+            raise InvalidSourceError(f"offsets must have shape (P,), not {offsets.shape}")
+        _check_finite(offsets, "offset")
+        if (offsets < 0).any():
+            bad = int(offsets.argmin())
+            raise InvalidSourceError(f"offset {bad} is {offsets[bad]}; it must not be negative")
+        object.__setattr__(self, "offsets", freeze(offsets))
+
+
+def _floats(values: Any, name: str) -> FloatArray:
+    try:
+        array = np.asarray(values)
+    except (ValueError, TypeError) as error:
+        raise InvalidSourceError(f"{name} cannot be read as an array: {error}") from error
+    if array.dtype.kind not in "iuf":
+        raise InvalidSourceError(f"{name} must hold real numbers, not dtype {array.dtype}")
+    return np.array(array, dtype=np.float64)
+
+
+def _check_finite(values: FloatArray, name: str) -> None:
+    finite = np.isfinite(values).reshape(len(values), -1).all(axis=1)
+    if not finite.all():
+        bad = int(finite.argmin())
+        raise InvalidSourceError(f"{name} {bad} is not finite: {values[bad].tolist()}")

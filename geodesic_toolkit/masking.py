@@ -1,0 +1,80 @@
+"""Vertices that no path may cross: the domain without them."""
+
+from typing import Any
+
+import numpy as np
+
+from geodesic_toolkit._typing import BoolArray
+from geodesic_toolkit.domains import Domain, Graph, PointCloud, TriangleMesh
+from geodesic_toolkit.errors import InvalidOptionError, UnsupportedDomainError
+
+__all__ = ["as_mask", "without"]
+
+
+def as_mask(mask: Any, n_vertices: int) -> BoolArray:
+    """Return `mask` as a fresh boolean array of shape (N,), checked.
+
+    Raises
+    ------
+    InvalidOptionError
+        Not booleans, or not one for each vertex.
+    """
+    try:
+        array = np.asarray(mask)
+    except (ValueError, TypeError) as error:
+        raise InvalidOptionError(f"mask cannot be read as an array: {error}") from error
+    if array.dtype.kind != "b" or array.shape != (n_vertices,):
+        raise InvalidOptionError(
+            f"mask must hold one boolean for each of the {n_vertices} vertices, true where no path "
+            f"may pass, not {array.dtype} of shape {array.shape}"
+        )
+    return np.array(array, dtype=np.bool_)
+
+
+def without(domain: Domain, mask: BoolArray) -> Domain:
+    """Return the domain without what touches a masked vertex: its faces, its edges, the point.
+
+    All vertices keep their indices; the masked ones belong to nothing any more.
+
+    Parameters
+    ----------
+    domain : TriangleMesh, PointCloud or Graph
+    mask : ndarray of shape (N,), bool
+
+    Returns
+    -------
+    Domain
+
+    Raises
+    ------
+    InvalidOptionError
+        The mask leaves nothing.
+    UnsupportedDomainError
+        A domain of another kind.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> import geodesic_toolkit as gt
+    >>> from geodesic_toolkit.masking import without
+    >>> square = gt.testing.shapes.grid(3)
+    >>> without(square, np.arange(9) == 8)
+    TriangleMesh(9 vertices, 6 faces)
+    """
+    if isinstance(domain, TriangleMesh):
+        faces = domain.faces[~mask[domain.faces].any(axis=1)]
+        if not len(faces):
+            raise InvalidOptionError("the mask leaves no face: paths could go nowhere")
+        return TriangleMesh(domain.vertices, faces)
+    if isinstance(domain, PointCloud):
+        if not (domain.present & ~mask).any():
+            raise InvalidOptionError("the mask leaves no point: paths could go nowhere")
+        return PointCloud(np.where(mask[:, None], np.nan, domain.points), domain.normals)
+    if isinstance(domain, Graph):
+        if mask.all():
+            raise InvalidOptionError("the mask leaves no vertex: paths could go nowhere")
+        free = ~mask[domain.edges].any(axis=1)
+        return Graph(domain.n_vertices, domain.edges[free], domain.lengths[free])
+    raise UnsupportedDomainError(
+        f"vertices of a {type(domain).__name__} cannot be masked; leave them out of it"
+    )

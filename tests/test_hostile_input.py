@@ -1,0 +1,368 @@
+"""Whatever comes in: an answer, or the typed error that says what to do. Never NaN or a crash."""
+
+import json
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from hypothesis.extra import numpy as hnp
+
+import geodesic_toolkit as gt
+from geodesic_toolkit.errors import (
+    CoarseMeshWarning,
+    GeodesicError,
+    InvalidDomainError,
+    InvalidOptionError,
+    InvalidSourceError,
+    NonPositiveHeatWarning,
+    NotEnoughMemoryError,
+    ReadError,
+    UnknownPluginError,
+    UnsupportedDomainError,
+    WriteError,
+)
+from geodesic_toolkit.io import write_distances
+from geodesic_toolkit.linear import memory
+from geodesic_toolkit.testing import shapes
+
+MESH = shapes.icosphere(2)
+V, F = MESH.vertices, MESH.faces
+N = len(V)
+
+
+def with_vertex(index, value):
+    vertices = V.copy()
+    vertices[index] = value
+    return vertices
+
+
+def with_face(index, value):
+    faces = F.copy()
+    faces[index] = value
+    return faces
+
+
+# -- the table: (what, the exact class, what the message says) -------------------------------------
+
+BAD = {
+    "source n + 5": ((V, F), N + 5, {}, InvalidSourceError, f"vertex {N + 5} does not exist"),
+    "source -1": ((V, F), -1, {}, InvalidSourceError, "vertex -1 does not exist"),
+    "source 1e12": ((V, F), 10**12, {}, InvalidSourceError, "does not exist"),
+    "source NaN": ((V, F), np.nan, {}, InvalidSourceError, "floats are points"),
+    "source point NaN": ((V, F), [np.nan, 0, 0], {}, InvalidSourceError, "point 0 is not finite"),
+    "no sources": ((V, F), [], {}, InvalidSourceError, "there are none"),
+    "source a string": ((V, F), "7", {}, InvalidSourceError, "must be vertex indices"),
+    "source None": ((V, F), None, {}, InvalidSourceError, "must be vertex indices"),
+    "source a boolean": ((V, F), True, {}, InvalidSourceError, "must be vertex indices"),
+    "source 1.5": ((V, F), 1.5, {}, InvalidSourceError, "vertex indices must be integers"),
+    "source an object": ((V, F), object(), {}, InvalidSourceError, "must be vertex indices"),
+    "vertices (n, 2)": ((V[:, :2], F), 0, {}, InvalidDomainError, r"must have shape \(n, 3\)"),
+    "a NaN vertex": ((with_vertex(7, np.nan), F), 0, {}, InvalidDomainError, "vertex 7 is not"),
+    "an inf vertex": ((with_vertex(9, np.inf), F), 0, {}, InvalidDomainError, "vertex 9 is not"),
+    "an empty mesh": ((np.zeros((0, 3)), F), 0, {}, InvalidDomainError, "no vertices"),
+    "no faces": ((V, np.zeros((0, 3), dtype=int)), 0, {}, InvalidDomainError, "no faces"),
+    "face index n": ((V, with_face(3, N)), 0, {}, InvalidDomainError, f"face 3 .* vertex {N}"),
+    "face index 1e9": ((V, with_face(3, 10**9)), 0, {}, InvalidDomainError, "face 3"),
+    "face index -1": ((V, with_face(3, -1)), 0, {}, InvalidDomainError, "face 3 .* vertex -1"),
+    "faces of 0.5": ((V, F + 0.5), 0, {}, InvalidDomainError, "not whole numbers"),
+    "faces (f, 2)": ((V, F[:, :2]), 0, {}, InvalidDomainError, r"must have shape \(n, 3\)"),
+    "object vertices": ((V.astype(object), F), 0, {}, InvalidDomainError, "object"),
+    "object faces": ((V, F.astype(object)), 0, {}, InvalidDomainError, "object"),
+    "ragged vertices": (
+        ([[0, 0, 0], [1, 0]], [[0, 1, 1]]),
+        0,
+        {},
+        UnsupportedDomainError,
+        "no shape",
+    ),
+    "complex vertices": ((V + 0j, F), 0, {}, InvalidDomainError, "complex"),
+    "strings": ((V.astype(str), F), 0, {}, InvalidDomainError, "dtype"),
+    "all at one place": ((np.ones((3, 3)), [[0, 1, 2]]), 0, {}, UnsupportedDomainError, "single"),
+    "negative time": ((V, F), 0, {"time": -1.0}, InvalidOptionError, "must be positive"),
+    "time NaN": ((V, F), 0, {"time": np.nan}, InvalidOptionError, "must be positive"),
+    "negative factor": ((V, F), 0, {"time_factor": -2}, InvalidOptionError, "must be positive"),
+    "unknown boundary": ((V, F), 0, {"boundary": "wall"}, InvalidOptionError, "boundary must be"),
+    "unknown operator": ((V, F), 0, {"operator": "cott"}, UnknownPluginError, "cotan"),
+    "unknown solver": ((V, F), 0, {"solver": "superlo"}, UnknownPluginError, "superlu"),
+    "wrong operator": ((V, F), 0, {"operator": "pointcloud"}, UnsupportedDomainError, "PointCloud"),
+    "no shape at all": (7, 0, {}, UnsupportedDomainError, "is no shape"),
+    "k larger than n": (
+        gt.PointCloud(V[:30]),
+        0,
+        {"operator": gt.PointCloudLaplacian(k=30)},
+        InvalidOptionError,
+        "k=30 needs 31 points",
+    ),
+    "a missing point": (
+        gt.PointCloud(with_vertex(4, np.nan)),
+        4,
+        {"operator": gt.PointCloudLaplacian(normals="pca")},
+        InvalidSourceError,
+        "point 4 of the cloud is missing",
+    ),
+}
+
+
+@pytest.mark.parametrize("row", BAD)
+def test_bad_input_is_one_typed_error(row):
+    shape, source, options, error, message = BAD[row]
+    with pytest.raises(error, match=message) as caught:
+        gt.geodesic_distance(shape, source, **options)
+    assert type(caught.value) is error
+
+
+@pytest.mark.parametrize(
+    "points", [np.zeros((0, 3)), np.full((4, 3), np.nan), np.zeros((4, 2)), [["a", "b", "c"]]]
+)
+def test_a_cloud_of_nothing_is_refused(points):
+    with pytest.raises(InvalidDomainError):
+        gt.PointCloud(points)
+
+
+# -- files -----------------------------------------------------------------------------------------
+
+GARBAGE = np.random.default_rng(0).integers(0, 256, 4096, dtype=np.uint8).tobytes()
+OFF = b"OFF\n4 2 0\n0 0 0\n1 0 0\n0 1 0\n1 1 0\n3 0 1 2\n3 1 3 2\n"
+
+
+def command(*words):
+    """Return the exit status and what was said of a command, run as a user runs it."""
+    done = subprocess.run(
+        [sys.executable, "-m", "geodesic_toolkit", *map(str, words)],
+        capture_output=True,
+        text=True,
+        timeout=120,
+        check=False,
+    )
+    return done.returncode, done.stdout, done.stderr
+
+
+BAD_FILES = {
+    "truncated.off": OFF[:40],
+    "garbage.ply": GARBAGE,
+    "garbage.stl": GARBAGE,
+    "garbage.glb": GARBAGE,
+    "garbage.off": GARBAGE,
+    "empty.obj": b"",
+    "really_off.ply": OFF,
+    "really_off.stl": OFF,
+}
+
+
+@pytest.mark.parametrize("name", BAD_FILES)
+def test_a_bad_file_is_a_read_error(tmp_path, name):
+    path = tmp_path / name
+    path.write_bytes(BAD_FILES[name])
+    with pytest.raises(ReadError, match=name):
+        gt.read(path)
+
+
+def test_the_command_says_in_one_line_what_is_wrong(tmp_path):
+    good = tmp_path / "square.off"
+    good.write_bytes(OFF)
+    garbage = tmp_path / "garbage.ply"
+    garbage.write_bytes(GARBAGE)
+    for words, status in [
+        (("distance", garbage, "--source", 0), 3),
+        (("distance", good, "--source", 4), 2),
+        (("distance", tmp_path, "--source", 0), 2),
+        (("distance", good, "--source", 0, "--output", tmp_path / "no" / "d.npy"), 2),
+    ]:
+        code, out, err = command(*words)
+        assert code == status, err
+        assert out == ""
+        assert "Traceback" not in err
+
+
+def test_a_coarse_mesh_is_named_by_command_and_doctor(tmp_path):
+    path = tmp_path / "square.off"
+    path.write_bytes(OFF)
+    code, out, err = command("distance", path, "--source", 0, "--json")
+    assert code == 0
+    assert "only 4 vertices" in err + " ".join(map(str, json.loads(out)["warnings"]))
+    code, out, _ = command("doctor", path, "--json")
+    told = json.loads(out)
+    assert told["diagnosis"]["coarse_components"] == 1
+    assert any("divide the faces" in line for line in told["recommendations"])
+
+
+def test_an_output_that_cannot_be_written_leaves_the_old_one(tmp_path):
+    folder = tmp_path / "out.npy"
+    folder.mkdir()
+    with pytest.raises(WriteError):
+        write_distances(folder, MESH, np.zeros(N))
+    assert folder.is_dir()
+
+
+# -- meshes of any quality -------------------------------------------------------------------------
+
+
+def test_a_few_vertices_earn_a_warning_by_name_and_refinement_needs_none():
+    square = gt.TriangleMesh([[0, 0, 0], [1, 0, 0], [0, 1, 0], [1, 1, 0]], [[0, 1, 2], [1, 3, 2]])
+    with pytest.warns(CoarseMeshWarning, match=r"only 4 vertices.*refine=True"):
+        gt.geodesic_distance(square, 0)
+    distance = gt.geodesic_distance(square, 0, refine=True)
+    np.testing.assert_allclose(distance[:3], [0, 1, 1])
+    mixed = gt.GeodesicSolver(shapes.disjoint_union(MESH, square))
+    assert np.isfinite(mixed.distance(0)[:N]).all()  # no warning: the source is elsewhere
+    assert mixed.diagnosis.coarse_components == 1
+    with pytest.warns(CoarseMeshWarning):
+        mixed.distances([0, N])
+
+
+@pytest.mark.parametrize("scale", [1e-12, 1e-6, 1e6, 1e12])
+def test_the_unit_of_length_does_not_matter(scale):
+    expected = scale * gt.geodesic_distance(MESH, 3)
+    distance = gt.geodesic_distance((scale * V, F), 3)
+    np.testing.assert_allclose(distance, expected, rtol=1e-7, atol=1e-12 * scale)
+
+
+def test_surveyors_coordinates_cost_their_own_rounding_alone():
+    shifted = gt.geodesic_distance((V + np.array([5e6, 4e6, 300]), F), 3)
+    np.testing.assert_allclose(shifted, gt.geodesic_distance(MESH, 3), rtol=1e-6, atol=1e-6)
+
+
+def test_slivers_of_a_hundredth_of_a_degree_do_no_harm():
+    fine = shapes.grid(31)
+    thin = fine.vertices * [1.0, 1.0, 1.0]
+    middle = (fine.vertices[fine.faces[:, 0]] + fine.vertices[fine.faces[:, 1]]) / 2
+    third = fine.vertices[fine.faces[:, 2]]
+    vertices = np.concatenate([thin, middle + 1e-4 * (third - middle)])
+    extra = len(thin) + np.arange(fine.n_faces)
+    a, b, c = fine.faces.T
+    faces = np.concatenate(
+        [np.column_stack(side) for side in ((a, b, extra), (b, c, extra), (c, a, extra))]
+    )
+    mesh = gt.TriangleMesh(vertices, faces)
+    assert gt.GeodesicSolver(mesh).diagnosis.minimum_angle < 0.02
+    exact = np.linalg.norm(vertices - vertices[0], axis=1)
+    for refine, bound in ((False, 0.1), (True, 0.01)):
+        distance = gt.geodesic_distance(mesh, 0, refine=refine)
+        away = exact > 0.1
+        assert (np.abs(distance - exact)[away] / exact[away]).mean() < bound
+
+
+# -- fuzzing ---------------------------------------------------------------------------------------
+
+
+def answer_or_typed_error(domain, source, **options):
+    """Return the distances, checked, or None where a typed error said why not."""
+    import warnings
+
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", CoarseMeshWarning)
+        warnings.simplefilter("ignore", NonPositiveHeatWarning)
+        try:
+            distance = gt.geodesic_distance(domain, source, **options)
+        except GeodesicError:
+            return None
+    assert not np.isnan(distance).any()
+    assert (distance >= 0).all()
+    assert distance[source] == 0
+    return distance
+
+
+SMALL_FLOATS = st.floats(-2, 2, width=32).map(lambda x: round(x, 3))
+
+
+@settings(max_examples=80)
+@given(
+    hnp.arrays(np.float64, st.tuples(st.integers(3, 12), st.just(3)), elements=SMALL_FLOATS),
+    hnp.arrays(np.int64, st.tuples(st.integers(1, 20), st.just(3)), elements=st.integers(0, 2**20)),
+    st.booleans(),
+    st.integers(0, 2**20),
+)
+def test_any_soup_of_faces_has_an_answer_or_a_typed_error(vertices, faces, refine, source):
+    count = len(vertices)
+    mesh = gt.TriangleMesh(vertices, faces % count)
+    distance = answer_or_typed_error(mesh, source % count, refine=refine)
+    if distance is None:
+        with pytest.raises(UnsupportedDomainError, match="single place"):
+            gt.GeodesicSolver(mesh)
+
+
+@settings(max_examples=50)
+@given(
+    hnp.arrays(
+        np.float64,
+        st.tuples(st.integers(1, 30), st.just(3)),
+        elements=st.one_of(SMALL_FLOATS, st.just(np.nan)),
+    ),
+)
+def test_any_cloud_has_an_answer_which_refinement_reaches_as_far(points):
+    present = np.flatnonzero(np.isfinite(points).all(axis=1))
+    if not len(present):
+        with pytest.raises(InvalidDomainError):
+            gt.PointCloud(points)
+        return
+    pca = gt.PointCloudLaplacian(normals="pca")
+    cloud = gt.PointCloud(points)
+    plain, refined = (
+        answer_or_typed_error(cloud, int(present[0]), operator=pca, refine=refine)
+        for refine in (False, True)
+    )
+    assert plain is not None
+    assert refined is not None
+    np.testing.assert_array_equal(np.isfinite(plain), np.isfinite(refined))
+    assert (plain[np.setdiff1d(np.arange(len(points)), present)] == np.inf).all()
+
+
+@settings(max_examples=60)
+@given(
+    st.integers(1, 15),
+    hnp.arrays(np.int64, st.tuples(st.integers(0, 30), st.just(2)), elements=st.integers(0, 2**20)),
+    st.randoms(use_true_random=False),
+)
+def test_any_graph_has_an_answer(count, edges, random):
+    lengths = np.array([random.choice([0.01, 0.1, 1.0, 3.0, 100.0]) for _ in edges])
+    graph = gt.Graph(count, edges % count, lengths)
+    assert answer_or_typed_error(graph, count - 1) is not None
+    lengths *= np.array(
+        [random.choice([1.0, 1e-12, 1e12]) for _ in edges]
+    )  # past float64: may fail
+    answer_or_typed_error(gt.Graph(count, edges % count, lengths), count - 1)
+
+
+# -- memory ----------------------------------------------------------------------------------------
+
+
+@pytest.fixture
+def little_memory(monkeypatch, tmp_path):
+    """A machine that has 150 MB left."""
+    told = tmp_path / "meminfo"
+    told.write_text("MemTotal: 16000000 kB\nMemAvailable: 150000 kB\n")
+    monkeypatch.setattr(memory, "MEMINFO", told)
+
+
+@pytest.mark.usefixtures("little_memory")
+def test_a_table_that_would_not_fit_is_refused_before_the_work():
+    solver = gt.GeodesicSolver(gt.Graph(2000, [[i, i + 1] for i in range(1999)]))
+    message = r"10000 source sets to 2000 vertices needs about 0.16 GB .* 0.154 GB are available"
+    with pytest.raises(NotEnoughMemoryError, match=message):
+        solver.distances(np.zeros(10_000, dtype=int))
+
+
+@pytest.mark.usefixtures("little_memory")
+def test_a_factor_that_would_not_fit_is_refused_before_the_work():
+    from scipy.sparse import csr_array, diags_array
+
+    count = 400_000
+    band = np.ones(count)
+    wide = csr_array(diags_array([band] * 7, offsets=range(-3, 4), shape=(count, count)))
+    with pytest.raises(NotEnoughMemoryError, match=r"factorising 400000 unknowns .* available"):
+        gt.SuperLU().factorize(wide)
+
+
+def test_paths_and_trees_are_not_taken_for_surfaces():
+    assert memory.factor_bytes(10**8, 3 * 10**8) < 4e9 < memory.factor_bytes(10**8, 7 * 10**8)
+
+
+def test_where_the_system_does_not_say_how_much_there_is_work_goes_on(monkeypatch, tmp_path):
+    monkeypatch.setattr(memory, "MEMINFO", tmp_path / "absent")
+    assert memory.available_memory() > 0
+    monkeypatch.setattr(memory.os, "sysconf", lambda name: (_ for _ in ()).throw(ValueError(name)))
+    assert memory.available_memory() == np.inf
+    memory.require_memory(1e30, "anything")

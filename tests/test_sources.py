@@ -1,0 +1,276 @@
+"""Sources of every kind: many at once, curves, head starts, and what paths may not cross."""
+
+import numpy as np
+import pytest
+from closed_forms import mean_relative_error
+
+import geodesic_toolkit as gt
+from geodesic_toolkit.errors import (
+    InvalidOptionError,
+    InvalidSourceError,
+    UnsupportedDomainError,
+)
+from geodesic_toolkit.masking import without
+from geodesic_toolkit.testing import shapes
+
+PCA = gt.PointCloudLaplacian(normals="pca")
+GRID = shapes.grid(41)
+SPHERE = shapes.icosphere(4)
+
+
+def on_segment(points, start, end):
+    along = end - start
+    share = np.clip((points - start) @ along / (along @ along), 0, 1)
+    return np.linalg.norm(points - start - share[:, None] * along, axis=1)
+
+
+# -- many at once ----------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("spread", [3, 17])
+def test_many_refined_sources_read_zero_at_each(spread):
+    # The bugs of others: CGAL #9565 (negative distances), libigl #1511 (sources not at zero).
+    sources = np.arange(0, SPHERE.n_vertices, spread)
+    distance = gt.geodesic_distance(SPHERE, sources, refine=True)
+    assert (distance[sources] == 0).all()
+    assert (distance >= 0).all()
+    others = np.setdiff1d(np.arange(SPHERE.n_vertices), sources)
+    assert (distance[others] > 0).all()
+
+
+def test_many_plain_sources_read_zero_on_average_and_little_each():
+    sources = np.arange(0, SPHERE.n_vertices, 97)
+    solver = gt.GeodesicSolver(SPHERE)
+    distance = solver.distance(sources)
+    assert abs(distance[sources].mean()) < 1e-12
+    assert np.abs(distance[sources]).max() < solver.method.metric.spacing
+    exact = gt.exact_distance(SPHERE, sources)
+    assert np.abs(distance - exact).max() < 1.5 * solver.method.metric.spacing
+
+
+def test_the_vertices_of_a_label_are_a_source():
+    label = SPHERE.vertices[:, 2] > 0.9
+    polar = np.arccos(np.clip(SPHERE.vertices[:, 2], -1, 1))
+    distance = gt.geodesic_distance(SPHERE, np.flatnonzero(label), refine=True)
+    assert (distance[label] == 0).all()
+    rim = polar[label].max()
+    spacing = gt.GeodesicSolver(SPHERE).method.metric.spacing
+    np.testing.assert_allclose(distance[~label], polar[~label] - rim, atol=spacing)
+    with pytest.raises(InvalidSourceError, match=r"use numpy.flatnonzero\(mask\)"):
+        gt.geodesic_distance(SPHERE, label)
+
+
+# -- curves ----------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(("refine", "bound"), [(True, 0.5), (False, 2.0)])
+def test_a_curve_across_faces_is_at_zero_throughout(refine, bound):
+    start, end = np.array([0.03, 0.41, 0]), np.array([0.83, 0.57, 0])
+    distance = gt.geodesic_distance(GRID, gt.Curve([start, end]), refine=refine)
+    assert np.abs(distance - on_segment(GRID.vertices, start, end)).max() < bound / 40
+
+
+def test_the_equator_is_a_closed_curve():
+    angle = np.linspace(0, 2 * np.pi, 400)[:-1]
+    equator = gt.Curve(np.column_stack([np.cos(angle), np.sin(angle), 0 * angle]), closed=True)
+    latitude = np.abs(np.arcsin(np.clip(SPHERE.vertices[:, 2], -1, 1)))
+    refined = gt.geodesic_distance(SPHERE, equator, refine=True)
+    assert np.abs(refined - latitude).max() < 0.03
+    assert mean_relative_error(refined[latitude > 0.1], latitude[latitude > 0.1]) < 0.003
+    cloud = gt.PointCloud(SPHERE.vertices)
+    far = latitude > 0.3
+    by_cloud = gt.geodesic_distance(cloud, equator, operator=PCA)
+    assert mean_relative_error(by_cloud[far], latitude[far]) < 0.05
+
+
+def test_a_curve_of_surface_points_is_that_of_their_places():
+    points = [gt.SurfacePoint(0, (0.2, 0.3, 0.5)), gt.SurfacePoint(700, (0.2, 0.3, 0.5))]
+    places = [np.array(p.barycentric) @ GRID.vertices[GRID.faces[p.face]] for p in points]
+    solver = gt.GeodesicSolver(GRID, refine=True)
+    np.testing.assert_allclose(
+        solver.distance(gt.Curve(points)), solver.distance(gt.Curve(places)), atol=1e-9
+    )
+
+
+@pytest.mark.parametrize(
+    "points",
+    [
+        [],
+        [[0.0, 0, 0]],
+        [[0.0, 0], [1, 1]],
+        [[0.0, 0, 0], [1, np.nan, 0]],
+        "line",
+        [[0, 0, 0], [1, 0]],
+        [gt.SurfacePoint(0, (1, 0, 0)), 3],
+        [gt.SurfacePoint(0, (1, 0, 0))],
+    ],
+    ids=repr,
+)
+def test_what_is_no_curve_is_refused(points):
+    with pytest.raises(InvalidSourceError):
+        gt.Curve(points)
+
+
+def test_a_curve_must_be_in_the_unit_of_the_shape_and_have_somewhere_to_lie():
+    with pytest.raises(InvalidSourceError, match="is it in the unit of the shape"):
+        gt.geodesic_distance(GRID, gt.Curve([[0, 0, 0], [1e9, 0, 0]]))
+    graph = gt.Graph(3, [[0, 1], [1, 2]])
+    with pytest.raises(InvalidSourceError, match="has no positions"):
+        gt.geodesic_distance(graph, gt.Curve([[0, 0, 0], [1, 0, 0]]))
+    beyond = gt.Curve([gt.SurfacePoint(0, (1, 0, 0)), gt.SurfacePoint(9999, (1, 0, 0))])
+    with pytest.raises(InvalidSourceError, match="there are 3200"):
+        gt.geodesic_distance(GRID, beyond)
+    with pytest.raises(InvalidSourceError, match="from vertices and points, not from Curve"):
+        gt.exact_distance(GRID, gt.Curve([[0, 0, 0], [1, 0, 0]]))
+
+
+# -- head starts -----------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("late", [0.3, 1.2, 5.0])
+@pytest.mark.parametrize(("refine", "bound"), [(True, 0.01), (False, 0.04)])
+def test_the_distance_is_the_least_of_offset_plus_way(late, refine, bound):
+    ends = [0, GRID.n_vertices - 1]
+    ways = [np.linalg.norm(GRID.vertices - GRID.vertices[end], axis=1) for end in ends]
+    expected = np.minimum(ways[0], late + ways[1])
+    sources = gt.OffsetSources(ends, [0.0, late])
+    distance = gt.geodesic_distance(GRID, sources, refine=refine)
+    assert mean_relative_error(distance, expected) < bound
+
+
+def test_offsets_may_be_hundreds_of_edges_apart():
+    path = gt.Graph(3001, np.column_stack([np.arange(3000), np.arange(1, 3001)]))
+    sources = gt.OffsetSources([0, 3000], [0.0, 1500.0])
+    distance = gt.geodesic_distance(path, sources, operator=gt.UniformLaplacian(dim=1))
+    vertex = np.arange(3001)
+    np.testing.assert_allclose(distance, np.minimum(vertex, 4500 - vertex), atol=1)
+
+
+def test_a_source_that_starts_too_late_has_no_effect():
+    solver = gt.GeodesicSolver(SPHERE)
+    late = solver.distance(gt.OffsetSources([0, 900], [0.0, 1e6]))
+    np.testing.assert_allclose(late, solver.distance(0), atol=1e-9)
+
+
+def test_a_common_offset_is_added_in_each_component():
+    two = shapes.disjoint_union(shapes.icosphere(2), shapes.icosphere(2))
+    solver = gt.GeodesicSolver(two)
+    sources = gt.OffsetSources([0, 170], [3.0, 5000.0])
+    alone = solver.distance([0, 170])
+    np.testing.assert_allclose(solver.distance(sources)[:162], alone[:162] + 3, atol=1e-9)
+    np.testing.assert_allclose(solver.distance(sources)[162:], alone[162:] + 5000, atol=1e-9)
+    assert (solver.heat(sources) > 0).all()
+
+
+@pytest.mark.parametrize(
+    "offsets", [[-1.0, 0], [np.nan, 0], [np.inf, 0], ["a", "b"], [[0.0], [1.0]], [[0], [1, 2]]]
+)
+def test_offsets_that_are_none_are_refused(offsets):
+    with pytest.raises(InvalidSourceError, match="offset"):
+        gt.OffsetSources([0, 1], offsets)
+
+
+def test_there_is_one_offset_for_each_source():
+    with pytest.raises(InvalidSourceError, match="2 offsets must be one for each source"):
+        gt.geodesic_distance(SPHERE, gt.OffsetSources([0, 1, 2], [0.0, 1.0]))
+    curve = gt.Curve([[1, 0, 0], [0, 1, 0]])
+    with pytest.raises(InvalidSourceError, match="one for each source"):
+        gt.geodesic_distance(SPHERE, gt.OffsetSources(curve, [1.0]))
+    with pytest.raises(
+        InvalidSourceError, match="from vertices and points, not from OffsetSources"
+    ):
+        gt.exact_distance(SPHERE, gt.OffsetSources([0], [1.0]))
+
+
+def test_queries_know_curves_and_head_starts():
+    solver = gt.GeodesicSolver(GRID, refine=True)
+    side = gt.Curve([[0, 0, 0], [0, 1, 0]])
+    assert solver.query([0.51, 0.42, 0], side) == pytest.approx(0.51, abs=0.002)
+    late = gt.OffsetSources([0], [2.0])
+    assert solver.query([0.5, 0.0, 0], late) == pytest.approx(2.5, abs=0.002)
+
+
+# -- what paths may not cross ----------------------------------------------------------------------
+
+WALL = (np.abs(GRID.vertices[:, 0] - 0.5) < 1e-9) & (GRID.vertices[:, 1] < 0.79)
+
+
+def around_the_wall(points):
+    """Return distances from the corner at the origin around the end of the wall."""
+    straight = np.linalg.norm(points, axis=1)
+    ends = np.array([[0.475, 0.8, 0], [0.525, 0.8, 0]])
+    first = np.linalg.norm(ends[0])
+    behind = first + 0.05 + np.linalg.norm(points - ends[1], axis=1)
+    return np.where(points[:, 0] < 0.5, straight, behind)
+
+
+@pytest.mark.parametrize("refine", [False, True])
+def test_paths_go_around_a_mask_of_a_mesh(refine):
+    solver = gt.GeodesicSolver(GRID, mask=WALL, refine=refine)
+    distance = solver.distance(0)
+    assert (distance[WALL] == np.inf).all()
+    assert np.isfinite(distance[~WALL]).all()
+    shadow = (GRID.vertices[:, 0] > 0.55) & (GRID.vertices[:, 1] < 0.5)
+    expected = around_the_wall(GRID.vertices)
+    assert mean_relative_error(distance[shadow], expected[shadow]) < 0.05
+    assert solver.query([0.49, 0.2, 0.0], 0) < 0.6
+    assert solver.domain is GRID
+
+
+def test_paths_go_around_a_mask_of_a_cloud_and_of_a_graph():
+    strip = np.abs(GRID.vertices[:, 0] - 0.5) < 0.13
+    wall = strip & (GRID.vertices[:, 1] < 0.79)
+    cloud = gt.GeodesicSolver(gt.PointCloud(GRID.vertices), operator=PCA, mask=wall)
+    path = gt.Graph(5, [[0, 1], [1, 2], [2, 3], [3, 4], [4, 0]])
+    far = int(np.argmin(np.linalg.norm(GRID.vertices - [1.0, 0, 0], axis=1)))
+    assert cloud.distance(0)[far] > 1.6
+    assert (cloud.distance(0)[wall] == np.inf).all()
+    ring = gt.GeodesicSolver(path, mask=[False, True, False, False, False])
+    distance = ring.distance(0)
+    assert distance[1] == np.inf
+    assert distance[2] > distance[3] > distance[4] > 0
+
+
+def test_a_mask_that_cuts_leaves_the_other_side_infinite():
+    cut = np.abs(GRID.vertices[:, 0] - 0.5) < 1e-9
+    distance = gt.geodesic_distance(GRID, 0, mask=cut)
+    np.testing.assert_array_equal(np.isfinite(distance), GRID.vertices[:, 0] < 0.49)
+
+
+def test_no_path_starts_in_a_mask():
+    solver = gt.GeodesicSolver(GRID, mask=WALL)
+    masked = int(np.flatnonzero(WALL)[0])
+    with pytest.raises(InvalidSourceError, match=f"vertex {masked} is masked"):
+        solver.distance(masked)
+    with pytest.raises(InvalidSourceError, match="source set 1: vertex"):
+        solver.distances([0, masked])
+    face = int(np.flatnonzero((GRID.faces == masked).any(axis=1))[0])
+    with pytest.raises(InvalidSourceError, match="is masked"):
+        solver.distance(gt.SurfacePoint(face, (0.3, 0.3, 0.4)))
+    beside = solver.distance([0.495, 0.2, 0.0])  # snaps to where paths may go
+    assert np.nanmin(beside) <= 0.01
+
+
+@pytest.mark.parametrize(
+    "mask",
+    [np.zeros(7, dtype=bool), np.zeros(1681), [[True]], "none", [0, 5], [[True], [True, False]]],
+)
+def test_a_mask_that_is_none_is_refused(mask):
+    with pytest.raises(InvalidOptionError, match="mask"):
+        gt.GeodesicSolver(GRID, mask=mask)
+
+
+@pytest.mark.parametrize(
+    "domain", [GRID, gt.PointCloud(GRID.vertices), gt.Graph(3, [[0, 1], [1, 2]])], ids=repr
+)
+def test_a_mask_of_everything_is_refused(domain):
+    with pytest.raises(InvalidOptionError, match="the mask leaves no"):
+        gt.GeodesicSolver(domain, mask=np.ones(domain.n_vertices, dtype=bool))
+
+
+def test_other_domains_have_no_mask():
+    class Line(gt.Domain):
+        n_vertices = 2
+
+    with pytest.raises(UnsupportedDomainError, match="a Line cannot be masked"):
+        without(Line(), np.array([True, False]))
