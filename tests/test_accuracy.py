@@ -62,6 +62,33 @@ def test_exact_distance_takes_several_sources_and_says_inf():
     assert (alone[:-1] == np.inf).all()
 
 
+def test_exact_distance_starts_anywhere_on_the_surface():
+    mesh = shapes.grid(9)
+    # In a face; on an edge; by itself on the line to another in the same face; at a vertex.
+    places = np.array(
+        [[0.31, 0.2, 0], [0.25, 0.3, 0], [0.32, 0.21, 0], [0.33, 0.22, 0], [0.5, 0.5, 0]]
+    )
+    for sources in (*places, places):
+        straight = np.linalg.norm(mesh.vertices - np.reshape(sources, (-1, 1, 3)), axis=2)
+        np.testing.assert_allclose(
+            gt.exact_distance(mesh, sources), straight.min(axis=0), atol=1e-7
+        )
+
+
+def test_exact_distance_from_a_point_is_that_from_the_vertex_it_becomes():
+    mesh = shapes.icosphere(2)
+    point = gt.SurfacePoint(5, (0.2, 0.3, 0.5))
+    a, b, c = mesh.faces[5]
+    place = point.barycentric @ mesh.vertices[mesh.faces[5]]
+    faces = np.vstack([np.delete(mesh.faces, 5, axis=0), [[a, b, 162], [b, c, 162], [c, a, 162]]])
+    split = gt.TriangleMesh(np.vstack([mesh.vertices, place]), faces)
+    expected = gt.exact_distance(split, 162)[:162]
+    np.testing.assert_allclose(gt.exact_distance(mesh, point), expected, atol=1e-9)
+    both = gt.exact_distance(mesh, [point, gt.SurfacePoint(80, (1.0, 0.0, 0.0))])
+    other = gt.exact_distance(mesh, int(mesh.faces[80, 0]))
+    np.testing.assert_allclose(both, np.minimum(expected, other), atol=1e-9)
+
+
 def test_exact_distance_is_a_metric():
     mesh = shapes.torus(20, 8)
     sources = [0, 33, 71]
@@ -80,3 +107,7 @@ def test_exact_distance_refuses_what_it_cannot_measure():
         gt.exact_distance(gt.Graph(2, [[0, 1]]), 0)
     with pytest.raises(InvalidSourceError):
         gt.exact_distance(shapes.grid(3), 9)
+    with pytest.raises(InvalidSourceError, match="lies on face 8; there are 8"):
+        gt.exact_distance(shapes.grid(3), gt.SurfacePoint(8, (1.0, 0.0, 0.0)))
+    with pytest.raises(InvalidSourceError, match="not from OffsetSources"):
+        gt.exact_distance(shapes.grid(3), gt.OffsetSources([0], [1.0]))

@@ -306,7 +306,7 @@ def test_a_source_that_is_connected_to_nothing_is_warned_of(tmp_path):
 def test_warnings_are_lines_on_stderr_and_strings_in_the_json(tmp_path):
     path = tmp_path / "quad.off"
     path.write_text("OFF\n4 1 0\n0 0 0\n1 0 0\n1 1 0\n0 1 0\n4 0 1 2 3\n")
-    result = run("distance", path, "--source", 0, "--json")
+    result = run("distance", path, "--source", 0, "--refine", "--json")
     (warning,) = json.loads(result.stdout)["warnings"]
     assert "split into 2 triangles" in warning
     assert result.stderr == f"warning: {warning}\n"
@@ -565,16 +565,28 @@ def test_plugins_shows_broken_ones(tmp_path):
     assert {row["kind"] for row in rows} == {"operator", "solver", "reader"}
 
 
+def test_distance_refines_where_it_is_told_to(sphere):
+    plain = json.loads(run("distance", sphere, "--source", 3, "--json").stdout)
+    refined = json.loads(run("distance", sphere, "--source", 3, "--refine", "--json").stdout)
+    assert (plain["refine"], refined["refine"]) == (False, True)
+    exact = gt.exact_distance(shapes.icosphere(2), 3).max()
+    assert abs(refined["max"] - exact) < abs(plain["max"] - exact)
+    assert refined["max"] == pytest.approx(
+        gt.geodesic_distance(shapes.icosphere(2), 3, refine=True).max()
+    )
+    assert "refined" in run("distance", sphere, "--source", 3, "--refine").stdout
+
+
 # -- doctor --------------------------------------------------------------------------------------
 
 
 def test_doctor_says_what_a_shape_is_like(tmp_path):
-    two = shapes.disjoint_union(shapes.grid(4), shapes.icosphere(1))
+    two = shapes.disjoint_union(shapes.grid(5), shapes.icosphere(1))
     path = write_off(tmp_path / "two.off", two)
     result = run("doctor", path)
     assert result.exit_code == 0
     assert "2 components" in result.stdout
-    assert "12 vertices lie on a boundary" in result.stdout
+    assert "16 vertices lie on a boundary" in result.stdout
     report = json.loads(run("doctor", path, "--json").stdout)
     assert report["diagnosis"]["components"] == 2
     assert len(report["recommendations"]) == 2
@@ -791,7 +803,9 @@ def test_the_version_is_that_of_the_package():
 
 
 @pytest.mark.parametrize("option", ["--help", "-h"])
-@pytest.mark.parametrize("command", [[], ["demo"], ["distance"], ["plugins"], ["doctor"]])
+@pytest.mark.parametrize(
+    "command", [[], ["demo"], ["distance"], ["compare"], ["plugins"], ["doctor"]]
+)
 def test_every_command_explains_itself(command, option):
     result = run(*command, option)
     assert result.exit_code == 0

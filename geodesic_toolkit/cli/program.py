@@ -9,6 +9,7 @@ from typer.core import TyperGroup
 
 from geodesic_toolkit import __version__
 from geodesic_toolkit.cli.check import check
+from geodesic_toolkit.cli.compare import compare
 from geodesic_toolkit.cli.demo import demo
 from geodesic_toolkit.cli.distance import distance
 from geodesic_toolkit.cli.doctor import doctor
@@ -16,6 +17,7 @@ from geodesic_toolkit.cli.exits import INTERRUPTED, WRONG_USAGE, report
 from geodesic_toolkit.cli.interrupts import prompt_interrupts
 from geodesic_toolkit.cli.output import say, show
 from geodesic_toolkit.cli.plugins import plugins
+from geodesic_toolkit.cli.study import study
 
 __all__ = ["app", "main"]
 
@@ -72,7 +74,7 @@ def _options(
         raise typer.Exit(WRONG_USAGE)
 
 
-for command in (demo, distance, plugins, check, doctor):
+for command in (demo, distance, compare, study, plugins, check, doctor):
     app.command()(command)
 
 

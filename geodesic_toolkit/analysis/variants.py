@@ -1,0 +1,120 @@
+"""What there is to compare on a shape: operators, time steps, diffusions, boundaries, solvers."""
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from geodesic_toolkit import catalog
+from geodesic_toolkit.domains import Domain, Graph, PointCloud, TriangleMesh
+from geodesic_toolkit.errors import PluginLoadError
+from geodesic_toolkit.geometry.triangles import edges_of_faces, proper_faces
+from geodesic_toolkit.laplacians.cotan import CotanLaplacian
+from geodesic_toolkit.laplacians.uniform import UniformLaplacian
+
+__all__ = ["PLAIN", "REFINED", "Variant", "variants_for"]
+
+PLAIN = "auto"
+"""The name of the variant that a :class:`GeodesicSolver` without options is."""
+
+REFINED = "auto, refined"
+"""The name of the same with ``refine=True``."""
+
+
+@dataclass(frozen=True)
+class Variant:
+    """One way to compute distances.
+
+    Attributes
+    ----------
+    name : str
+        Unique in a comparison.
+    group : str
+        What is varied: "default", "operator", "time", "diffusion", "boundary", "solver",
+        "refinement" or "domain".
+    options : mapping
+        Of :class:`GeodesicSolver`.
+    domain : Domain, optional
+        Where it is computed, if elsewhere than on the shape itself; vertices correspond.
+    """
+
+    name: str
+    group: str
+    options: Mapping[str, Any] = field(default_factory=dict)
+    domain: Domain | None = None
+
+
+def variants_for(domain: Domain) -> list[Variant]:
+    """Return the variants that are worth comparing on a shape, the default first.
+
+    Every installed operator that takes it; on meshes with its options, other diffusions, and the
+    cloud of the vertices and the graph of the edges. A quarter and four times the default time
+    step; other conditions at a boundary; conjugate gradients for the Poisson step; refinement.
+
+    Parameters
+    ----------
+    domain : Domain
+
+    Returns
+    -------
+    list of Variant
+    """
+    found = [Variant(PLAIN, "default")]
+    if isinstance(domain, TriangleMesh | PointCloud):
+        found.append(Variant(REFINED, "refinement", {"refine": True}))
+    found += _operators(domain)
+    found += [
+        Variant(f"time factor {factor:g}", "time", {"time_factor": factor}) for factor in (0.25, 4)
+    ]
+    if isinstance(domain, TriangleMesh):
+        unit = UniformLaplacian(mass="identity")
+        found += [
+            Variant("uniform diffusion, t = h²", "diffusion", {"diffusion": unit}),
+            Variant("uniform diffusion, t = 1", "diffusion", {"diffusion": unit, "time": 1.0}),
+        ]
+    if not (isinstance(domain, TriangleMesh) and _is_closed(domain)):
+        found += [
+            Variant(f"{condition} boundary", "boundary", {"boundary": condition})
+            for condition in ("dirichlet", "average")
+        ]
+    found.append(Variant("cg for Poisson", "solver", {"solver": {"poisson": "cg"}}))
+    if isinstance(domain, TriangleMesh):
+        found += _elsewhere(domain)
+    return found
+
+
+def _is_closed(mesh: TriangleMesh) -> bool:
+    _, face_counts = edges_of_faces(mesh.faces[proper_faces(mesh.faces)], mesh.n_vertices)
+    return bool((face_counts > 1).all())
+
+
+def _operators(domain: Domain) -> Iterator[Variant]:
+    for name in catalog.operators:
+        try:
+            operator = catalog.operators[name]
+        except PluginLoadError:  # a broken plugin hurts only itself; `plugins` shows it
+            continue
+        if isinstance(domain, operator.domains):
+            yield Variant(name, "operator", {"operator": name})
+    if isinstance(domain, TriangleMesh):
+        delaunay = CotanLaplacian(intrinsic_delaunay=True)
+        yield Variant("cotan, intrinsic Delaunay", "operator", {"operator": delaunay})
+        voronoi = CotanLaplacian(mass="voronoi")
+        yield Variant("cotan, Voronoi mass", "operator", {"operator": voronoi})
+        options = {"operator": delaunay, "refine": True}
+        yield Variant("cotan, intrinsic Delaunay, refined", "refinement", options)
+
+
+def _elsewhere(mesh: TriangleMesh) -> Iterator[Variant]:
+    """Forget the faces, or all but their edges."""
+    faces = mesh.faces[proper_faces(mesh.faces)]
+    used = np.isin(np.arange(mesh.n_vertices), faces)
+    cloud = PointCloud(np.where(used[:, None], mesh.vertices, np.nan))
+    yield Variant("cloud of the vertices", "domain", domain=cloud)
+    yield Variant("cloud of the vertices, refined", "domain", {"refine": True}, cloud)
+    edges, _ = edges_of_faces(faces, mesh.n_vertices)
+    lengths = np.linalg.norm(np.diff(mesh.vertices[edges], axis=1)[:, 0], axis=1)
+    proper = lengths > 0
+    graph = Graph(mesh.n_vertices, edges[proper], lengths[proper])
+    yield Variant("graph of the edges", "domain", domain=graph)

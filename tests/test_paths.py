@@ -1,0 +1,167 @@
+"""Shortest paths: their length, what they run through, where they end."""
+
+import numpy as np
+import pytest
+from closed_forms import on_plane, on_sphere, on_tube
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+import geodesic_toolkit as gt
+from geodesic_toolkit.errors import (
+    InvalidSourceError,
+    UnreachableError,
+    UnsupportedDomainError,
+)
+from geodesic_toolkit.testing import shapes
+
+TOLERANCE = 0.005
+
+
+def lies_in_faces(path):
+    """Check that each piece of a path runs through one face."""
+    mesh = path.mesh
+    for here, there in zip(path.surface_points, path.surface_points[1:], strict=False):
+        sets = []
+        for point in (here, there):
+            weights = np.array(point.barycentric)
+            used = mesh.faces[point.face][weights > 1e-9]
+            around = np.isin(mesh.faces, used).sum(axis=1) == len(used)
+            sets.append(set(np.flatnonzero(around)))
+        assert sets[0] & sets[1]
+    return True
+
+
+def test_a_path_on_a_plane_is_straight():
+    mesh = shapes.grid(12)
+    solver = gt.GeodesicSolver(mesh)
+    for target in (5, 77, 143):
+        path = gt.geodesic_path(solver, 40, target)
+        assert path.length == pytest.approx(on_plane(mesh, 40)[target], rel=1e-12)
+        np.testing.assert_allclose(path.points[0], mesh.vertices[40], atol=1e-12)
+        np.testing.assert_allclose(path.points[-1], mesh.vertices[target], atol=1e-12)
+        assert lies_in_faces(path)
+
+
+PLANE = gt.GeodesicSolver(shapes.grid(6))
+
+
+@settings(max_examples=50)
+@given(st.lists(st.floats(0.0, 1.0), min_size=4, max_size=4))
+def test_a_path_between_any_points_of_a_plane_is_straight(places):
+    x0, y0, x1, y1 = places
+    solver = PLANE
+    path = gt.geodesic_path(solver, [x0, y0, 0.0], [x1, y1, 0.0])
+    assert path.length == pytest.approx(np.hypot(x1 - x0, y1 - y0), abs=1e-7)
+
+
+@pytest.mark.parametrize("target", [7, 33, 300, 641])
+def test_a_path_on_a_sphere_is_as_long_as_the_arc(target):
+    mesh = shapes.icosphere(3)
+    solver = gt.GeodesicSolver(mesh)
+    length = gt.geodesic_path(solver, 100, target).length
+    assert length == pytest.approx(on_sphere(mesh, 100)[target], rel=TOLERANCE)
+    assert length >= gt.exact_distance(mesh, 100)[target] * (1 - 1e-9)
+
+
+def test_a_path_around_a_tube_takes_the_shorter_side():
+    mesh = shapes.tube(10, 12)
+    solver = gt.GeodesicSolver(mesh)
+    expected = on_tube(10, 12)
+    exact = gt.exact_distance(mesh, 0)
+    for target in (4, 60, 87, 119):
+        path = gt.geodesic_path(solver, 0, target)
+        assert path.length == pytest.approx(expected[target], rel=0.02)
+        assert path.length == pytest.approx(exact[target], rel=TOLERANCE)
+
+
+def test_a_path_bends_around_an_inner_corner():
+    mesh = shapes.grid(9, spacing=1.0)
+    centres = mesh.vertices[mesh.faces].mean(axis=1)
+    notch = (centres[:, :2] > 4).all(axis=1)
+    notched = gt.TriangleMesh(mesh.vertices, mesh.faces[~notch])
+    path = gt.geodesic_path(gt.GeodesicSolver(notched), 8, 8 * 9 + 2)
+    assert path.length == pytest.approx(np.hypot(4, 4) + np.hypot(2, 4), rel=1e-12)
+    assert lies_in_faces(path)
+
+
+def test_a_path_has_the_length_of_the_exact_distance_on_a_torus():
+    mesh = shapes.torus(30, 12)
+    solver = gt.GeodesicSolver(mesh, refine=True)
+    exact = gt.exact_distance(mesh, 17)
+    for target in np.random.default_rng(0).integers(mesh.n_vertices, size=20):
+        length = gt.geodesic_path(solver, 17, int(target)).length
+        assert exact[target] * (1 - 1e-9) <= length <= exact[target] * (1 + TOLERANCE)
+
+
+@pytest.mark.parametrize("name", ["igltut__bunny.off", "jacobson__spot.obj", "igltut__3holes.off"])
+def test_paths_on_real_meshes_have_the_length_of_the_exact_distance(shared_data, name):
+    mesh = gt.read(shared_data(name))
+    solver = gt.GeodesicSolver(mesh, refine=True)
+    rng = np.random.default_rng(3)
+    for source in rng.integers(mesh.n_vertices, size=4):
+        exact = gt.exact_distance(mesh, int(source))
+        for target in rng.integers(mesh.n_vertices, size=5):
+            length = gt.geodesic_path(solver, int(source), int(target)).length
+            assert exact[target] * (1 - 1e-9) <= length <= exact[target] * (1 + TOLERANCE)
+
+
+def test_the_path_leads_from_the_nearest_source():
+    mesh = shapes.grid(9)
+    path = gt.geodesic_path(gt.GeodesicSolver(mesh), [0, 80], 79)
+    assert path.length == pytest.approx(0.125)
+    np.testing.assert_allclose(path.points[0], mesh.vertices[80])
+
+
+def test_a_path_serves_as_a_source():
+    mesh = shapes.grid(11)
+    solver = gt.GeodesicSolver(mesh, refine=True)
+    path = gt.geodesic_path(solver, 0, 120)  # the diagonal
+    expected = np.abs(mesh.vertices[:, 0] - mesh.vertices[:, 1]) / np.sqrt(2)
+    np.testing.assert_allclose(solver.distance(gt.Curve(path.surface_points)), expected, atol=0.03)
+    points = solver.distance(path.surface_points)  # between its points a polyline is forgotten
+    np.testing.assert_allclose(points, expected, atol=0.05)
+
+
+def test_a_path_of_no_length_is_a_point():
+    path = gt.geodesic_path(gt.GeodesicSolver(shapes.grid(4)), 5, 5)
+    assert len(path.surface_points) == 1
+    assert path.length == 0
+    assert repr(path) == "GeodesicPath(1 points, length 0)"
+
+
+def test_paths_need_no_triangles_of_the_operator():
+    mesh = shapes.grid(9)
+    path = gt.geodesic_path(gt.GeodesicSolver(mesh, operator="uniform"), 0, 80)
+    assert path.length == pytest.approx(np.sqrt(2))
+
+
+def test_a_path_crosses_where_sheets_touch_in_a_vertex():
+    one = shapes.grid(3, spacing=1.0)
+    other = one.vertices + np.array([2.0, 2.0, 0.0])
+    joined = np.where(np.arange(9) == 0, 8, np.arange(9) + 9)
+    vertices = np.vstack([one.vertices, other])
+    mesh = gt.TriangleMesh(vertices, np.vstack([one.faces, joined[one.faces]]))
+    path = gt.geodesic_path(gt.GeodesicSolver(mesh), 0, 17)
+    assert path.length == pytest.approx(4 * np.sqrt(2))
+
+
+def test_an_unreachable_target_is_refused():
+    mesh = shapes.disjoint_union(shapes.grid(4), shapes.grid(3))
+    with pytest.raises(UnreachableError, match="no face connects the target 20"):
+        gt.geodesic_path(gt.GeodesicSolver(mesh), 0, 20)
+    lonely = gt.TriangleMesh(np.vstack([mesh.vertices, [[9.0, 9, 9]]]), mesh.faces)
+    with pytest.raises(UnreachableError):
+        gt.geodesic_path(gt.GeodesicSolver(lonely), 25, 25)
+
+
+def test_paths_refuse_what_they_cannot_follow():
+    solver = gt.GeodesicSolver(shapes.grid(4))
+    with pytest.raises(InvalidSourceError, match="leads to one place, not to 2"):
+        gt.geodesic_path(solver, 0, [1, 2])
+    with pytest.raises(InvalidSourceError, match="target: vertex 16"):
+        gt.geodesic_path(solver, 0, 16)
+    with pytest.raises(InvalidSourceError, match="has no offset"):
+        gt.geodesic_path(solver, gt.OffsetSources([0], [1.0]), 2)
+    cloud = gt.PointCloud(shapes.icosphere(2).vertices)
+    with pytest.raises(UnsupportedDomainError, match="a PointCloud has none that fit together"):
+        gt.geodesic_path(gt.GeodesicSolver(cloud), 0, 1)
