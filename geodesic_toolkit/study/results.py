@@ -1,0 +1,76 @@
+"""Everything that the experiments found, and its machine-readable form."""
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from geodesic_toolkit.study.beyond import Beyond
+from geodesic_toolkit.study.discretizations import Discretizations
+from geodesic_toolkit.study.noise import Noise
+from geodesic_toolkit.study.subject import Subject
+from geodesic_toolkit.study.sweeps import Times
+from geodesic_toolkit.study.time_step import TimeStep
+
+__all__ = ["SCHEMA_VERSION", "TIMES", "Results"]
+
+SCHEMA_VERSION = 1
+"""Of ``study.json``; raised when a key changes its meaning or goes."""
+
+
+TIMES = {"h^2": "h²", "h": "h", "1": "1"}
+"""How people write the time steps."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Results:
+    """What was studied, and what each experiment found."""
+
+    subject: Subject
+    time_step: TimeStep
+    noise: Noise
+    discretizations: Discretizations
+    beyond: Beyond
+    times: Times
+    sizes: list[dict[str, Any]]
+
+    @property
+    def figures(self) -> dict[str, Any]:
+        """All the numbers, as what JSON has; lengths in the unit of the mesh, errors in %."""
+        subject = self.subject
+        plain: dict[str, Any] = _plain(
+            {
+                "schema_version": SCHEMA_VERSION,
+                "name": subject.name,
+                "vertices": subject.mesh.n_vertices,
+                "faces": subject.mesh.n_faces,
+                "mean_edge": subject.h,
+                "diagonal": subject.diagonal,
+                "sources": list(subject.sources),
+                "seed": subject.seed,
+                "reference": {str(s): subject.reference(s) for s in subject.sources},
+                "heat_zeros": self.time_step.heat_zeros,
+                "time_step": self.time_step.rows,
+                "tolerances": self.time_step.tolerances,
+                "entries_reached": {str(s): n for s, n in self.time_step.spread.items()},
+                "noise": self.noise.rows,
+                "discretizations": self.discretizations.rows,
+                "operators": self.beyond.rows,
+                "left_out": self.beyond.left_out,
+                "time_factors": self.times.rows,
+                "time_rules": self.times.rules,
+                "sizes": self.sizes,
+            }
+        )
+        return plain
+
+
+def _plain(value: Any) -> Any:
+    """Return `value` without NumPy's types, and with None for what is not finite."""
+    if hasattr(value, "tolist"):
+        value = value.tolist()
+    if isinstance(value, Mapping):
+        return {key: _plain(item) for key, item in value.items()}
+    if isinstance(value, list | tuple):
+        return [_plain(item) for item in value]
+    return None if isinstance(value, float) and not math.isfinite(value) else value
