@@ -41,6 +41,46 @@ if TYPE_CHECKING:
     from geodesic_toolkit.linear.superlu import SuperLU
     from geodesic_toolkit.solver import Diagnosis, GeodesicSolver
 
+# Spelt out once more, because type checkers read nothing else; a test keeps the two together.
+__all__ = [
+    "CG",
+    "CotanLaplacian",
+    "Curve",
+    "Diagnosis",
+    "Discretization",
+    "Domain",
+    "EdgeGradient",
+    "ElementGradient",
+    "Factor",
+    "GeodesicPath",
+    "GeodesicSolver",
+    "Gradient",
+    "Graph",
+    "HeatMethod",
+    "LaplaceOperator",
+    "LinearSolver",
+    "OffsetSources",
+    "PointCloud",
+    "PointCloudLaplacian",
+    "SuperLU",
+    "SurfacePoint",
+    "TriangleMesh",
+    "UniformLaplacian",
+    "__version__",
+    "as_domain",
+    "eikonal_residual",
+    "errors",
+    "exact_distance",
+    "geodesic_distance",
+    "geodesic_path",
+    "operators",
+    "read",
+    "readers",
+    "solvers",
+    "testing",
+    "viz",
+]
+
 _HOMES = {
     "CG": "linear.cg",
     "CotanLaplacian": "laplacians.cotan",
@@ -76,12 +116,6 @@ _HOMES = {
     "solvers": "catalog",
 }
 _SUBPACKAGES = ("errors", "testing", "viz")
-
-__all__ = [  # noqa: PLE0604 - names are strings; they are computed to be listed once
-    "__version__",
-    *_HOMES,
-    *_SUBPACKAGES,
-]
 
 
 def __getattr__(name: str) -> Any:

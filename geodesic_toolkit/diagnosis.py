@@ -6,21 +6,27 @@ from typing import Any
 
 import numpy as np
 
+from geodesic_toolkit._typing import FloatArray, IntArray
 from geodesic_toolkit.discretization import Discretization
 from geodesic_toolkit.domains import Domain, TriangleMesh
 from geodesic_toolkit.geometry.triangles import (
     edges_of_faces,
+    face_edge_lengths,
     frames_from_positions,
     proper_faces,
 )
 from geodesic_toolkit.heat import HeatMethod
 
-__all__ = ["COARSE", "Diagnosis", "diagnose"]
+__all__ = ["COARSE", "UNEVEN", "Diagnosis", "diagnose", "edge_lengths_of_parts"]
 
 COARSE = 20
 """Vertices of a part of a mesh below which plain heat is not to be trusted. Measured: its mean
-error is 6 to 14 % on generated shapes of so few vertices and 7 to 25 % on parts of models; refined
+error is 6 to 14 % on generated shapes of so few vertices and 7 to 16 % on parts of models; refined
 distances stay below 2 %."""
+
+UNEVEN = 4.0
+"""Mean edge length of a part, over that of the whole mesh, from which on plain heat warns.
+Measured: a body of a CAD model with 7 times longer edges reads 32 % off, and 17 % alone."""
 
 
 @dataclass(frozen=True)
@@ -129,6 +135,22 @@ def diagnose(domain: Domain, operator: object, method: HeatMethod) -> Diagnosis:
         stages=report.stages,
         notes=metric.notes,
     )
+
+
+def edge_lengths_of_parts(mesh: TriangleMesh, components: IntArray) -> FloatArray:
+    """Return the mean edge length of each component, of shape (C,); 0 where it has no face.
+
+    Parameters
+    ----------
+    mesh : TriangleMesh
+    components : ndarray of shape (N,), int64
+    """
+    faces = mesh.faces[proper_faces(mesh.faces)]
+    part = components[faces[:, 0]]
+    count = int(components.max()) + 1
+    total = np.bincount(part, face_edge_lengths(mesh.vertices, faces).mean(axis=1), count)
+    number = np.bincount(part, minlength=count)
+    return np.divide(total, number, out=np.zeros(count), where=number > 0)
 
 
 def _positive_share(discretization: Discretization) -> float:

@@ -11,7 +11,13 @@ from geodesic_toolkit._typing import FloatArray
 from geodesic_toolkit._warning import warn
 from geodesic_toolkit.catalog import resolve_operator, resolve_solvers
 from geodesic_toolkit.conversion import as_domain
-from geodesic_toolkit.diagnosis import COARSE, Diagnosis, diagnose
+from geodesic_toolkit.diagnosis import (
+    COARSE,
+    UNEVEN,
+    Diagnosis,
+    diagnose,
+    edge_lengths_of_parts,
+)
 from geodesic_toolkit.domains import TriangleMesh
 from geodesic_toolkit.errors import CoarseMeshWarning, InvalidSourceError
 from geodesic_toolkit.heat import Boundary, HeatMethod, Progress
@@ -128,6 +134,7 @@ class GeodesicSolver:
             refine=refine,
         ).prepare()
         self._diagnosis: Diagnosis | None = None
+        self._part_edges: FloatArray | None = None
         self._lock = threading.Lock()
 
     def distance(self, sources: Any) -> FloatArray:
@@ -279,13 +286,23 @@ class GeodesicSolver:
         return places
 
     def _warn_where_coarse(self, sets: list[SourcePoints]) -> None:
-        """Warn where plain heat starts in so small a part of a mesh that it cannot be trusted."""
+        """Warn where plain heat starts in a part of a mesh that is too coarse to trust it."""
         metric = self.method.metric
-        if self.method.refine or not isinstance(self.domain, TriangleMesh):
+        if self.method.refine or not isinstance(self._passable, TriangleMesh):
             return
         sizes = np.bincount(metric.components)
+        edges = self._edge_lengths()
         for places in sets:
-            smallest = int(sizes[places.components(metric)].min())
+            parts = places.components(metric)
+            smallest, longest = int(sizes[parts].min()), float(edges[parts].max()) / metric.spacing
+            if longest > UNEVEN:
+                warn(
+                    f"edges are {longest:.1f} times as long on the source's part of the mesh as on "
+                    "the whole of it, and the time step too short for them; use refine=True, a "
+                    "larger time_factor, or that part alone",
+                    CoarseMeshWarning,
+                )
+                return
             if 1 < smallest < COARSE:
                 warn(
                     f"a source lies on a part of the mesh that has only {smallest} vertices: too "
@@ -294,6 +311,15 @@ class GeodesicSolver:
                     CoarseMeshWarning,
                 )
                 return
+
+    def _edge_lengths(self) -> FloatArray:
+        """Return the mean edge length of each component of a mesh; computed on first use."""
+        with self._lock:
+            if self._part_edges is None:
+                assert isinstance(self._passable, TriangleMesh)  # for the type checker
+                components = self.method.metric.components
+                self._part_edges = edge_lengths_of_parts(self._passable, components)
+            return self._part_edges
 
     def _locate_sets(self, source_sets: Any) -> list[SourcePoints]:
         if isinstance(source_sets, str | bytes) or not isinstance(source_sets, Iterable):

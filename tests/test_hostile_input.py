@@ -366,3 +366,13 @@ def test_where_the_system_does_not_say_how_much_there_is_work_goes_on(monkeypatc
     monkeypatch.setattr(memory.os, "sysconf", lambda name: (_ for _ in ()).throw(ValueError(name)))
     assert memory.available_memory() == np.inf
     memory.require_memory(1e30, "anything")
+
+
+def test_a_part_of_much_longer_edges_than_the_rest_warns():
+    fine, coarse = shapes.icosphere(4), shapes.icosphere(2, radius=30.0)
+    mesh = shapes.disjoint_union(fine, coarse)
+    solver = gt.GeodesicSolver(mesh)
+    assert np.isfinite(solver.distance(0)[: fine.n_vertices]).all()
+    with pytest.warns(CoarseMeshWarning, match=r"edges are \d+\.\d times as long"):
+        solver.distance(fine.n_vertices)
+    gt.geodesic_distance(mesh, fine.n_vertices, refine=True)

@@ -38,6 +38,7 @@ def test_every_public_name_is_there_and_listed():
     for name in gt.__all__:
         assert getattr(gt, name) is not None
     assert set(gt.__all__) <= set(dir(gt))
+    assert set(gt.__all__) == {"__version__", *gt._HOMES, *gt._SUBPACKAGES}
 
 
 def test_a_wrong_name_is_an_attribute_error():
