@@ -249,7 +249,7 @@ class HeatMethod:
         log_heat, reports = self._flow.log_heat(block)
         harmed = [k for k, report in enumerate(reports) if report.harmful]
         if harmed:
-            worst = max(reports, key=lambda report: report.non_positive / report.reached)
+            worst = max((reports[k] for k in harmed), key=lambda r: r.non_positive / r.reached)
             warn(self._complaint(worst), NonPositiveHeatWarning)
             if self.heat_solver.componentwise:
                 columns = [block[k] for k in harmed]

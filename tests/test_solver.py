@@ -304,3 +304,15 @@ def test_the_diagnosis_tells_what_was_found():
     assert diagnosis.stages == 1
     assert diagnosis.as_dict()["notes"]["triangulation"] == "given"
     assert "minimum_angle" in str(diagnosis)
+
+
+def test_a_held_boundary_that_holds_every_vertex_of_a_part_breaks_nothing():
+    lone = gt.TriangleMesh([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 2]])
+    strip = shapes.grid(40, 4)  # from a corner, no heat gets past the boundary
+    mesh = shapes.disjoint_union(lone, strip)
+    solver = gt.GeodesicSolver(mesh, boundary="dirichlet").method
+    with pytest.warns(NonPositiveHeatWarning, match='boundary="average"'):
+        distances = solver.distances([0, 3])
+    assert (distances[0, :3] >= 0).all()
+    assert (distances[0, 3:] == np.inf).all()
+    assert (distances[1, :3] == np.inf).all()
