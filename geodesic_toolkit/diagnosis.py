@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from geodesic_toolkit._typing import FloatArray, IntArray
+from geodesic_toolkit._typing import BoolArray, FloatArray, IntArray
 from geodesic_toolkit.discretization import Discretization
 from geodesic_toolkit.domains import Domain, TriangleMesh
 from geodesic_toolkit.geometry.triangles import (
@@ -17,7 +17,14 @@ from geodesic_toolkit.geometry.triangles import (
 )
 from geodesic_toolkit.heat import HeatMethod
 
-__all__ = ["COARSE", "UNEVEN", "Diagnosis", "diagnose", "edge_lengths_of_parts"]
+__all__ = [
+    "COARSE",
+    "UNEVEN",
+    "Diagnosis",
+    "diagnose",
+    "edge_lengths_of_parts",
+    "vertices_on_seams",
+]
 
 COARSE = 20
 """Vertices of a part of a mesh below which plain heat is not to be trusted. Measured: its mean
@@ -135,6 +142,19 @@ def diagnose(domain: Domain, operator: object, method: HeatMethod) -> Diagnosis:
         stages=report.stages,
         notes=metric.notes,
     )
+
+
+def vertices_on_seams(mesh: TriangleMesh, boundary: BoolArray) -> int:
+    """Return how many boundary vertices lie at the place of another one.
+
+    Parameters
+    ----------
+    mesh : TriangleMesh
+    boundary : ndarray of shape (N,), bool
+    """
+    places = mesh.vertices[boundary]
+    _, counts = np.unique(places, axis=0, return_counts=True)
+    return int(counts[counts > 1].sum())
 
 
 def edge_lengths_of_parts(mesh: TriangleMesh, components: IntArray) -> FloatArray:

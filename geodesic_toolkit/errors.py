@@ -7,6 +7,7 @@ Catching :class:`GeodesicError` catches all of them; catching the builtin
 __all__ = [
     "CoarseMeshWarning",
     "ConformanceError",
+    "FarSourceWarning",
     "GeodesicError",
     "GeodesicWarning",
     "InvalidDiscretizationError",
@@ -22,6 +23,7 @@ __all__ = [
     "PluginLoadError",
     "ReadError",
     "ReadWarning",
+    "SeamWarning",
     "SolverError",
     "UnknownPluginError",
     "UnreachableError",
@@ -112,6 +114,14 @@ class CoarseMeshWarning(GeodesicWarning):
 
 class NonPositiveHeatWarning(GeodesicWarning):
     """The heat is not positive at some vertices, where the distance is not to be trusted."""
+
+
+class FarSourceWarning(GeodesicWarning):
+    """A source point lies far from the shape that it was snapped to; the units may differ."""
+
+
+class SeamWarning(GeodesicWarning):
+    """The surface of a mesh is cut along seams: vertices of its boundary share their places."""
 
 
 class NormalsWarning(GeodesicWarning):

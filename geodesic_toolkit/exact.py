@@ -7,6 +7,7 @@ from scipy.sparse import coo_array, csr_array
 from scipy.sparse.csgraph import connected_components
 
 from geodesic_toolkit._typing import FloatArray, IntArray
+from geodesic_toolkit.conversion import as_domain
 from geodesic_toolkit.domains import Curve, OffsetSources, TriangleMesh
 from geodesic_toolkit.errors import InvalidSourceError, SolverError, UnsupportedDomainError
 from geodesic_toolkit.geometry.insertion import insert_points
@@ -16,7 +17,7 @@ from geodesic_toolkit.sources import locate_sources
 __all__ = ["exact_distance"]
 
 
-def exact_distance(mesh: TriangleMesh, sources: Any) -> FloatArray:
+def exact_distance(mesh: Any, sources: Any) -> FloatArray:
     """Return the exact polyhedral distance of every vertex from the nearest source.
 
     The reference for tests and error reports, by libigl. Its cost grows faster than the number of
@@ -61,6 +62,7 @@ def exact_distance(mesh: TriangleMesh, sources: Any) -> FloatArray:
     >>> gt.exact_distance(square, [0.5, 0.25, 0.0]).round(4)
     array([0.559 , 0.559 , 0.9014, 0.9014])
     """
+    mesh = as_domain(mesh)
     if not isinstance(mesh, TriangleMesh):
         raise UnsupportedDomainError(
             f"exact distances need a TriangleMesh, not a {type(mesh).__name__}"

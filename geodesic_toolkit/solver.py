@@ -17,9 +17,11 @@ from geodesic_toolkit.diagnosis import (
     Diagnosis,
     diagnose,
     edge_lengths_of_parts,
+    vertices_on_seams,
 )
+from geodesic_toolkit.discretization import Discretization
 from geodesic_toolkit.domains import TriangleMesh
-from geodesic_toolkit.errors import CoarseMeshWarning, InvalidSourceError
+from geodesic_toolkit.errors import CoarseMeshWarning, InvalidSourceError, SeamWarning
 from geodesic_toolkit.heat import Boundary, HeatMethod, Progress
 from geodesic_toolkit.laplacians.base import LaplaceOperator
 from geodesic_toolkit.linear.base import LinearSolver
@@ -29,6 +31,9 @@ from geodesic_toolkit.source_points import SourcePoints
 from geodesic_toolkit.sources import locate_sources
 
 __all__ = ["Diagnosis", "GeodesicSolver"]
+
+SEAM_SHARE = 0.5
+"""Share of boundary vertices that coincide with others from which on a mesh is said to be cut."""
 
 
 class GeodesicSolver:
@@ -119,6 +124,8 @@ class GeodesicSolver:
         heat_solver, poisson_solver = resolve_solvers(solver)
         self.operator.check_domain(domain)
         metric = self.operator.assemble(domain)
+        if isinstance(domain, TriangleMesh):
+            _warn_of_seams(domain, metric)
         self.method = HeatMethod(
             metric,
             diffusion=(
@@ -344,4 +351,17 @@ class GeodesicSolver:
     def __repr__(self) -> str:
         return (
             f"GeodesicSolver({self.domain!r}, operator={self.operator!r}, method={self.method!r})"
+        )
+
+
+def _warn_of_seams(mesh: TriangleMesh, metric: Discretization) -> None:
+    """Warn where most of a boundary is a seam: loaders split vertices where textures are cut."""
+    on_seams = vertices_on_seams(mesh, metric.boundary)
+    if on_seams > 8 and on_seams > SEAM_SHARE * metric.boundary.sum():
+        warn(
+            f"{on_seams} of {int(metric.boundary.sum())} boundary vertices share their place with "
+            "another one: the surface is cut there, and no path crosses. If these are seams of a "
+            "texture, read the file with geodesic_toolkit.read, or merge the vertices (trimesh: "
+            "merge_vertices(merge_tex=True, merge_norm=True))",
+            SeamWarning,
         )

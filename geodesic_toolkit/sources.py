@@ -7,6 +7,7 @@ import numpy as np
 from scipy.sparse import csr_array
 
 from geodesic_toolkit._typing import FloatArray, IntArray
+from geodesic_toolkit._warning import warn
 from geodesic_toolkit.domains import (
     Curve,
     Domain,
@@ -15,7 +16,7 @@ from geodesic_toolkit.domains import (
     SurfacePoint,
     TriangleMesh,
 )
-from geodesic_toolkit.errors import InvalidSourceError
+from geodesic_toolkit.errors import FarSourceWarning, InvalidSourceError
 from geodesic_toolkit.geometry.closest import closest_on_triangles, closest_points
 from geodesic_toolkit.geometry.polylines import distance_to_segments, sample_polyline
 from geodesic_toolkit.geometry.triangles import face_edge_lengths
@@ -136,10 +137,27 @@ def _as_points(array: Any, name: str) -> FloatArray:
 def _in_space(domain: Domain, points: FloatArray, name: str) -> SourcePoints:
     if isinstance(domain, TriangleMesh):
         faces, barycentric = closest_on_triangles(points, domain.vertices, domain.faces)
+        feet = np.einsum("pc,pcd->pd", barycentric, domain.vertices[domain.faces[faces]])
+        _warn_if_far(points, feet, domain.vertices, name)
         return _barycentric(domain, faces, barycentric)
     if isinstance(domain, PointCloud):
-        return SourcePoints.at_vertices(_nearest_present(domain, points), domain.n_vertices)
+        nearest = _nearest_present(domain, points)
+        _warn_if_far(points, domain.points[nearest], domain.points[domain.present], name)
+        return SourcePoints.at_vertices(nearest, domain.n_vertices)
     raise _no_positions(domain, name)
+
+
+def _warn_if_far(points: FloatArray, feet: FloatArray, places: FloatArray, name: str) -> None:
+    """Warn of points that lie farther from the shape than its size."""
+    size = float(np.linalg.norm(places.max(axis=0) - places.min(axis=0)))
+    moved = np.linalg.norm(points - feet, axis=1)
+    worst = int(moved.argmax())
+    if moved[worst] > size:
+        warn(
+            f"{name}: point {worst} was moved by {moved[worst]:.4g} to the nearest place of a "
+            f"shape whose size is {size:.4g}; are the units the same?",
+            FarSourceWarning,
+        )
 
 
 def _nearest_present(cloud: PointCloud, points: FloatArray) -> IntArray:

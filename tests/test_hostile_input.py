@@ -13,6 +13,7 @@ from hypothesis.extra import numpy as hnp
 import geodesic_toolkit as gt
 from geodesic_toolkit.errors import (
     CoarseMeshWarning,
+    FarSourceWarning,
     GeodesicError,
     InvalidDomainError,
     InvalidOptionError,
@@ -20,6 +21,7 @@ from geodesic_toolkit.errors import (
     NonPositiveHeatWarning,
     NotEnoughMemoryError,
     ReadError,
+    SeamWarning,
     UnknownPluginError,
     UnsupportedDomainError,
     WriteError,
@@ -376,3 +378,30 @@ def test_a_part_of_much_longer_edges_than_the_rest_warns():
     with pytest.warns(CoarseMeshWarning, match=r"edges are \d+\.\d times as long"):
         solver.distance(fine.n_vertices)
     gt.geodesic_distance(mesh, fine.n_vertices, refine=True)
+
+
+def test_a_source_in_other_units_warns():
+    solver = gt.GeodesicSolver(shapes.icosphere(2))
+    with pytest.warns(FarSourceWarning, match="are the units the same"):
+        solver.distance([1000.0, 0.0, 0.0])
+    solver.distance([1.3, 0.0, 0.0])
+
+
+def test_a_surface_cut_along_seams_warns():
+    sphere = shapes.icosphere(2)
+    soup = gt.TriangleMesh(sphere.vertices[sphere.faces.ravel()], np.arange(960).reshape(-1, 3))
+    with pytest.warns(SeamWarning, match="960 of 960 boundary vertices"):
+        gt.GeodesicSolver(soup)
+    gt.GeodesicSolver(shapes.grid(9))
+
+
+def test_refinement_on_the_flips_that_auto_makes_is_exact_on_a_sheared_plane():
+    mesh = shapes.grid(20, shear=3.0)
+    distance = gt.geodesic_distance(mesh, 210, refine=True)
+    exact = np.linalg.norm(mesh.vertices - mesh.vertices[210], axis=1)
+    np.testing.assert_allclose(distance, exact, atol=1e-9)
+
+
+def test_a_path_asks_for_a_solver_by_name():
+    with pytest.raises(InvalidOptionError, match=r"GeodesicSolver\(mesh\)"):
+        gt.geodesic_path(shapes.icosphere(1), 0, 1)

@@ -14,6 +14,7 @@ from geodesic_toolkit._typing import FloatArray, IntArray
 from geodesic_toolkit.analysis.descent import descend
 from geodesic_toolkit.domains import OffsetSources, SurfacePoint, TriangleMesh
 from geodesic_toolkit.errors import (
+    InvalidOptionError,
     InvalidSourceError,
     UnreachableError,
     UnsupportedDomainError,
@@ -105,6 +106,8 @@ def geodesic_path(solver: GeodesicSolver, source: Any, target: Any) -> GeodesicP
 
     Raises
     ------
+    InvalidOptionError
+        Something else than a solver.
     UnsupportedDomainError
         The domain is no triangle mesh. The local triangles of a cloud overlap, so that there are
         no strips of them to unfold: make a mesh of the cloud first.
@@ -127,6 +130,11 @@ def geodesic_path(solver: GeodesicSolver, source: Any, target: Any) -> GeodesicP
     >>> path.points[-1].round(3)
     array([0., 0., 1.])
     """
+    if not isinstance(solver, GeodesicSolver):
+        raise InvalidOptionError(
+            f"a path needs a GeodesicSolver, not a {type(solver).__name__}; "
+            "make one of the mesh: GeodesicSolver(mesh)"
+        )
     mesh = solver.domain
     if not isinstance(mesh, TriangleMesh):
         raise UnsupportedDomainError(
