@@ -3,6 +3,7 @@
 import os
 import subprocess
 import sys
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -487,3 +488,13 @@ def test_a_real_mesh_with_unreferenced_vertices_is_drawn(shared_data):
     image = gt.viz.plot(mesh, mesh.vertices[:, 1], size=SIZE, sources=[])
     assert count_coloured(bar_free(image)) > 3000
     assert count_near(image, UNREACHED, 3) < 50
+
+
+@pytest.mark.parametrize(
+    ("limits", "arrows"),
+    [(None, "neither"), ((-1, 0.5), "max"), ((-0.5, 1), "min"), ((-0.5, 0.5), "both")],
+)
+def test_the_bar_has_arrows_where_values_lie_beyond_it(limits, arrows):
+    sphere = shapes.icosphere(2)
+    scene = make_scene(sphere, sphere.vertices[:, 2], limits=limits)
+    assert Page._beyond(SimpleNamespace(scene=scene)) == arrows

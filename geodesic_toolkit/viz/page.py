@@ -96,7 +96,8 @@ class Page:
         mappable = cm.ScalarMappable(
             colors.Normalize(*self.scene.limits), colors.ListedColormap(style.table)
         )
-        bar = self.figure.colorbar(mappable, cax=self._axes(left, bottom, wide, 0.72 * free))
+        place = self._axes(left, bottom, wide, 0.72 * free)
+        bar = self.figure.colorbar(mappable, cax=place, extend=self._beyond())
         bar.set_label(label, fontsize=em * POINTS, labelpad=0.4 * em, color=INK)
         bar.ax.tick_params(labelsize=0.9 * em * POINTS, width=0.8, length=0.3 * em, colors=INK)
         bar.outline.set_linewidth(0.6)
@@ -109,6 +110,19 @@ class Page:
                 spine.set_linewidth(0.6)
             beside, below = left + wide + 0.5 * em, self.height - bottom + 1.85 * em
             self._text(beside, below, "not reached", size=0.9, align="left")
+
+    def _beyond(self) -> str:
+        """Return at which ends of the bar it stands for values beyond: there it gets an arrow."""
+        low, high = self.scene.limits
+        values = self.scene.values[self.scene.reached & self.scene.present]
+        slack = 1e-6 * (high - low)
+        ends = (bool(values.min() < low - slack), bool(values.max() > high + slack))
+        return {
+            (False, False): "neither",
+            (True, False): "min",
+            (False, True): "max",
+            (True, True): "both",
+        }[ends]
 
     def finish(self) -> NDArray[np.uint8]:
         """Return the page as an array of shape (height, width, 3)."""
