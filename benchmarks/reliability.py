@@ -119,7 +119,7 @@ def call(library: str, arrays: Path, source: int, answer: Path) -> None:
         warnings.simplefilter("always")
         try:
             distance = function(shape, source)
-        except Exception as error:
+        except Exception as error:  # how a library fails is what is measured
             answer.with_suffix(".json").write_text(
                 json.dumps({"error": f"{type(error).__name__}: {error}"})
             )

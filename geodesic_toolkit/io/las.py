@@ -44,8 +44,8 @@ def read_las(path: Path) -> PointCloud:
                     'reading .laz files needs lazrs: pip install "geodesic-toolkit[io]"'
                 )
             return PointCloud(reader.read().xyz)
-    except BaseException as error:
-        if type(error).__name__ != "PanicException":  # lazrs raises it beside all of Python's own
+    except BaseException as error:  # lazrs's panics are no Exception; all else goes on
+        if type(error).__name__ != "PanicException":
             raise
         raise ReadError(f"the compressed points are damaged ({error})") from error
 
