@@ -13,8 +13,10 @@ __version__ = "0.1.0"
 
 if TYPE_CHECKING:
     from geodesic_toolkit import errors, testing, viz
+    from geodesic_toolkit.analysis.matrix import distance_matrix
     from geodesic_toolkit.analysis.paths import GeodesicPath, geodesic_path
     from geodesic_toolkit.analysis.residual import eikonal_residual
+    from geodesic_toolkit.analysis.sampling import farthest_point_sampling, geodesic_voronoi
     from geodesic_toolkit.api import geodesic_distance
     from geodesic_toolkit.catalog import operators, readers, solvers
     from geodesic_toolkit.conversion import as_domain
@@ -39,6 +41,7 @@ if TYPE_CHECKING:
     from geodesic_toolkit.linear.base import Factor, LinearSolver
     from geodesic_toolkit.linear.cg import CG
     from geodesic_toolkit.linear.superlu import SuperLU
+    from geodesic_toolkit.linear.supernodal import Supernodal
     from geodesic_toolkit.solver import Diagnosis, GeodesicSolver
 
 # Spelt out once more, because type checkers read nothing else; a test keeps the two together.
@@ -63,16 +66,20 @@ __all__ = [
     "PointCloud",
     "PointCloudLaplacian",
     "SuperLU",
+    "Supernodal",
     "SurfacePoint",
     "TriangleMesh",
     "UniformLaplacian",
     "__version__",
     "as_domain",
+    "distance_matrix",
     "eikonal_residual",
     "errors",
     "exact_distance",
+    "farthest_point_sampling",
     "geodesic_distance",
     "geodesic_path",
+    "geodesic_voronoi",
     "operators",
     "read",
     "readers",
@@ -102,14 +109,18 @@ _HOMES = {
     "PointCloud": "domains",
     "PointCloudLaplacian": "laplacians.pointcloud",
     "SuperLU": "linear.superlu",
+    "Supernodal": "linear.supernodal",
     "SurfacePoint": "domains",
     "TriangleMesh": "domains",
     "UniformLaplacian": "laplacians.uniform",
     "as_domain": "conversion",
+    "distance_matrix": "analysis.matrix",
     "eikonal_residual": "analysis.residual",
     "exact_distance": "exact",
+    "farthest_point_sampling": "analysis.sampling",
     "geodesic_distance": "api",
     "geodesic_path": "analysis.paths",
+    "geodesic_voronoi": "analysis.sampling",
     "operators": "catalog",
     "read": "io",
     "readers": "catalog",

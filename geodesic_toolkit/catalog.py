@@ -2,6 +2,7 @@
 
 from typing import Any
 
+from geodesic_toolkit._kernels import worthwhile
 from geodesic_toolkit.domains import Domain, Graph, PointCloud, TriangleMesh
 from geodesic_toolkit.errors import InvalidOptionError, PluginLoadError, UnsupportedDomainError
 from geodesic_toolkit.laplacians.base import LaplaceOperator
@@ -74,14 +75,17 @@ def resolve_operator(choice: object, domain: Domain) -> LaplaceOperator:
     )
 
 
-def resolve_solvers(choice: object) -> tuple[LinearSolver, LinearSolver]:
+def resolve_solvers(choice: object, n_unknowns: int = 0) -> tuple[LinearSolver, LinearSolver]:
     """Return the solvers for the heat and the Poisson step.
 
     Parameters
     ----------
     choice : str, class, instance or dict
-        One for both steps, or ``{"heat": ..., "poisson": ...}``. "auto" is ``"superlu"``. A solver
-        that is not componentwise accurate serves the Poisson step only, beside the default one.
+        One for both steps, or ``{"heat": ..., "poisson": ...}``. "auto" is ``"supernodal"`` where
+        its compiled kernels are worth waiting for, and ``"superlu"`` elsewhere. A solver that is
+        not componentwise accurate serves the Poisson step only, beside the default one.
+    n_unknowns : int
+        Size of the systems, by which "auto" decides.
 
     Raises
     ------
@@ -94,13 +98,16 @@ def resolve_solvers(choice: object) -> tuple[LinearSolver, LinearSolver]:
             raise InvalidOptionError(
                 f'solver has the keys "heat" and "poisson", not {", ".join(map(repr, unknown))}'
             )
-        return _solver(choice.get("heat", "auto")), _solver(choice.get("poisson", "auto"))
-    solver = _solver(choice)
+        parts = (choice.get("heat", "auto"), choice.get("poisson", "auto"))
+        return _solver(parts[0], n_unknowns), _solver(parts[1], n_unknowns)
+    solver = _solver(choice, n_unknowns)
     if solver.componentwise or getattr(solver, "allow_heat", False):
         return solver, solver
-    return _solver("auto"), solver
+    return _solver("auto", n_unknowns), solver
 
 
-def _solver(choice: object) -> LinearSolver:
-    solver: LinearSolver = solvers.resolve("superlu" if choice == "auto" else choice)
+def _solver(choice: object, n_unknowns: int) -> LinearSolver:
+    if choice == "auto":
+        choice = "supernodal" if worthwhile(n_unknowns) else "superlu"
+    solver: LinearSolver = solvers.resolve(choice)
     return solver

@@ -6,13 +6,13 @@ Based on Heat Flow*, ACM Transactions on Graphics 32, 2013, https://doi.org/10.1
 
 import os
 import threading
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
+from functools import cached_property
 from typing import Any, TypeAlias
 
 import numpy as np
 from numpy.typing import ArrayLike
-from scipy.sparse import csr_array, diags_array
 
 from geodesic_toolkit._typing import FloatArray
 from geodesic_toolkit._warning import warn
@@ -22,9 +22,10 @@ from geodesic_toolkit.errors import (
     NonPositiveHeatWarning,
     UnsupportedDomainError,
 )
-from geodesic_toolkit.heat_flow import Boundary, HeatFlow, HeatReport
+from geodesic_toolkit.heat_flow import Boundary, Heat, HeatFlow, HeatReport
 from geodesic_toolkit.linear.base import Factor, LinearSolver
 from geodesic_toolkit.linear.memory import require_memory
+from geodesic_toolkit.linear.patterns import SharedAnalysis, plus_diagonal
 from geodesic_toolkit.positivity import positive_part
 from geodesic_toolkit.refine import WavefrontSweeper
 from geodesic_toolkit.source_points import SourcePoints, as_vertices
@@ -35,6 +36,11 @@ Progress: TypeAlias = Callable[[int, int], None]
 
 BLOCK = 16
 """Source sets solved at once: they share the reading of a factor, and stay in cache."""
+
+PROCESSORS = os.cpu_count() or 1
+
+WORTH_A_THREAD = 10_000
+"""Vertices from which on a factor takes longer than starting a thread for it."""
 
 
 class HeatMethod:
@@ -190,18 +196,42 @@ class HeatMethod:
             f"the table of distances from {len(points)} source sets to {self.n_vertices} vertices",
         )
         distances = np.empty((len(points), self.n_vertices))
-        for start in range(0, len(points), BLOCK):
-            block = points[start : start + BLOCK]
-            log_heat = self._diffuse(block)
-            if self._sweeper is not None:
-                distances[start : start + len(block)] = self._sweep(log_heat, block)
-            else:
-                directions = -self.metric.gradient.unit(log_heat)
-                potential = self.integrate(directions)
-                distances[start : start + len(block)] = self._anchor(potential, block)
+        done, worst = 0, None
+        for rows, report in self._solve_blocks(points, distances):
+            done += rows
+            worst = _worse(worst, report)
             if progress is not None:
-                progress(start + len(block), len(points))
+                progress(done, len(points))
+        self._warn_of(worst)
         return distances
+
+    def _solve_blocks(
+        self, points: list[SourcePoints], distances: FloatArray
+    ) -> Iterator[tuple[int, HeatReport | None]]:
+        """Fill `distances` block by block, and yield how many rows each has and its worst heat."""
+
+        def solve(start: int) -> tuple[int, HeatReport | None]:
+            block = points[start : start + BLOCK]
+            return len(block), self._solve(block, distances[start : start + len(block)])
+
+        starts = range(0, len(points), BLOCK)
+        if len(starts) == 1 or self._sweeper is not None:  # sweeps share the processors themselves
+            yield from map(solve, starts)
+            return
+        with ThreadPoolExecutor(min(len(starts), PROCESSORS)) as pool:
+            yield from pool.map(solve, starts)
+
+    def _solve(self, block: Sequence[SourcePoints], distances: FloatArray) -> HeatReport | None:
+        """Write the distances from one block of source sets, (K, N): the paper's three steps."""
+        heat, worst = self._diffuse(block)
+        if self._sweeper is not None:
+            distances[:] = self._sweep(heat.log(), block)
+            return worst
+        values = heat.values[:, 0] if len(block) == 1 else heat.values
+        load = self.metric.gradient.descent_load(values, logarithmic=heat.logarithmic)
+        potential = self._poisson().solve(load).reshape(self.n_vertices, len(block))
+        self._anchor(potential, block, distances)
+        return worst
 
     def log_heat(self, sources: ArrayLike | SourcePoints) -> FloatArray:
         """Return the logarithm of the heat u of step 1, of shape (N,), over an unlimited range.
@@ -209,7 +239,9 @@ class HeatMethod:
         ``-inf`` where no heat comes: in other components, and at a Dirichlet boundary.
         Parameters and errors are those of `distance`.
         """
-        return self._diffuse([self._source_points(sources)])[:, 0]
+        heat, worst = self._diffuse([self._source_points(sources)])
+        self._warn_of(worst)
+        return heat.log()[:, 0]
 
     def heat(self, sources: ArrayLike | SourcePoints) -> FloatArray:
         """Return the heat u of step 1 as the solver gives it, of shape (N,).
@@ -224,7 +256,7 @@ class HeatMethod:
 
         Parameters and errors are those of `distance`.
         """
-        _, reports = self._flow.log_heat([self._source_points(sources)])
+        _, reports = self._flow.diffuse([self._source_points(sources)])
         return reports[0]
 
     def integrate(self, field: FloatArray) -> FloatArray:
@@ -244,17 +276,27 @@ class HeatMethod:
 
     # -- step 1 --------------------------------------------------------------------------------
 
-    def _diffuse(self, block: Sequence[SourcePoints]) -> FloatArray:
-        """Return log u, (N, K); where heat turns negative, that of a diffusion which cannot."""
-        log_heat, reports = self._flow.log_heat(block)
+    def _diffuse(self, block: Sequence[SourcePoints]) -> tuple[Heat, HeatReport | None]:
+        """Return the heat, and the worst report on it if it does harm.
+
+        Where heat turns negative, it is that of a diffusion which cannot.
+        """
+        heat, reports = self._flow.diffuse(block)
         harmed = [k for k, report in enumerate(reports) if report.harmful]
-        if harmed:
-            worst = max((reports[k] for k in harmed), key=lambda r: r.non_positive / r.reached)
+        worst = None
+        for k in harmed:
+            worst = _worse(worst, reports[k])
+        if not harmed or not self.heat_solver.componentwise:
+            return heat, worst
+        cured, _ = self._positive_flow().diffuse([block[k] for k in harmed])
+        if heat.logarithmic or cured.logarithmic:
+            heat, cured = Heat(heat.log(), logarithmic=True), Heat(cured.log(), logarithmic=True)
+        heat.values[:, harmed] = cured.values
+        return heat, worst
+
+    def _warn_of(self, worst: HeatReport | None) -> None:
+        if worst is not None:
             warn(self._complaint(worst), NonPositiveHeatWarning)
-            if self.heat_solver.componentwise:
-                columns = [block[k] for k in harmed]
-                log_heat[:, harmed], _ = self._positive_flow().log_heat(columns)
-        return log_heat
 
     def _positive_flow(self) -> HeatFlow:
         with self._lock:
@@ -287,33 +329,42 @@ class HeatMethod:
         ``L_gg φ_g = 0``. It is scale-free and keeps the pattern, unlike shifting all of L, which
         bends distances.
         """
-        with self._lock:
+        with self._poisson_lock:
             if self._poisson_factor is None:
                 stiffness = self.metric.stiffness
                 _, grounded = np.unique(self.metric.components, return_index=True)
                 diagonal = stiffness.diagonal()[grounded]
                 ground = np.zeros(self.n_vertices)
                 ground[grounded] = np.where(diagonal > 0, diagonal, 1.0)
-                matrix = csr_array(stiffness + diags_array(ground))
-                self._poisson_factor = self.poisson_solver.factorize(matrix)
+                self._poisson_factor = self._factorize_poisson(plus_diagonal(stiffness, ground))
             return self._poisson_factor
 
-    def _anchor(self, potential: FloatArray, block: Sequence[SourcePoints]) -> FloatArray:
-        """Return (K, N) distances: the mean over the sources of a component is 0 there."""
+    def _anchor(
+        self, potential: FloatArray, block: Sequence[SourcePoints], distances: FloatArray
+    ) -> None:
+        """Write distances, (K, N): the mean over the sources of a component is 0 there."""
         components = self.metric.components
-        distances = np.full(potential.T.shape, np.inf)
+        distances[:] = potential.T
         for k, points in enumerate(block):
+            row = distances[k]
             above = points.weights @ potential[:, k] - points.offsets - points.starts
             home = points.components(self.metric)
             first = points.first_to_start(home)  # others may be overtaken before they start
-            heated = np.isin(self.diffusion.components, points.components(self.diffusion))
-            for component in np.unique(home):
-                inside = heated & (components == component)
-                anchors = above[first & (home == component)]
-                anchored = potential[inside, k] - anchors.mean()
+            parts = [0] if self._in_one_piece else np.unique(home).tolist()
+            for part in parts:
+                inside = ... if self._in_one_piece else components == part
+                anchors = above[first & (home == part)]
                 # Of several sources some are below their mean by right; of one, nothing is.
-                distances[k, inside] = anchored if len(anchors) > 1 else np.maximum(anchored, 0.0)
-        return distances
+                lowest = -np.inf if len(anchors) > 1 else 0.0
+                row[inside] = np.maximum(row[inside] - anchors.mean(), lowest)
+            if not self._in_one_piece:
+                heated = np.isin(self.diffusion.components, points.components(self.diffusion))
+                row[~(heated & np.isin(components, parts))] = np.inf
+
+    @cached_property
+    def _in_one_piece(self) -> bool:
+        """Whether every vertex hears of every other."""
+        return not (self.metric.components.any() or self.diffusion.components.any())
 
     # -- instead of steps 2 and 3 --------------------------------------------------------------
 
@@ -330,7 +381,7 @@ class HeatMethod:
 
         if len(block) == 1:
             return column(0)[None]
-        with ThreadPoolExecutor(min(len(block), os.cpu_count() or 1)) as pool:
+        with ThreadPoolExecutor(min(len(block), PROCESSORS)) as pool:
             return np.array(list(pool.map(column, range(len(block)))))
 
     # -- sources -------------------------------------------------------------------------------
@@ -347,8 +398,16 @@ class HeatMethod:
 
     def _set_up(self) -> None:
         """Set what is not part of the recipe: factors to come, and their lock."""
-        self._lock = threading.Lock()
-        self._flow = HeatFlow(self.diffusion, self.time, self.boundary, self.heat_solver)
+        self._lock, self._poisson_lock = threading.Lock(), threading.Lock()
+        factorize = SharedAnalysis(self.heat_solver)
+        self._factorize_poisson = (  # both systems have one pattern, where metric and diffusion do
+            factorize
+            if self.poisson_solver == self.heat_solver
+            else SharedAnalysis(self.poisson_solver)
+        )
+        self._flow = HeatFlow(
+            self.diffusion, self.time, self.boundary, self.heat_solver, factorize=factorize
+        )
         self._sweeper = WavefrontSweeper(self.metric) if self.refine else None
         self._substitute = None
         self._poisson_factor = None
@@ -363,11 +422,18 @@ class HeatMethod:
 
         The Poisson system is left out where distances are refined: they do not need it.
         """
-        self._flow.systems()
-        if self._sweeper is None:
-            self._poisson()
-        else:
+        if self._sweeper is not None:
+            self._flow.systems()
             self._sweeper.prepare()
+            return self
+        if self.n_vertices < WORTH_A_THREAD:
+            self._flow.systems()
+            self._poisson()
+            return self
+        with ThreadPoolExecutor(1) as pool:  # two factors on two threads
+            poisson = pool.submit(self._poisson)
+            self._flow.systems()
+            poisson.result()
         return self
 
     @property
@@ -408,3 +474,10 @@ def _time_step(time: float | None, time_factor: float, spacing: float) -> float:
     if time is not None and time_factor != 1.0:
         raise InvalidOptionError("give time or time_factor, not both")
     return float(time) if time is not None else float(time_factor) * spacing**2
+
+
+def _worse(one: HeatReport | None, other: HeatReport | None) -> HeatReport | None:
+    """Return the report with the larger share of vertices where heat is not positive."""
+    if one is None or other is None:
+        return other if one is None else one
+    return max(one, other, key=lambda report: report.non_positive / report.reached)

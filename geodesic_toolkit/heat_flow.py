@@ -3,18 +3,20 @@
 import threading
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Literal, TypeAlias
+from functools import cached_property
+from typing import Literal, NamedTuple, TypeAlias
 
 import numpy as np
 from scipy.sparse import csr_array, diags_array
 
 from geodesic_toolkit._typing import BoolArray, FloatArray, IntArray
 from geodesic_toolkit.discretization import Discretization
-from geodesic_toolkit.linear.base import Factor, LinearSolver
-from geodesic_toolkit.linear.log_solve import fill_from_neighbours, log_solve
+from geodesic_toolkit.linear.base import Factor, Factorizer, LinearSolver
+from geodesic_toolkit.linear.log_solve import SETTLED, fill_from_neighbours, log_solve
+from geodesic_toolkit.linear.patterns import SharedAnalysis, plus_diagonal
 from geodesic_toolkit.source_points import SourcePoints
 
-__all__ = ["Boundary", "HeatFlow", "HeatReport"]
+__all__ = ["Boundary", "Heat", "HeatFlow", "HeatReport"]
 
 Boundary: TypeAlias = Literal["neumann", "dirichlet", "average"]
 
@@ -46,6 +48,25 @@ class HeatReport:
         return self.non_positive > HARMFUL_SHARE * self.reached
 
 
+class Heat(NamedTuple):
+    """The heat u of K source sets, as it is or as its logarithm.
+
+    Attributes
+    ----------
+    values : ndarray of shape (N, K)
+        u, of which every value is positive where heat comes and none has underflown; or log u,
+        over an unlimited range.
+    logarithmic : bool
+    """
+
+    values: FloatArray
+    logarithmic: bool
+
+    def log(self) -> FloatArray:
+        """Return log u, (N, K), ``-inf`` where no heat comes."""
+        return self.values if self.logarithmic else _log(self.values)
+
+
 class HeatFlow:
     """``(M + t L) u = δ`` with L = -Δ positive semidefinite, factorised once.
 
@@ -56,15 +77,24 @@ class HeatFlow:
         Time step t, in squared length.
     boundary : {"neumann", "dirichlet", "average"}
     solver : LinearSolver
+    factorize : callable, optional
+        Its way from a matrix to a factor, where that is shared with other systems.
     """
 
     def __init__(
-        self, diffusion: Discretization, time: float, boundary: Boundary, solver: LinearSolver
+        self,
+        diffusion: Discretization,
+        time: float,
+        boundary: Boundary,
+        solver: LinearSolver,
+        *,
+        factorize: Factorizer | None = None,
     ) -> None:
         self.diffusion = diffusion
         self.time = time
         self.boundary = boundary
         self.solver = solver
+        self._factorize = factorize or SharedAnalysis(solver)
         self._lock = threading.Lock()
         self._systems: list[_HeatSystem] | None = None
 
@@ -75,37 +105,63 @@ class HeatFlow:
         scaled = np.mean(parts, axis=0) * np.exp(log_scales)
         return np.column_stack([scaled[:, owners == k].sum(axis=1) for k in range(len(block))])
 
-    def log_heat(self, block: Sequence[SourcePoints]) -> tuple[FloatArray, list[HeatReport]]:
-        """Return log u, (N, K), over an unlimited range, and a report on each column.
+    def diffuse(self, block: Sequence[SourcePoints]) -> tuple[Heat, list[HeatReport]]:
+        """Return the heat of each source set, and a report on it.
 
         Vertices whose heat is not positive take it from their neighbours.
         """
-        parts, stages = [], 1
         loads, log_scales, owners = self._loads(block)
-        for system in self.systems():
+        (system, *more) = self.systems()
+        first = system.load(loads)
+        if self.solver.componentwise:
+            solution = system.factor.solve(first)
+            if not more and len(owners) == len(block) and self._is_within_range(solution, block):
+                reports = [
+                    self._complete_in_range(solution, k, block[k]) for k in range(len(block))
+                ]
+                return Heat(solution, logarithmic=False), reports
+            part, stages = log_solve(system.matrix, system.factor, first, solution=solution)
+        else:  # restarts rest on every entry being right: take what the solver gives
+            part, stages = _log(system.factor.solve(first)), 1
+        parts = [part]
+        for other in more:
             if self.solver.componentwise:
-                part, needed = log_solve(system.matrix, system.factor, system.load(loads))
+                part, needed = log_solve(other.matrix, other.factor, other.load(loads))
                 stages = max(stages, needed)
-            else:  # restarts rest on every entry being right: take what the solver gives
-                solution = system.factor.solve(system.load(loads))
-                part = np.log(solution, out=np.full_like(solution, -np.inf), where=solution > 0)
-            if len(owners) > len(block):
-                columns = [np.flatnonzero(owners == k) for k in range(len(block))]
-                part = np.column_stack(
-                    [np.logaddexp.reduce((part + log_scales)[:, own], axis=1) for own in columns]
-                )
+            else:
+                part = _log(other.factor.solve(other.load(loads)))
             parts.append(part)
+        if len(owners) > len(block):
+            parts = [_merged(part + log_scales, owners) for part in parts]
         log_heat = parts[0] if len(parts) == 1 else np.logaddexp(*parts) - np.log(2)
-        reports = []
-        for k, points in enumerate(block):
-            reached = self.reached(points)
-            missing = reached & (log_heat[:, k] == -np.inf)
-            count = int(missing.sum())
-            if count and self.solver.componentwise:
-                matrix = self.systems()[0].matrix
-                log_heat[:, k] = fill_from_neighbours(matrix, log_heat[:, k], missing)
-            reports.append(HeatReport(int(reached.sum()), count, stages))
-        return log_heat, reports
+        reports = [self._complete(log_heat[:, k], block[k], stages) for k in range(len(block))]
+        return Heat(log_heat, logarithmic=True), reports
+
+    def _is_within_range(self, solution: FloatArray, block: Sequence[SourcePoints]) -> bool:
+        """Return whether no value that heat reaches is near underflow, so that one solve is all."""
+        small = np.abs(solution) <= SETTLED
+        return not small.any() or not any(
+            (small[:, k] & self.reached(points)).any() for k, points in enumerate(block)
+        )
+
+    def _complete_in_range(self, solution: FloatArray, k: int, points: SourcePoints) -> HeatReport:
+        """Fill column k of u in place where heat should be positive and is not."""
+        missing = solution[:, k] < 0
+        count = int(np.count_nonzero(missing))
+        if count:
+            filled = fill_from_neighbours(self.systems()[0].matrix, _log(solution[:, k]), missing)
+            solution[missing, k] = np.exp(filled[missing])
+        return HeatReport(self._reach(points), count, 1)
+
+    def _complete(self, log_heat: FloatArray, points: SourcePoints, stages: int) -> HeatReport:
+        """Fill one column of log u in place where heat should be positive and is not."""
+        reached = self.reached(points)
+        missing = reached & (log_heat == -np.inf)
+        count = int(missing.sum())
+        if count and self.solver.componentwise:
+            matrix = self.systems()[0].matrix
+            log_heat[:] = fill_from_neighbours(matrix, log_heat, missing)
+        return HeatReport(int(reached.sum()), count, stages)
 
     def _loads(self, block: Sequence[SourcePoints]) -> tuple[FloatArray, FloatArray, IntArray]:
         """Return right-hand sides (N, K'), the logarithms of their scales, and whose they are."""
@@ -115,7 +171,10 @@ class HeatFlow:
         loads = [points.loads(points.components(self.diffusion), decay) for points in block]
         flat = [load for own in loads for load in own]
         owners = np.repeat(np.arange(len(block)), [len(own) for own in loads])
-        return np.column_stack([load for load, _ in flat]), np.array([x for _, x in flat]), owners
+        columns = np.zeros((self.diffusion.n_vertices, len(flat)))
+        for k, (vertices, strengths, _) in enumerate(flat):
+            np.add.at(columns[:, k], vertices, strengths)
+        return columns, np.array([log_scale for _, _, log_scale in flat]), owners
 
     def reached(self, points: SourcePoints) -> BoolArray:
         """Return where heat from a source set should come, of shape (N,)."""
@@ -123,6 +182,16 @@ class HeatFlow:
         if self.boundary == "dirichlet":
             reached &= ~self.diffusion.boundary
         return reached
+
+    def _reach(self, points: SourcePoints) -> int:
+        """Return at how many vertices."""
+        if self.boundary == "dirichlet":
+            return int(self.reached(points).sum())
+        return int(self._part_sizes[np.unique(points.components(self.diffusion))].sum())
+
+    @cached_property
+    def _part_sizes(self) -> IntArray:
+        return np.bincount(self.diffusion.components)
 
     def systems(self) -> list["_HeatSystem"]:
         """Return the systems that the boundary condition asks for, factorised once."""
@@ -136,17 +205,17 @@ class HeatFlow:
 
     def _heat_system(self, dirichlet: bool) -> "_HeatSystem":
         mass, stiffness = self.diffusion.mass, self.diffusion.stiffness
-        free = csr_array(diags_array(mass) + self.time * stiffness)
+        free = plus_diagonal(stiffness, mass, self.time)
         diagonal = free.diagonal()
-        lonely = np.where(diagonal > 0, 0.0, 1.0)  # vertices of no element: any pivot will do
-        free = csr_array(free + diags_array(lonely))
-        diagonal = diagonal + lonely
+        if not (diagonal > 0).all():  # vertices of no element: any pivot will do
+            free = plus_diagonal(free, np.where(diagonal > 0, 0.0, 1.0))
+            diagonal = free.diagonal()
         held = self.diffusion.boundary if dirichlet else np.zeros_like(self.diffusion.boundary)
         if not held.any():
-            return _HeatSystem(free, free, held, diagonal, self.solver.factorize(free))
+            return _HeatSystem(free, free, held, diagonal, self._factorize(free))
         inside = diags_array((~held).astype(np.float64))
         pinned = csr_array(inside @ free @ inside + diags_array(np.where(held, diagonal, 0.0)))
-        return _HeatSystem(pinned, free, held, diagonal, self.solver.factorize(pinned))
+        return _HeatSystem(pinned, free, held, diagonal, self._factorize(pinned))
 
     @property
     def nbytes(self) -> int:
@@ -170,8 +239,24 @@ class _HeatSystem:
 
     def load(self, delta: FloatArray) -> FloatArray:
         """Return the right-hand sides that put the heat δ, (N, K), where the condition allows."""
+        if not self.held.any():
+            return delta
         spikes = np.where(self.held[:, None], delta, 0.0) / self.diagonal[:, None]
         if not spikes.any():
             return np.where(self.held[:, None], 0.0, delta)
         felt = np.where(self.held[:, None], 0.0, delta - self.free @ spikes)
         return felt + spikes * self.diagonal[:, None]
+
+
+def _log(heat: FloatArray) -> FloatArray:
+    return np.log(heat, out=np.full_like(heat, -np.inf), where=heat > 0)
+
+
+def _merged(log_heat: FloatArray, owners: IntArray) -> FloatArray:
+    """Return the logarithms of the sums of the columns that each source set owns."""
+    return np.column_stack(
+        [
+            np.logaddexp.reduce(log_heat[:, owners == k], axis=1)
+            for k in range(int(owners.max()) + 1)
+        ]
+    )

@@ -4,7 +4,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
-from scipy.sparse import coo_array, csr_array
+from scipy.sparse import csr_array
 
 from geodesic_toolkit._typing import BoolArray, FloatArray, IntArray
 from geodesic_toolkit.discretization import Discretization
@@ -50,9 +50,8 @@ class SourcePoints:
     def at_vertices(cls, vertices: IntArray, n_vertices: int) -> "SourcePoints":
         """Return sources at vertices."""
         count = len(vertices)
-        entries = (np.ones(count), (np.arange(count), vertices))
-        weights = csr_array(coo_array(entries, shape=(count, n_vertices)))
-        return cls(weights, np.zeros(count))
+        entries = (np.ones(count), vertices, np.arange(count + 1))
+        return cls(csr_array(entries, shape=(count, n_vertices)), np.zeros(count))
 
     @property
     def rows(self) -> IntArray:
@@ -82,8 +81,8 @@ class SourcePoints:
         np.minimum.at(least, components, self.starts)
         return np.asarray(self.starts == least[components])
 
-    def loads(self, components: IntArray, decay: float) -> list[tuple[FloatArray, float]]:
-        """Return right-hand sides δ, (N,), each with the logarithm of what to scale its heat by.
+    def loads(self, components: IntArray, decay: float) -> list[tuple[IntArray, FloatArray, float]]:
+        """Return right-hand sides δ, each with the logarithm of what to scale its heat by.
 
         Heat falls exponentially: a source that starts later is weaker by that. One load serves
         unless starts differ by so much that floats would underflow.
@@ -94,9 +93,15 @@ class SourcePoints:
             The connected component that each point lies in; they do not hear of one another.
         decay : float
             Powers of e by which heat falls in a unit of length.
+
+        Returns
+        -------
+        list of (vertices, strengths, log_scale)
+            What to add where, with repeated vertices.
         """
+        vertices, weights = self.weights.indices, self.weights.data
         if not self.starts.any():
-            return [(np.asarray(self.weights.sum(axis=0), dtype=np.float64), 0.0)]
+            return [(vertices, weights, 0.0)]
         least = np.full(components.max() + 1, np.inf)
         np.minimum.at(least, components, self.starts)
         delay = (self.starts - least[components]) * decay
@@ -106,7 +111,7 @@ class SourcePoints:
             strength = np.where(
                 layers == layer, np.exp(np.minimum(layer * LAYER - delay, 0.0)), 0.0
             )
-            loads.append((np.asarray(self.weights.T @ strength), -float(layer) * LAYER))
+            loads.append((vertices, weights * strength[self.rows], -float(layer) * LAYER))
         return loads
 
     def components(self, discretization: Discretization) -> IntArray:

@@ -1,15 +1,15 @@
 """The contract of a linear solver: factorise once, solve often."""
 
 import abc
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from types import MappingProxyType
-from typing import ClassVar
+from typing import ClassVar, TypeAlias
 
 from scipy.sparse import csr_array
 
 from geodesic_toolkit._typing import FloatArray
 
-__all__ = ["Factor", "LinearSolver"]
+__all__ = ["Factor", "Factorizer", "LinearSolver"]
 
 
 class Factor(abc.ABC):
@@ -44,6 +44,10 @@ class Factor(abc.ABC):
     @abc.abstractmethod
     def nbytes(self) -> int:
         """Bytes that they take."""
+
+
+Factorizer: TypeAlias = Callable[[csr_array], Factor]
+"""What factorises matrices of one pattern."""
 
 
 class LinearSolver(abc.ABC):
@@ -97,3 +101,26 @@ class LinearSolver(abc.ABC):
         NotEnoughMemoryError
             The factor does not fit.
         """
+
+    def analyze(self, matrix: csr_array) -> Factorizer:  # noqa: ARG002 - a hook
+        """Return a function that factorises matrices with the pattern of `matrix`.
+
+        A solver that can share work between them overrides it. The heat and the Poisson system of
+        one discretization are such matrices; the function may be called from several threads.
+
+        Parameters
+        ----------
+        matrix : csr_array of shape (N, N), float64
+            Its values are not used.
+
+        Returns
+        -------
+        callable
+            As `factorize`.
+
+        Raises
+        ------
+        NotEnoughMemoryError
+            The factor will not fit.
+        """
+        return self.factorize

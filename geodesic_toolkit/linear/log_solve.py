@@ -10,14 +10,18 @@ from scipy.sparse import csr_array
 from geodesic_toolkit._typing import BoolArray, FloatArray
 from geodesic_toolkit.linear.base import Factor
 
-__all__ = ["fill_from_neighbours", "log_solve"]
+__all__ = ["SETTLED", "fill_from_neighbours", "log_solve"]
 
 SETTLED = 1e-200
 """Smallest scaled value taken as it is; the 1e-108 below it still resolve its neighbours."""
 
 
 def log_solve(
-    matrix: csr_array, factor: Factor, right_hand_side: FloatArray
+    matrix: csr_array,
+    factor: Factor,
+    right_hand_side: FloatArray,
+    *,
+    solution: FloatArray | None = None,
 ) -> tuple[FloatArray, int]:
     """Return ``log u`` for ``A u = b``, b >= 0, however small u becomes.
 
@@ -39,6 +43,8 @@ def log_solve(
         Its factor, from a componentwise accurate solver.
     right_hand_side : ndarray of shape (N, K)
         Not negative.
+    solution : ndarray of shape (N, K), optional
+        What the factor makes of it, where that is at hand.
 
     Returns
     -------
@@ -54,7 +60,7 @@ def log_solve(
     columns = np.arange(n_columns)  # those that still have vertices to settle
     scaled_rhs = right_hand_side
     for stage in range(1, n_vertices + 2):  # each stage settles a vertex at least
-        scaled = factor.solve(scaled_rhs)
+        scaled = factor.solve(scaled_rhs) if stage > 1 or solution is None else solution
         done = settled[:, columns]
         new = ~done & (np.abs(scaled) > SETTLED)
         with np.errstate(divide="ignore", invalid="ignore"):
@@ -105,12 +111,15 @@ def fill_from_neighbours(
     """
     filled = log_solution.copy()
     rows = np.flatnonzero(missing)
-    local = matrix[rows].tocoo()
-    row, neighbour = local.coords
-    mass = np.abs(np.bincount(row, local.data, minlength=len(rows)))
+    counts = matrix.indptr[rows + 1] - matrix.indptr[rows]
+    row = np.repeat(np.arange(len(rows)), counts)
+    begins = np.cumsum(counts) - counts
+    entries = np.arange(counts.sum()) + np.repeat(matrix.indptr[rows] - begins, counts)
+    neighbour, value = matrix.indices[entries], matrix.data[entries]
+    mass = np.abs(np.bincount(row, value, minlength=len(rows)))
     off_diagonal = rows[row] != neighbour
     row, neighbour = row[off_diagonal], neighbour[off_diagonal]
-    weight = np.abs(local.data[off_diagonal])
+    weight = np.abs(value[off_diagonal])
     total = mass + np.bincount(row, weight, minlength=len(rows))
     open_rows = np.full(len(rows), True)
     while True:

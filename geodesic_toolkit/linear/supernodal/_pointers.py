@@ -1,0 +1,47 @@
+"""Plain pointers into arrays, for inner loops.
+
+Handing an array to a compiled function counts a reference up and down again, an atomic operation
+each, and an index that might be negative is looked at before it is used. On supernodes of a few
+columns both cost as much as the arithmetic. A pointer has neither; its array must outlive it.
+"""
+
+from typing import Any, TypeAlias
+
+from numba import types
+from numba.extending import intrinsic
+
+__all__ = ["Pointer", "address", "pointer", "shifted"]
+
+Pointer: TypeAlias = Any
+"""To type checkers, what `pointer` returns."""
+
+
+@intrinsic  # type: ignore[untyped-decorator]
+def pointer(_context: Any, array: Any) -> Any:
+    """Return where the first element of a contiguous array is; ``p[k]`` is the one k further."""
+
+    def code(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+        structure = context.make_array(signature.args[0])(context, builder, arguments[0])
+        return structure.data
+
+    return types.CPointer(array.dtype)(array), code
+
+
+@intrinsic  # type: ignore[untyped-decorator]
+def shifted(_context: Any, place: Any, _count: Any) -> Any:
+    """Return a pointer moved by a count of numbers."""
+
+    def code(_context: Any, builder: Any, _signature: Any, arguments: Any) -> Any:
+        return builder.gep(arguments[0], [arguments[1]])
+
+    return place(place, types.int64), code
+
+
+@intrinsic  # type: ignore[untyped-decorator]
+def address(_context: Any, place: Any) -> Any:
+    """Return a pointer as the number that routines of other languages take."""
+
+    def code(context: Any, builder: Any, _signature: Any, arguments: Any) -> Any:
+        return builder.ptrtoint(arguments[0], context.get_value_type(types.uintp))
+
+    return types.uintp(place), code

@@ -1,0 +1,343 @@
+"""Forward and back substitution through the supernodes: one column, or a block of them.
+
+A solve reads the factor twice and does little with it, so it is as fast as memory is. A block of
+right-hand sides shares the reading. Where a right-hand side is zero in all of a supernode's
+subtree, so is the solution of ``L y = b``, and the forward substitution passes it by: heat from one
+vertex touches only the way from there to the root.
+"""
+
+import numba
+import numpy as np
+from numba import types
+
+from geodesic_toolkit._typing import FloatArray, IntArray
+from geodesic_toolkit.linear.supernodal._pointers import Pointer, pointer
+from geodesic_toolkit.linear.supernodal._rows import BLOCK, four_minus, minus_four, minus_one
+
+__all__ = ["BLOCK", "solve_block", "solve_column"]
+
+_int64 = types.Array(types.int64, 1, "C", readonly=True)
+_int32 = types.Array(types.int32, 1, "C", readonly=True)
+_values = types.Array(types.float64, 1, "C", readonly=True)
+_block = types.Array(types.float64, 2, "C", readonly=True)
+_symbolic = (_int32, _int32, _int64, _int32, _int64)
+
+# Sums may be reordered, which is how they are vectorised; infinities and NaN keep their meaning.
+kernel = numba.njit(
+    cache=True, nogil=True, error_model="numpy", fastmath={"contract", "reassoc", "nsz"}
+)
+
+
+@kernel  # type: ignore[untyped-decorator]
+def _minus_columns(  # noqa: PLR0917 - kernels take no keywords
+    target: Pointer,
+    begin: int,
+    count: int,
+    factor: Pointer,
+    start: int,
+    height: int,
+    values: tuple[float, float, float, float],
+) -> None:
+    """Subtract four neighbouring columns, times `values`, from ``target[begin:begin + count]``."""
+    x0, x1, x2, x3 = values
+    second, third, fourth = start + height, start + 2 * height, start + 3 * height
+    for k in range(count):
+        target[begin + k] -= (factor[start + k] * x0 + factor[second + k] * x1) + (
+            factor[third + k] * x2 + factor[fourth + k] * x3
+        )
+
+
+@kernel  # type: ignore[untyped-decorator]
+def _minus_column(  # noqa: PLR0917 - kernels take no keywords
+    target: Pointer, begin: int, count: int, factor: Pointer, start: int, value: float
+) -> None:
+    for k in range(count):
+        target[begin + k] -= factor[start + k] * value
+
+
+@kernel  # type: ignore[untyped-decorator]
+def _dot_columns(  # noqa: PLR0917 - kernels take no keywords
+    x: Pointer, begin: int, count: int, factor: Pointer, start: int, height: int
+) -> tuple[float, float, float, float]:
+    """Return the dot products of ``x[begin:begin + count]`` with four neighbouring columns."""
+    second, third, fourth = start + height, start + 2 * height, start + 3 * height
+    t0 = t1 = t2 = t3 = 0.0
+    for k in range(count):
+        value = x[begin + k]
+        t0 += factor[start + k] * value
+        t1 += factor[second + k] * value
+        t2 += factor[third + k] * value
+        t3 += factor[fourth + k] * value
+    return t0, t1, t2, t3
+
+
+@kernel  # type: ignore[untyped-decorator]
+def _dot_column(  # noqa: PLR0917 - kernels take no keywords
+    x: Pointer, begin: int, count: int, factor: Pointer, start: int
+) -> float:
+    total = 0.0
+    for k in range(count):
+        total += factor[start + k] * x[begin + k]
+    return total
+
+
+@kernel  # type: ignore[untyped-decorator]
+def _forward(  # noqa: PLR0917 - kernels take no keywords
+    x: Pointer,
+    begin: int,
+    width: int,
+    factor: Pointer,
+    panel: int,
+    height: int,
+    below: Pointer,
+) -> None:
+    """Solve with the triangle of a panel in place, and subtract what that means for `below`.
+
+    Four columns at a time, so that x is read and written a quarter as often.
+    """
+    rest = height - width
+    c = 0
+    while c + 4 <= width:
+        p, j = panel + c * height + c, begin + c
+        q, r, s = p + height, p + 2 * height, p + 3 * height
+        x0 = x[j] / factor[p]
+        x1 = (x[j + 1] - factor[p + 1] * x0) / factor[q + 1]
+        x2 = (x[j + 2] - factor[p + 2] * x0 - factor[q + 2] * x1) / factor[r + 2]
+        x3 = x[j + 3] - factor[p + 3] * x0 - factor[q + 3] * x1 - factor[r + 3] * x2
+        x3 /= factor[s + 3]
+        x[j], x[j + 1], x[j + 2], x[j + 3] = x0, x1, x2, x3
+        values = (x0, x1, x2, x3)
+        _minus_columns(x, j + 4, width - c - 4, factor, p + 4, height, values)
+        _minus_columns(below, 0, rest, factor, p + width - c, height, values)
+        c += 4
+    while c < width:
+        p, j = panel + c * height + c, begin + c
+        x0 = x[j] / factor[p]
+        x[j] = x0
+        _minus_column(x, j + 1, width - c - 1, factor, p + 1, x0)
+        _minus_column(below, 0, rest, factor, p + width - c, x0)
+        c += 1
+
+
+@kernel  # type: ignore[untyped-decorator]
+def _backward(  # noqa: PLR0917 - kernels take no keywords
+    x: Pointer,
+    begin: int,
+    width: int,
+    factor: Pointer,
+    panel: int,
+    height: int,
+    below: Pointer,
+) -> None:
+    """Solve with the transposed triangle of a panel in place, given the solution `below` it."""
+    rest = height - width
+    c = width
+    while c >= 4:
+        c -= 4
+        p, j = panel + c * height + c, begin + c
+        q, r, s = p + height, p + 2 * height, p + 3 * height
+        t0, t1, t2, t3 = _dot_columns(below, 0, rest, factor, p + width - c, height)
+        u0, u1, u2, u3 = _dot_columns(x, j + 4, width - c - 4, factor, p + 4, height)
+        x3 = (x[j + 3] - t3 - u3) / factor[s + 3]
+        x2 = (x[j + 2] - t2 - u2 - factor[r + 3] * x3) / factor[r + 2]
+        x1 = (x[j + 1] - t1 - u1 - factor[q + 2] * x2 - factor[q + 3] * x3) / factor[q + 1]
+        x0 = x[j] - t0 - u0 - factor[p + 1] * x1 - factor[p + 2] * x2 - factor[p + 3] * x3
+        x[j], x[j + 1], x[j + 2], x[j + 3] = x0 / factor[p], x1, x2, x3
+    while c > 0:
+        c -= 1
+        p, j = panel + c * height + c, begin + c
+        total = _dot_column(below, 0, rest, factor, p + width - c)
+        total += _dot_column(x, j + 1, width - c - 1, factor, p + 1)
+        x[j] = (x[j] - total) / factor[p]
+
+
+@numba.njit(  # type: ignore[untyped-decorator]
+    types.float64[::1](_values, *_symbolic, _values, types.float64[::1]),
+    cache=True, nogil=True, error_model="numpy",
+)  # fmt: skip
+def solve_column(  # noqa: PLR0917 - kernels take no keywords
+    right_hand_side: FloatArray,
+    order: IntArray,
+    first: IntArray,
+    row_starts: IntArray,
+    rows: IntArray,
+    panels: IntArray,
+    panel_values: FloatArray,
+    room: FloatArray,
+) -> FloatArray:
+    """Return x with ``A x = b``.
+
+    Parameters
+    ----------
+    right_hand_side : ndarray of shape (N,)
+    order, first, row_starts, rows, panels : ndarray
+        Fields of the analysis.
+    panel_values : ndarray
+        The factor.
+    room : ndarray of shape (N + T,)
+        To work in, T being the height of the tallest supernode.
+    """
+    n, n_supernodes = order.size, first.size - 1
+    x, below = pointer(room), pointer(room[n:])
+    row, factor = pointer(rows), pointer(panel_values)
+    for j in range(n):
+        x[j] = right_hand_side[order[j]]
+    for s in range(n_supernodes):
+        begin, start = np.int64(first[s]), row_starts[s]
+        width, height = first[s + 1] - begin, row_starts[s + 1] - start
+        touched = False
+        for j in range(begin, begin + width):
+            touched |= x[j] != 0.0
+        if touched:
+            for k in range(height - width):
+                below[k] = 0.0
+            _forward(x, begin, width, factor, panels[s], height, below)
+            for k in range(height - width):
+                x[row[start + width + k]] += below[k]
+    for s in range(n_supernodes - 1, -1, -1):
+        begin, start = np.int64(first[s]), row_starts[s]
+        width, height = first[s + 1] - begin, row_starts[s + 1] - start
+        for k in range(height - width):
+            below[k] = x[row[start + width + k]]
+        _backward(x, begin, width, factor, panels[s], height, below)
+    solution = np.empty(n)
+    for j in range(n):
+        solution[order[j]] = x[j]
+    return solution
+
+
+@kernel  # type: ignore[untyped-decorator]
+def _forward_block(  # noqa: PLR0917 - kernels take no keywords
+    x: Pointer,
+    head: Pointer,
+    width: int,
+    height: int,
+    factor: Pointer,
+    panel: int,
+    row: Pointer,
+    start: int,
+) -> None:
+    """Solve with a panel in place for a block, and subtract what that means for the rows below.
+
+    `head` holds the solution of the four columns at hand, apart from x.
+    """
+    c = 0
+    while c + 4 <= width:
+        p = panel + c * height + c
+        q, r, s = p + height, p + 2 * height, p + 3 * height
+        j = np.int64(row[start + c]) * BLOCK
+        for k in range(BLOCK):
+            x0 = x[j + k] / factor[p]
+            x1 = (x[j + BLOCK + k] - factor[p + 1] * x0) / factor[q + 1]
+            x2 = x[j + 2 * BLOCK + k] - factor[p + 2] * x0 - factor[q + 2] * x1
+            x2 /= factor[r + 2]
+            x3 = x[j + 3 * BLOCK + k] - factor[p + 3] * x0 - factor[q + 3] * x1
+            x3 = (x3 - factor[r + 3] * x2) / factor[s + 3]
+            head[k], head[BLOCK + k], head[2 * BLOCK + k], head[3 * BLOCK + k] = x0, x1, x2, x3
+        for k in range(4 * BLOCK):
+            x[j + k] = head[k]
+        for i in range(4, height - c):
+            target = np.int64(row[start + c + i]) * BLOCK
+            minus_four(x, target, head, factor[p + i], factor[q + i], factor[r + i], factor[s + i])
+        c += 4
+    while c < width:
+        p = panel + c * height + c
+        j = np.int64(row[start + c]) * BLOCK
+        for k in range(BLOCK):
+            head[k] = x[j + k] / factor[p]
+        for k in range(BLOCK):
+            x[j + k] = head[k]
+        for i in range(1, height - c):
+            minus_one(x, np.int64(row[start + c + i]) * BLOCK, head, 0, factor[p + i])
+        c += 1
+
+
+@kernel  # type: ignore[untyped-decorator]
+def _backward_block(  # noqa: PLR0917 - kernels take no keywords
+    x: Pointer,
+    head: Pointer,
+    width: int,
+    height: int,
+    factor: Pointer,
+    panel: int,
+    row: Pointer,
+    start: int,
+) -> None:
+    """Solve with the transposed triangle of a panel in place for a block."""
+    c = width
+    while c >= 4:
+        c -= 4
+        p = panel + c * height + c
+        q, r, s = p + height, p + 2 * height, p + 3 * height
+        j = np.int64(row[start + c]) * BLOCK
+        for k in range(4 * BLOCK):
+            head[k] = x[j + k]
+        for i in range(4, height - c):
+            known = np.int64(row[start + c + i]) * BLOCK
+            four_minus(head, x, known, factor[p + i], factor[q + i], factor[r + i], factor[s + i])
+        for k in range(BLOCK):
+            x3 = head[3 * BLOCK + k] / factor[s + 3]
+            x2 = (head[2 * BLOCK + k] - factor[r + 3] * x3) / factor[r + 2]
+            x1 = head[BLOCK + k] - factor[q + 2] * x2 - factor[q + 3] * x3
+            x1 /= factor[q + 1]
+            x0 = head[k] - factor[p + 1] * x1 - factor[p + 2] * x2 - factor[p + 3] * x3
+            x[j + k], x[j + BLOCK + k] = x0 / factor[p], x1
+            x[j + 2 * BLOCK + k], x[j + 3 * BLOCK + k] = x2, x3
+    while c > 0:
+        c -= 1
+        p = panel + c * height + c
+        j = np.int64(row[start + c]) * BLOCK
+        for k in range(BLOCK):
+            head[k] = x[j + k]
+        for i in range(1, height - c):
+            minus_one(head, 0, x, np.int64(row[start + c + i]) * BLOCK, factor[p + i])
+        for k in range(BLOCK):
+            x[j + k] = head[k] / factor[p]
+
+
+@numba.njit(  # type: ignore[untyped-decorator]
+    types.float64[:, ::1](_block, *_symbolic, _values, types.float64[::1]),
+    cache=True, nogil=True, error_model="numpy",
+)  # fmt: skip
+def solve_block(  # noqa: PLR0917 - kernels take no keywords
+    right_hand_sides: FloatArray,
+    order: IntArray,
+    first: IntArray,
+    row_starts: IntArray,
+    rows: IntArray,
+    panels: IntArray,
+    panel_values: FloatArray,
+    room: FloatArray,
+) -> FloatArray:
+    """Return X with ``A X = B`` for up to `BLOCK` columns at once.
+
+    The block is always full inside, so that its loops are unrolled; missing columns are zero.
+    Parameters as for `solve_column`, but `room` has ``BLOCK * (N + 4)`` numbers.
+    """
+    n, n_supernodes, n_columns = order.size, first.size - 1, right_hand_sides.shape[1]
+    x, head = pointer(room), pointer(room[n * BLOCK :])
+    row, factor = pointer(rows), pointer(panel_values)
+    for j in range(n):
+        source = right_hand_sides[order[j]]
+        for k in range(n_columns):
+            x[j * BLOCK + k] = source[k]
+        for k in range(n_columns, BLOCK):
+            x[j * BLOCK + k] = 0.0
+    for s in range(n_supernodes):
+        touched = False
+        for j in range(first[s] * BLOCK, first[s + 1] * BLOCK):
+            touched |= x[j] != 0.0
+        if touched:
+            start, width = row_starts[s], np.int64(first[s + 1] - first[s])
+            height = row_starts[s + 1] - start
+            _forward_block(x, head, width, height, factor, panels[s], row, start)
+    for s in range(n_supernodes - 1, -1, -1):
+        start, width = row_starts[s], np.int64(first[s + 1] - first[s])
+        height = row_starts[s + 1] - start
+        _backward_block(x, head, width, height, factor, panels[s], row, start)
+    solution = np.empty((n, n_columns))
+    for j in range(n):
+        target = solution[order[j]]
+        for k in range(n_columns):
+            target[k] = x[j * BLOCK + k]
+    return solution

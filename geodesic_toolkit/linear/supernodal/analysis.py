@@ -1,0 +1,145 @@
+"""The symbolic half of a factorisation: everything that the pattern alone decides."""
+
+from dataclasses import dataclass
+from typing import final
+
+import numpy as np
+from scipy.sparse import csr_array
+
+from geodesic_toolkit._typing import IntArray
+from geodesic_toolkit.errors import SolverError
+
+__all__ = ["Analysis", "analyze"]
+
+
+@final
+@dataclass(frozen=True, eq=False, repr=False)
+class Analysis:
+    """Order, supernodes and places of the Cholesky factor of every matrix of one pattern.
+
+    Column ``j`` of the factor belongs to vertex ``order[j]``. Supernode s has the columns
+    ``first[s] <= j < first[s + 1]`` and the rows ``rows[row_starts[s]:row_starts[s + 1]]``, of
+    which its own columns come first; its dense panel of that shape is stored by columns from
+    ``panels[s]``.
+
+    Attributes
+    ----------
+    indptr, indices : ndarray
+        The pattern, as the matrix has it.
+    order, rank : ndarray of shape (N,), int32
+        The permutation and its inverse.
+    starts, lower_rows, places : ndarray
+        The permuted lower triangle by columns, and where its entries are in a matrix's data.
+    first : ndarray of shape (S + 1,), int32
+    row_starts : ndarray of shape (S + 1,), int64
+    rows : ndarray, int32
+    above : ndarray of shape (S,), int32
+        The parent of each supernode, -1 at roots.
+    panels : ndarray of shape (S + 1,), int64
+    stack : int
+        Numbers on the stack of update matrices, at the most.
+    tallest : int
+        Rows of the tallest supernode.
+    """
+
+    indptr: IntArray
+    indices: IntArray
+    order: IntArray
+    rank: IntArray
+    starts: IntArray
+    lower_rows: IntArray
+    places: IntArray
+    first: IntArray
+    row_starts: IntArray
+    rows: IntArray
+    above: IntArray
+    panels: IntArray
+    stack: int
+    tallest: int
+
+    @property
+    def n_vertices(self) -> int:
+        """Number N of unknowns."""
+        return len(self.order)
+
+    @property
+    def n_stored(self) -> int:
+        """Numbers that a factor stores, explicit zeros included."""
+        return int(self.panels[-1])
+
+    def fits(self, matrix: csr_array) -> bool:
+        """Return whether `matrix` has the pattern that was analysed."""
+        return matrix.shape == (self.n_vertices, self.n_vertices) and all(
+            own is other or np.array_equal(own, other)
+            for own, other in ((self.indptr, matrix.indptr), (self.indices, matrix.indices))
+        )
+
+
+def analyze(matrix: csr_array) -> Analysis:
+    """Return the analysis of the pattern of a symmetric `matrix` with sorted indices.
+
+    Raises
+    ------
+    SolverError
+        It is not square, or has entries without a mirror image.
+    """
+    from geodesic_toolkit.linear.supernodal import _elimination, _ordering  # Numba: when needed
+
+    if matrix.shape[0] != matrix.shape[1]:
+        raise SolverError(f"only square matrices have Cholesky factors, not one of {matrix.shape}")
+    indptr = np.ascontiguousarray(matrix.indptr, dtype=np.int64)
+    indices = np.ascontiguousarray(matrix.indices, dtype=np.int32)
+    if not _elimination.is_symmetric(indptr, indices):
+        row, column = _without_mirror_image(matrix)
+        raise SolverError(
+            f"the matrix is not symmetric: it has an entry ({row}, {column}) and none at "
+            f"({column}, {row})"
+        )
+    order = _ordering.minimum_degree(indptr, indices)
+    parent = _elimination.elimination_tree(indptr, indices, order, _inverse(order))
+    post = _elimination.postorder(parent)
+    order = order[post]
+    parent = _relabelled(parent, post)
+    rank = _inverse(order)
+    starts, lower_rows, places = _elimination.lower_triangle(indptr, indices, order, rank)
+    counts = _elimination.column_counts(starts, lower_rows, parent)
+    first = _elimination.supernodes(parent, counts, _elimination.STRICT)
+    row_starts, rows, above = _elimination.supernode_rows(starts, lower_rows, parent, counts, first)
+    heights = np.diff(row_starts)
+    return Analysis(
+        indptr=matrix.indptr,
+        indices=matrix.indices,
+        order=order,
+        rank=rank,
+        starts=starts,
+        lower_rows=lower_rows,
+        places=places,
+        first=first,
+        row_starts=row_starts,
+        rows=rows,
+        above=above,
+        panels=np.concatenate([[0], np.cumsum(heights * np.diff(first))]),
+        stack=int(_elimination.stack_peak(first, row_starts, above)),
+        tallest=int(heights.max(initial=0)),
+    )
+
+
+def _without_mirror_image(matrix: csr_array) -> tuple[int, int]:
+    """Return the first entry of a matrix that has no counterpart across the diagonal."""
+    n = matrix.shape[0]
+    rows = np.repeat(np.arange(n), np.diff(matrix.indptr))
+    entries, mirrored = rows * n + matrix.indices, matrix.indices * np.int64(n) + rows
+    row, column = divmod(int(np.setdiff1d(entries, mirrored)[0]), n)
+    return row, column
+
+
+def _inverse(permutation: IntArray) -> IntArray:
+    inverse = np.empty_like(permutation)
+    inverse[permutation] = np.arange(len(permutation), dtype=permutation.dtype)
+    return inverse
+
+
+def _relabelled(parent: IntArray, order: IntArray) -> IntArray:
+    """Return a forest with vertex ``order[k]`` called k."""
+    above = parent[order]
+    return np.where(above >= 0, _inverse(order)[above], above).astype(np.int32)

@@ -1,0 +1,117 @@
+"""The numeric half of a factorisation."""
+
+import numpy as np
+from scipy.sparse import csr_array
+
+from geodesic_toolkit._typing import FloatArray
+from geodesic_toolkit.errors import SolverError
+from geodesic_toolkit.linear.base import Factor
+from geodesic_toolkit.linear.memory import require_memory
+from geodesic_toolkit.linear.supernodal.analysis import Analysis
+from geodesic_toolkit.linear.supernodal.blas_threads import single_threaded_blas
+
+__all__ = ["SupernodalFactor", "factorize"]
+
+SINGULAR = 1e-14
+"""Share of a diagonal entry below which what elimination leaves of it is rounding."""
+
+
+class SupernodalFactor(Factor):
+    """The panels of a Cholesky factor; solving changes nothing in it."""
+
+    def __init__(self, analysis: Analysis, panels: FloatArray) -> None:
+        self.analysis = analysis
+        self._panels = panels
+
+    def solve(self, right_hand_side: FloatArray) -> FloatArray:
+        """Return x with ``A x = b``, for one column or a block of them.
+
+        Zeros in b save work: see :mod:`~geodesic_toolkit.linear.supernodal._solve`.
+        """
+        b = np.asarray(right_hand_side)
+        n = self.analysis.n_vertices
+        if b.ndim not in {1, 2} or len(b) != n:
+            raise ValueError(
+                f"{n} unknowns need a right-hand side of shape ({n},) or ({n}, K), not {b.shape}"
+            )
+        solution = self._solve(np.ascontiguousarray(b, dtype=np.float64))
+        if not np.isfinite(solution).all():
+            raise SolverError(
+                "the solution is not finite: the right-hand side is not, or they are too large"
+            )
+        return solution
+
+    def _solve(self, b: FloatArray) -> FloatArray:
+        from geodesic_toolkit.linear.supernodal import _solve
+
+        its = self.analysis
+        known = (its.order, its.first, its.row_starts, its.rows, its.panels, self._panels)
+        if b.ndim == 1 or b.shape[1] == 1:
+            room = np.empty(its.n_vertices + its.tallest)
+            return np.asarray(_solve.solve_column(b.reshape(-1), *known, room).reshape(b.shape))
+        room = np.empty(_solve.BLOCK * (its.n_vertices + 4))
+        if b.shape[1] <= _solve.BLOCK:
+            return np.asarray(_solve.solve_block(b, *known, room))
+        solution = np.empty_like(b)
+        for start in range(0, b.shape[1], _solve.BLOCK):
+            block = slice(start, start + _solve.BLOCK)
+            solution[:, block] = _solve.solve_block(b[:, block].copy(), *known, room)
+        return solution
+
+    @property
+    def nnz(self) -> int:
+        """Numbers stored for the factor, the zeros of its dense panels included."""
+        return self.analysis.n_stored
+
+    @property
+    def nbytes(self) -> int:
+        """Bytes that they take."""
+        return int(self._panels.nbytes)
+
+    def __repr__(self) -> str:
+        return f"SupernodalFactor({self.analysis.n_vertices} unknowns, {self.nnz} entries)"
+
+
+def factorize(matrix: csr_array, analysis: Analysis) -> SupernodalFactor:
+    """Return the Cholesky factor of `matrix`, whose pattern has been analysed.
+
+    Raises
+    ------
+    SolverError
+        It is not positive definite to working precision, or not finite; the message names the
+        vertex.
+    NotEnoughMemoryError
+        The factor and the update matrices on their stack would not fit.
+    """
+    from geodesic_toolkit.linear.supernodal import _numeric
+
+    n = analysis.n_vertices
+    require_memory(
+        8.0 * (analysis.n_stored + analysis.stack),
+        f"the Cholesky factor of {n} unknowns, with {analysis.n_stored} entries,",
+    )
+    panels, stack = np.empty(analysis.n_stored), np.empty(analysis.stack)
+    pivots = np.zeros(n)
+    with single_threaded_blas:
+        failed = _numeric.factorize(
+            np.ascontiguousarray(matrix.data, dtype=np.float64),
+            analysis.starts,
+            analysis.lower_rows,
+            analysis.places,
+            analysis.first,
+            analysis.row_starts,
+            analysis.rows,
+            analysis.above,
+            analysis.panels,
+            panels,
+            stack,
+            pivots,
+            np.empty(2 * n, dtype=np.int64),
+        )
+    if failed >= 0 or not pivots.min(initial=1.0) > SINGULAR:  # NaN of an overflow is no pivot
+        column = int(failed if failed >= 0 else pivots.argmin())
+        raise SolverError(
+            f"the matrix of {n} unknowns is not positive definite to working precision: "
+            f"elimination stops at vertex {analysis.order[column]}, pivot {column + 1} of {n}"
+        )
+    return SupernodalFactor(analysis, panels)
