@@ -19,7 +19,7 @@ from geodesic_toolkit.geometry.polygons import (
     unpadded_polygons,
 )
 
-__all__ = ["as_domain", "graph_of_lengths"]
+__all__ = ["as_domain", "check_one_shape", "graph_of_lengths"]
 
 TAKEN = (
     "a TriangleMesh, PointCloud or Graph; (vertices, faces); an (N, 3) array of points; a mesh or "
@@ -104,6 +104,18 @@ def as_domain(obj: Any) -> Domain:
     raise UnsupportedDomainError(f"{_described(obj)} is no shape; give {TAKEN}")
 
 
+def check_one_shape(function: str, others: tuple[Any, ...]) -> None:
+    """Raise an `UnsupportedDomainError` where more was given by position than `function` takes.
+
+    Most often vertices and faces were, as two arguments.
+    """
+    if others:
+        raise UnsupportedDomainError(
+            f"{function} takes the shape as one argument, and options by name: give vertices and "
+            f"faces as a pair, {function}((vertices, faces), ...)"
+        )
+
+
 def _described(obj: Any) -> str:
     if isinstance(obj, str | bytes):
         return f"{obj[:40]!r} (to read a file: geodesic_toolkit.read)"
@@ -128,8 +140,16 @@ def _pair(obj: Any) -> Domain | None:
 def _is_table(obj: Any) -> bool:
     try:
         return np.ndim(obj) == 2
-    except ValueError:  # rows of different lengths
-        return False
+    except ValueError:  # rows of different lengths, which TriangleMesh names
+        return _has_rows(obj)
+
+
+def _has_rows(obj: Any) -> bool:
+    """Return whether a sequence is one of rows, which may differ in length."""
+    arrays = [row for row in obj if isinstance(row, np.ndarray)]
+    return all(isinstance(row, list | tuple | np.ndarray) for row in obj) and all(
+        row.ndim == 1 for row in arrays
+    )
 
 
 def _sparse(obj: Any) -> Domain | None:
@@ -298,8 +318,8 @@ def _points(obj: Any) -> Domain | None:
         return None
     try:
         table = np.asarray(obj)
-    except ValueError:  # rows of different lengths
-        return None
+    except ValueError:  # rows of different lengths, which PointCloud names
+        return PointCloud(obj) if _has_rows(obj) else None
     if table.ndim != 2 or table.shape[1] != 3 or table.dtype.kind not in "iuf":
         return None
     return PointCloud(table)

@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+from geodesic_toolkit._kernels import worthwhile
 from geodesic_toolkit._typing import BoolArray, FloatArray, IntArray
 from geodesic_toolkit.discretization import Discretization
 from geodesic_toolkit.domains import Domain, TriangleMesh
@@ -165,18 +166,25 @@ def edge_lengths_of_parts(mesh: TriangleMesh, components: IntArray) -> FloatArra
     mesh : TriangleMesh
     components : ndarray of shape (N,), int64
     """
-    faces = mesh.faces[proper_faces(mesh.faces)]
-    part = components[faces[:, 0]]
     count = int(components.max()) + 1
-    total = np.bincount(part, face_edge_lengths(mesh.vertices, faces).mean(axis=1), count)
-    number = np.bincount(part, minlength=count)
+    if worthwhile(mesh.n_vertices):
+        from geodesic_toolkit import _assembly
+
+        total, number = np.zeros(count), np.zeros(count, dtype=np.int64)
+        _assembly.edge_lengths_of_parts(mesh.vertices, mesh.faces, components, total, number)
+    else:
+        faces = mesh.faces[proper_faces(mesh.faces)]
+        part = components[faces[:, 0]]
+        means = face_edge_lengths(mesh.vertices, faces).mean(axis=1)
+        total = np.bincount(part, means, count).astype(np.float64, copy=False)
+        number = np.bincount(part, minlength=count)
     return np.divide(total, number, out=np.zeros(count), where=number > 0)
 
 
 def _positive_share(discretization: Discretization) -> float:
     stiffness = discretization.stiffness
     rows = np.repeat(np.arange(stiffness.shape[0]), np.diff(stiffness.indptr))
-    off_diagonal = stiffness.data[rows != stiffness.indices]
+    off_diagonal = stiffness.data[(rows != stiffness.indices) & (stiffness.data != 0)]
     rounding = 1e-12 * np.abs(off_diagonal).max(initial=0.0)
     return float((off_diagonal > rounding).mean()) if off_diagonal.size else 0.0
 

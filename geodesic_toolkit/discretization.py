@@ -11,11 +11,12 @@ from scipy.sparse.csgraph import connected_components
 
 from geodesic_toolkit._checks import check_finite, coerce
 from geodesic_toolkit._frozen import FrozenArrays, freeze, freeze_csr
+from geodesic_toolkit._kernels import worthwhile
 from geodesic_toolkit._typing import BoolArray, FloatArray, IntArray
 from geodesic_toolkit.errors import InvalidDiscretizationError
 from geodesic_toolkit.gradient import Gradient
 
-__all__ = ["Discretization"]
+__all__ = ["Discretization", "connected_vertices"]
 
 
 @final
@@ -99,8 +100,7 @@ class Discretization(FrozenArrays):
     @cached_property
     def components(self) -> IntArray:
         """The connected component of every vertex, of shape (N,), numbered from 0."""
-        _, labels = connected_components(self.stiffness, directed=False)
-        return freeze(labels.astype(np.int64))
+        return freeze(connected_vertices(self.stiffness))
 
     def __getstate__(self) -> dict[str, Any]:
         state = dict(self.__dict__)
@@ -114,12 +114,30 @@ class Discretization(FrozenArrays):
         )
 
 
+def connected_vertices(stiffness: csr_array) -> IntArray:
+    """Return the connected component of every vertex, of shape (N,), numbered from 0.
+
+    Parameters
+    ----------
+    stiffness : csr_array of shape (N, N)
+        Symmetric; its entries, whatever their values, are the edges.
+    """
+    if worthwhile(stiffness.shape[0]) and stiffness.indices.dtype == np.int32:
+        from geodesic_toolkit._assembly import components
+
+        return np.asarray(components(stiffness.indptr, stiffness.indices))
+    _, labels = connected_components(stiffness, directed=False)
+    return np.asarray(labels, dtype=np.int64)
+
+
 def _check_stiffness(stiffness: csr_array, count: int) -> None:
     """Check L = Lᵀ and L 1 = 0 with two matrix-vector products each, on one fixed vector."""
     if stiffness.shape != (count, count):
         raise InvalidDiscretizationError(
             f"stiffness must have shape ({count}, {count}), not {stiffness.shape}"
         )
+    if _is_sound(stiffness):
+        return
     check_finite(stiffness.data, "stiffness entry")
     scale = abs(stiffness) @ np.ones(count)
     drift = np.abs(stiffness @ np.ones(count))
@@ -141,3 +159,16 @@ def _check_stiffness(stiffness: csr_array, count: int) -> None:
         raise InvalidDiscretizationError(
             f"stiffness[{bad}, {bad}] is {lowest[bad]:.3g}: L = -Δ must be positive semidefinite"
         )
+
+
+def _is_sound(stiffness: csr_array) -> bool:
+    """Return whether the kernel, where it is worthwhile, finds nothing wrong.
+
+    Whoever asks must look closer where it does: it says neither what is wrong nor where.
+    """
+    arrays = (stiffness.indptr, stiffness.indices, stiffness.data)
+    if not worthwhile(stiffness.shape[0]) or arrays[1].dtype != np.int32:
+        return False
+    from geodesic_toolkit._assembly import is_sound
+
+    return bool(is_sound(*arrays))

@@ -7,15 +7,21 @@ keeps the identity ``L = Gᵀ W G`` on which the heat method rests.
 import abc
 import math
 from dataclasses import dataclass
-from typing import final
+from functools import cached_property
+from typing import Any, final
 
 import numpy as np
-from scipy.sparse import coo_array, csr_array, diags_array
+from scipy.sparse import coo_array, csr_array
 
 from geodesic_toolkit._checks import check_finite, check_range, coerce
 from geodesic_toolkit._frozen import FrozenArrays, freeze
-from geodesic_toolkit._typing import FloatArray, IntArray
+from geodesic_toolkit._kernels import worthwhile
+from geodesic_toolkit._typing import BoolArray, FloatArray, IntArray
 from geodesic_toolkit.errors import InvalidDiscretizationError
+from geodesic_toolkit.geometry.triangles import (
+    edges_of_faces,
+    hat_gradients_from_inverse,
+)
 
 __all__ = ["EdgeGradient", "ElementGradient", "Gradient"]
 
@@ -55,6 +61,28 @@ class Gradient(FrozenArrays, abc.ABC):
             A field, with one more axis at the end when it holds K fields at once.
         """
 
+    def descent_load(self, heat: FloatArray, *, logarithmic: bool) -> FloatArray:
+        """Return ``Gᵀ W X`` with ``X = -∇u/|∇u|``: the right-hand side of ``L φ = Gᵀ W X``.
+
+        It is *minus* the integrated divergence of X, as L is -Δ; zero where there is no gradient.
+
+        Parameters
+        ----------
+        heat : ndarray of shape (N,) or (N, K)
+            The heat u, not negative and not below 1e-300 where it matters, or its logarithm, with
+            ``-inf`` where there is none.
+        logarithmic : bool
+            Which of the two.
+
+        Returns
+        -------
+        ndarray of shape (N,) or (N, K), float64
+        """
+        if not logarithmic:
+            cold = heat <= 0
+            heat = np.log(heat, out=np.full(heat.shape, -np.inf), where=~cold)
+        return -self.adjoint(self.unit(heat))
+
     @property
     @abc.abstractmethod
     def matrix(self) -> csr_array:
@@ -71,7 +99,7 @@ class Gradient(FrozenArrays, abc.ABC):
 
 
 @final
-@dataclass(frozen=True, eq=False, repr=False)
+@dataclass(frozen=True, eq=False, repr=False, init=False)
 class ElementGradient(Gradient):
     """Gradients that are constant on elements: triangles, tetrahedra, polygons, cells.
 
@@ -117,13 +145,21 @@ class ElementGradient(Gradient):
     """
 
     elements: IntArray
-    coefficients: FloatArray
     measure: FloatArray
     vertex_count: int
-    stars: bool = False
+    stars: bool
+    _given: str
 
-    def __post_init__(self) -> None:
-        coerce(self, elements=np.int64, coefficients=np.float64, measure=np.float64)
+    def __init__(
+        self,
+        elements: IntArray,
+        coefficients: FloatArray,
+        measure: FloatArray,
+        vertex_count: int,
+        stars: bool = False,
+    ) -> None:
+        values = {"elements": elements, "coefficients": coefficients, "measure": measure}
+        _set(self, values, vertex_count, stars, "coefficients")
         count, size = self.elements.shape if self.elements.ndim == 2 else (-1, -1)
         shape = self.coefficients.shape
         if len(shape) != 3 or (shape[0], shape[2]) != (count, size) or len(self.measure) != count:
@@ -131,21 +167,72 @@ class ElementGradient(Gradient):
                 f"elements {self.elements.shape}, coefficients {shape} and measure "
                 f"{self.measure.shape} must be (E, m), (E, dim, m) and (E,)"
             )
-        check_range(self.elements, self.vertex_count, "element")
-        check_finite(self.coefficients, "gradient coefficient")
-        check_finite(self.measure, "measure")
-        if count and self.measure.min() < 0:
-            bad = int(self.measure.argmin())
-            raise InvalidDiscretizationError(
-                f"element {bad} has the negative measure {self.measure[bad]}"
-            )
-        for array in (self.elements, self.coefficients, self.measure):
-            freeze(array)
+        _check(self, self.coefficients)
+
+    @classmethod
+    def of_triangles(
+        cls, elements: IntArray, inverse: FloatArray, areas: FloatArray, vertex_count: int
+    ) -> "ElementGradient":
+        """Return the gradient of linear finite elements on triangles.
+
+        It keeps three numbers of each; its coefficients are derived when they are asked for.
+
+        Parameters
+        ----------
+        elements : ndarray of shape (E, 3), int64
+        inverse : ndarray of shape (E, 3), float64
+            The triangles as :attr:`inverse_frames` has them.
+        areas : ndarray of shape (E,), float64
+        vertex_count : int
+            Number N of vertices, the unreferenced ones among them.
+
+        Raises
+        ------
+        InvalidDiscretizationError
+            Indices out of range; triangles without an area.
+        """
+        gradient = cls.__new__(cls)
+        values = {"elements": elements, "inverse_frames": inverse, "measure": areas}
+        _set(gradient, values, vertex_count, False, "inverse_frames")
+        _check(gradient, gradient.inverse_frames)
+        return gradient
 
     @property
     def n_vertices(self) -> int:
         """Number N of vertices."""
         return self.vertex_count
+
+    @property
+    def dim(self) -> int:
+        """Number of dimensions of the elements."""
+        return 2 if self._given == "inverse_frames" else self.coefficients.shape[1]
+
+    @property
+    def of_planes(self) -> bool:
+        """Whether the elements have three vertices and two dimensions, as triangles do."""
+        return self.elements.shape[1] == 3 and self.dim == 2
+
+    @cached_property
+    def coefficients(self) -> FloatArray:
+        """The gradients of the hat functions, of shape (E, dim, m)."""
+        return freeze(hat_gradients_from_inverse(self.inverse_frames))
+
+    @cached_property
+    def inverse_frames(self) -> FloatArray:
+        """Triangles in three numbers ``(p, q, r)`` each, of shape (E, 3).
+
+        In an orthonormal frame of its own the gradient of u on a triangle is
+        ``(p (u₁ - u₀), q (u₁ - u₀) + r (u₂ - u₀))``: the inverse of the matrix of its edges, made
+        lower triangular by turning the second hat function's gradient into the second axis.
+        """
+        first, second = self.coefficients[:, :, 1], self.coefficients[:, :, 2]
+        steepness = np.hypot(second[:, 0], second[:, 1])
+        axis = np.zeros_like(second)
+        axis[:, 1] = 1.0  # any axis does for a segment, whose second hat function is 0
+        np.divide(second, steepness[:, None], out=axis, where=steepness[:, None] > 0)
+        across = first[:, 0] * axis[:, 1] - first[:, 1] * axis[:, 0]
+        along = np.einsum("ed,ed->e", first, axis)
+        return freeze(np.column_stack([across, along, steepness]))
 
     def unit(self, log_heat: FloatArray) -> FloatArray:
         """Return ``∇u/|∇u|`` on every element, of shape (E, dim) or (E, dim, K).
@@ -175,6 +262,18 @@ class ElementGradient(Gradient):
                 gradient[:, axis] += coefficient * difference[:, corner - 1]
         return gradient
 
+    def descent_load(self, heat: FloatArray, *, logarithmic: bool) -> FloatArray:
+        """Return ``Gᵀ W X`` with ``X = -∇u/|∇u|``, (N,) or (N, K); on triangles in one pass."""
+        if not (self.of_planes and worthwhile(self.n_vertices)):
+            return super().descent_load(heat, logarithmic=logarithmic)
+        from geodesic_toolkit._descent import descent_load, descent_loads
+
+        heat = np.ascontiguousarray(heat, dtype=np.float64)
+        load = np.zeros_like(heat)
+        add = descent_load if heat.ndim == 1 else descent_loads
+        add(self.elements, self.inverse_frames, self.measure, heat, logarithmic, load)
+        return load
+
     def adjoint(self, field: FloatArray) -> FloatArray:
         """Return ``Gᵀ W x`` of a field of shape (E, dim) or (E, dim, K)."""
         weighted = self.coefficients * self.measure[:, None, None]
@@ -198,10 +297,12 @@ class ElementGradient(Gradient):
     @property
     def weights(self) -> FloatArray:
         """The measure of each element, once for each of its dim rows."""
-        return np.repeat(self.measure, self.coefficients.shape[1])
+        return np.repeat(self.measure, self.dim)
 
     def stiffness(self) -> csr_array:
         """Return ``L = Gᵀ W G``, assembled from the elements' off-diagonal entries."""
+        if self.of_planes and self._is_compiled():
+            return self.assembled()[0]
         size = self.elements.shape[1]
         pairs = [(i, j) for i in range(size) for j in range(i + 1, size)]
         products = [
@@ -213,9 +314,73 @@ class ElementGradient(Gradient):
         entries = np.tile(self.measure, len(pairs)) * np.concatenate(products)
         return _laplacian(-entries, tails, heads, self.n_vertices)
 
+    def assembled(self) -> tuple[csr_array, FloatArray, BoolArray]:
+        """Return what triangles add up to, by one compiled pass where that is worth it.
+
+        Returns
+        -------
+        stiffness : csr_array of shape (N, N)
+            As :meth:`stiffness` returns it.
+        thirds : ndarray of shape (N,), float64
+            The barycentric mass: a third of the measure of the triangles around each vertex.
+        boundary : ndarray of shape (N,), bool
+            Vertices of edges that one triangle has.
+        """
+        count = self.n_vertices
+        if self._is_compiled():
+            from geodesic_toolkit._assembly import assemble
+
+            rows = assemble(self.elements, self.inverse_frames, self.measure, count)
+            stiffness = csr_array((rows[2], rows[1], rows[0]), shape=(count, count))
+            stiffness.has_canonical_format = True  # or SciPy looks through it
+            return stiffness, rows[3], rows[4]
+        shares = np.repeat(self.measure / 3, 3)
+        thirds = np.bincount(self.elements.ravel(), shares, count).astype(np.float64, copy=False)
+        edges, face_counts = edges_of_faces(self.elements, count)
+        boundary: BoolArray = np.zeros(count, dtype=np.bool_)
+        boundary[edges[face_counts == 1]] = True
+        return self.stiffness(), thirds, boundary
+
+    def _is_compiled(self) -> bool:
+        """Return whether to use kernels: worth it, and row pointers fit their 32 bits."""
+        entries = self.n_vertices + 6 * len(self.elements)
+        return worthwhile(self.n_vertices) and entries < np.iinfo(np.int32).max
+
+    def __getstate__(self) -> dict[str, Any]:
+        """Leave out what derives from the rest."""
+        derived = {"coefficients", "inverse_frames"} - {self._given}
+        return {name: value for name, value in self.__dict__.items() if name not in derived}
+
     def __repr__(self) -> str:
-        count, dim, size = self.coefficients.shape
-        return f"ElementGradient({count} elements of {size} vertices in {dim} dimensions)"
+        count, size = self.elements.shape
+        return f"ElementGradient({count} elements of {size} vertices in {self.dim} dimensions)"
+
+
+def _set(
+    gradient: ElementGradient,
+    values: dict[str, Any],
+    vertex_count: int,
+    stars: bool,
+    given: str,
+) -> None:
+    """Set the attributes; `given` names the form of the triangles that the other derives from."""
+    for name, value in (*values.items(), ("vertex_count", vertex_count), ("stars", stars)):
+        object.__setattr__(gradient, name, value)
+    object.__setattr__(gradient, "_given", given)
+    coerce(gradient, **{name: np.int64 if name == "elements" else np.float64 for name in values})
+
+
+def _check(gradient: ElementGradient, metric: FloatArray) -> None:
+    check_range(gradient.elements, gradient.vertex_count, "element")
+    check_finite(metric, "gradient coefficient")
+    check_finite(gradient.measure, "measure")
+    if len(gradient.measure) and gradient.measure.min() < 0:
+        bad = int(gradient.measure.argmin())
+        raise InvalidDiscretizationError(
+            f"element {bad} has the negative measure {gradient.measure[bad]}"
+        )
+    for array in (gradient.elements, metric, gradient.measure):
+        freeze(array)
 
 
 @final
@@ -346,14 +511,23 @@ class EdgeGradient(Gradient):
 def _laplacian(weights: FloatArray, tails: IntArray, heads: IntArray, n_vertices: int) -> csr_array:
     """Return ``D - W`` for edge weights of either sign.
 
-    W is the sum of one triangle of entries and its transpose, which makes it symmetric to the bit;
-    D is its row sum, which makes constants its kernel to rounding.
+    Every row has an entry for its diagonal, and one for every edge, be its weight zero: matrices
+    that share the edges share the pattern. Both entries of an edge are one sum, which makes W
+    symmetric to the bit; D is its row sum, which makes constants its kernel to rounding.
     """
+    apart = tails != heads
+    tails, heads = tails[apart], heads[apart]
+    places = (np.minimum(tails, heads), np.maximum(tails, heads))
     shape = (n_vertices, n_vertices)
-    half = csr_array(coo_array((weights, (tails, heads)), shape=shape))
-    adjacency = csr_array(half + half.T)
-    degree = np.asarray(adjacency @ np.ones(n_vertices))
-    return csr_array(diags_array(degree) - adjacency)
+    edges = coo_array(csr_array(coo_array((weights[apart], places), shape=shape)))
+    lower, upper = edges.coords
+    degree = np.bincount(lower, edges.data, minlength=n_vertices)
+    degree += np.bincount(upper, edges.data, minlength=n_vertices)
+    vertices = np.arange(n_vertices)
+    entries = np.concatenate([degree, -edges.data, -edges.data])
+    rows = np.concatenate([vertices, lower, upper])
+    columns = np.concatenate([vertices, upper, lower])
+    return csr_array(coo_array((entries, (rows, columns)), shape=shape))
 
 
 def _as_columns(array: FloatArray, leading: int) -> FloatArray:

@@ -7,6 +7,7 @@ stiffness L = -Δ are zero or negative. Obtuse angles make some positive.
 import numpy as np
 from scipy.sparse import coo_array, csr_array, diags_array, triu
 
+from geodesic_toolkit._kernels import worthwhile
 from geodesic_toolkit._typing import FloatArray
 from geodesic_toolkit.discretization import Discretization
 from geodesic_toolkit.gradient import EdgeGradient
@@ -26,17 +27,28 @@ def obtuse_excess(stiffness: csr_array, mass: FloatArray) -> FloatArray:
     The share of positive entries in the absolute sum of a row without the diagonal, averaged by
     mass over neighbourhoods of four rings, of shape (N,). A lone obtuse triangle is harmless, and
     tiny ones are: it takes a region of them to turn heat negative.
+
+    Parameters
+    ----------
+    stiffness : csr_array of shape (N, N)
+        With an entry for every edge and for the diagonal of every row, be they zero.
+    mass : ndarray of shape (N,)
     """
+    if worthwhile(len(mass)) and stiffness.indices.dtype == np.int32:
+        from geodesic_toolkit import _assembly
+
+        arrays = (stiffness.indptr, stiffness.indices, stiffness.data)
+        return np.asarray(_assembly.obtuse_excess(*arrays, mass, RINGS))
     ones = np.ones(len(mass))
     weights = csr_array(stiffness - diags_array(stiffness.diagonal()))
     absolute = abs(weights) @ ones
     wrong = (absolute + weights @ ones) / 2
     share = np.divide(wrong, absolute, out=np.zeros_like(wrong), where=absolute > 0)
-    ring = csr_array((np.ones(weights.nnz), weights.indices, weights.indptr), shape=weights.shape)
+    entries = (np.ones(stiffness.nnz), stiffness.indices, stiffness.indptr)
+    disk = csr_array(entries, shape=stiffness.shape)
     excess, area = share * mass, mass
     for _ in range(RINGS):
-        excess = excess + ring @ excess
-        area = area + ring @ area
+        excess, area = np.asarray(disk @ excess), np.asarray(disk @ area)
     return np.asarray(np.divide(excess, area, out=np.zeros_like(area), where=area > 0))
 
 

@@ -30,7 +30,8 @@ def _as_array(values: ArrayLike, name: str) -> np.ndarray[Any, Any]:
     try:
         array = np.asarray(values)
     except (ValueError, TypeError) as error:  # ragged lists, objects that refuse conversion
-        raise InvalidDomainError(f"{name} cannot be read as an array: {error}") from error
+        reason = _raggedness(values) or str(error)
+        raise InvalidDomainError(f"{name} cannot be read as an array: {reason}") from error
     if array.dtype.kind not in "iuf":
         raise InvalidDomainError(
             f"{name} must hold real numbers, not dtype {array.dtype}; convert them first"
@@ -38,15 +39,27 @@ def _as_array(values: ArrayLike, name: str) -> np.ndarray[Any, Any]:
     return array
 
 
+def _raggedness(values: Any) -> str | None:
+    """Return which row has another number of entries than the first, or None."""
+    rows = list(values) if isinstance(values, list | tuple) else []
+    if not rows or not all(isinstance(row, list | tuple | np.ndarray) for row in rows):
+        return None
+    sizes = [0 if isinstance(row, np.ndarray) and row.ndim == 0 else len(row) for row in rows]
+    other = next((number for number, size in enumerate(sizes) if size != sizes[0]), None)
+    if other is None:
+        return None
+    return f"row {other} has {sizes[other]} entries, where row 0 has {sizes[0]}"
+
+
 def as_floats(values: ArrayLike, name: str, shape: tuple[int | None, ...]) -> FloatArray:
     """Return a fresh C-ordered float64 copy of `values` after checking its `shape`.
 
-    ``None`` stands for any length. Overflow of wider floats to infinity is left to the caller's
-    check of finiteness.
+    ``None`` stands for any length. Overflow of wider floats to infinity, and NaN that signal, are
+    left to the caller's check of finiteness.
     """
     array = _as_array(values, name)
     _check_shape(array, name, shape)
-    with np.errstate(over="ignore"):
+    with np.errstate(over="ignore", invalid="ignore"):
         return np.array(array, dtype=np.float64, order="C")
 
 

@@ -8,6 +8,7 @@ positions, edge lengths of an intrinsic triangulation, a tangent plane).
 import numpy as np
 from scipy.sparse import coo_array, csr_array
 
+from geodesic_toolkit._kernels import worthwhile
 from geodesic_toolkit._typing import BoolArray, FloatArray, IntArray
 
 __all__ = [
@@ -17,9 +18,18 @@ __all__ = [
     "frames_from_lengths",
     "frames_from_positions",
     "hat_gradients",
+    "hat_gradients_from_inverse",
+    "inverse_frames",
+    "lengths_from_inverse",
+    "mean_edge_length",
+    "measured_triangles",
     "mollified_lengths",
     "proper_faces",
 ]
+
+
+SLACK = 1e-5
+"""What a triangle inequality must hold with, in mean edge lengths, for angles to have digits."""
 
 
 def proper_faces(faces: IntArray) -> BoolArray:
@@ -35,6 +45,46 @@ def face_edge_lengths(vertices: FloatArray, faces: IntArray) -> FloatArray:
     opposite = corners[:, [2, 0, 1]] - corners[:, [1, 2, 0]]
     lengths: FloatArray = np.sqrt(np.einsum("fcd,fcd->fc", opposite, opposite))
     return lengths
+
+
+def measured_triangles(
+    vertices: FloatArray, faces: IntArray
+) -> tuple[IntArray, FloatArray, FloatArray, float]:
+    """Return triangles of three different vertices, measured.
+
+    Where a face has no area, or nearly so, every edge of the mesh is made longer by one constant,
+    as :func:`mollified_lengths` does.
+
+    Returns
+    -------
+    faces : ndarray of shape (F, 3), int64
+        Those of three different vertices; none where every one is a single place.
+    inverse : ndarray of shape (F, 3), float64
+        As :func:`inverse_frames` returns them.
+    areas : ndarray of shape (F,), float64
+    added : float
+        What was added to every edge.
+    """
+    if not worthwhile(len(vertices)):
+        faces = faces[proper_faces(faces)]
+        lengths = face_edge_lengths(vertices, faces)
+        if not lengths.any():
+            return faces[:0], np.empty((0, 3)), np.empty(0), 0.0
+        lengths, added = mollified_lengths(lengths)
+        frames = frames_from_lengths(lengths) if added else frames_from_positions(vertices, faces)
+        return faces, inverse_frames(frames), face_areas(frames), added
+    from geodesic_toolkit._assembly import measure_triangles
+
+    inverse, areas = np.empty(faces.shape), np.empty(len(faces))
+    proper, total, slack = measure_triangles(vertices, faces, 0.0, inverse, areas)
+    if proper < len(faces):
+        return measured_triangles(vertices, faces[proper_faces(faces)])
+    if total == 0:
+        return faces[:0], inverse[:0], areas[:0], 0.0
+    added = max(0.0, SLACK * total / (3 * len(faces)) - slack)
+    if added:
+        measure_triangles(vertices, faces, added, inverse, areas)
+    return faces, inverse, areas, added
 
 
 def frames_from_positions(vertices: FloatArray, faces: IntArray) -> FloatArray:
@@ -75,12 +125,31 @@ def face_areas(frames: FloatArray) -> FloatArray:
 
 def hat_gradients(frames: FloatArray) -> FloatArray:
     """Return the (F, 2, 3) gradients of the three hat functions of each triangle, in its frame."""
+    return hat_gradients_from_inverse(inverse_frames(frames))
+
+
+def inverse_frames(frames: FloatArray) -> FloatArray:
+    """Return ``(p, q, r)``, (F, 3), with ``[[p, 0], [q, r]]`` the inverse of ``[[l, 0], [a, b]]``.
+
+    The rows of the latter are the edges from the first corner, so the inverse takes the differences
+    of a linear function along them to its gradient.
+    """
     length, along, height = frames.T
-    gradients = np.empty((len(frames), 2, 3))
-    gradients[:, 0, 1] = 1 / length
-    gradients[:, 1, 1] = -along / (length * height)
-    gradients[:, 0, 2] = 0.0
-    gradients[:, 1, 2] = 1 / height
+    with np.errstate(divide="ignore", invalid="ignore"):
+        return np.column_stack([1 / length, -along / (length * height), 1 / height])
+
+
+def lengths_from_inverse(inverse: FloatArray) -> FloatArray:
+    """Return the (F, 3) edge lengths, opposite each corner, of triangles by inverse frames."""
+    length, height = 1 / inverse[:, 0], 1 / inverse[:, 2]
+    along = -inverse[:, 1] * length * height
+    return np.column_stack([np.hypot(length - along, height), np.hypot(along, height), length])
+
+
+def hat_gradients_from_inverse(inverse: FloatArray) -> FloatArray:
+    """Return the (F, 2, 3) gradients of the hat functions of triangles given by inverse frames."""
+    gradients = np.zeros((len(inverse), 2, 3))
+    gradients[:, 0, 1], gradients[:, 1, 1], gradients[:, 1, 2] = inverse.T
     gradients[:, :, 0] = -(gradients[:, :, 1] + gradients[:, :, 2])
     return gradients
 
@@ -96,7 +165,25 @@ def edges_of_faces(faces: IntArray, n_vertices: int) -> tuple[IntArray, IntArray
     return np.column_stack(counted.coords).astype(np.int64), counted.data
 
 
-def mollified_lengths(lengths: FloatArray, *, slack: float = 1e-5) -> tuple[FloatArray, float]:
+def mean_edge_length(vertices: FloatArray, edges: csr_array) -> float:
+    """Return the mean length of the edges that a symmetric matrix of shape (N, N) has entries for.
+
+    Parameters
+    ----------
+    vertices : ndarray of shape (N, 3)
+    edges : csr_array of shape (N, N)
+    """
+    if worthwhile(len(vertices)) and edges.indices.dtype == np.int32:
+        from geodesic_toolkit import _assembly
+
+        return float(_assembly.mean_edge_length(vertices, edges.indptr, edges.indices))
+    tails = np.repeat(np.arange(len(vertices)), np.diff(edges.indptr))
+    upper = edges.indices > tails
+    steps = vertices[tails[upper]] - vertices[edges.indices[upper]]
+    return float(np.sqrt(np.einsum("ed,ed->e", steps, steps)).mean())
+
+
+def mollified_lengths(lengths: FloatArray, *, slack: float = SLACK) -> tuple[FloatArray, float]:
     """Return edge lengths that form proper triangles, and what was added to every edge.
 
     One constant is added to all edges, the smallest that leaves every triangle inequality a slack

@@ -5,32 +5,26 @@ from typing import Any, ClassVar, Literal, final
 
 import numpy as np
 from scipy.sparse import csr_array
-from scipy.sparse.csgraph import connected_components
 
 from geodesic_toolkit._typing import BoolArray, FloatArray, IntArray
-from geodesic_toolkit.discretization import Discretization
+from geodesic_toolkit.discretization import Discretization, connected_vertices
 from geodesic_toolkit.domains import Domain, TriangleMesh
 from geodesic_toolkit.errors import InvalidOptionError, UnsupportedDomainError
-from geodesic_toolkit.geometry.intrinsic import (
-    coherently_oriented,
-    intrinsic_delaunay,
-    voronoi_areas,
-)
+from geodesic_toolkit.geometry.intrinsic import delaunay_triangles, voronoi_areas
 from geodesic_toolkit.geometry.triangles import (
-    edges_of_faces,
     face_areas,
     face_edge_lengths,
     frames_from_lengths,
-    frames_from_positions,
-    hat_gradients,
-    mollified_lengths,
-    proper_faces,
+    inverse_frames,
+    lengths_from_inverse,
+    mean_edge_length,
+    measured_triangles,
 )
 from geodesic_toolkit.gradient import ElementGradient
 from geodesic_toolkit.laplacians.base import LaplaceOperator
 from geodesic_toolkit.positivity import obtuse_excess
 
-__all__ = ["CotanLaplacian", "triangle_gradient"]
+__all__ = ["CotanLaplacian"]
 
 DELAUNAY_LIMIT = 0.13
 """The `obtuse_excess` above which ``intrinsic_delaunay="auto"`` flips edges.
@@ -137,38 +131,31 @@ class CotanLaplacian(LaplaceOperator):
         """
         self.check_domain(domain)
         assert isinstance(domain, TriangleMesh)  # for the type checker; check_domain has raised
-        n_vertices = domain.n_vertices
-        proper = proper_faces(domain.faces)
-        faces = domain.faces if proper.all() else domain.faces[proper]
-        lengths = face_edge_lengths(domain.vertices, faces)
-        if not lengths.any():
+        count = domain.n_vertices
+        faces, inverse, areas, added = measured_triangles(domain.vertices, domain.faces)
+        if not len(faces):
             raise UnsupportedDomainError("every face of the mesh is a single place; it has no area")
-        edges, face_counts = edges_of_faces(faces, n_vertices)
-        boundary = np.zeros(n_vertices, dtype=np.bool_)
-        boundary[edges[face_counts == 1]] = True
-        steps = domain.vertices[edges[:, 0]] - domain.vertices[edges[:, 1]]
-        spacing = float(np.sqrt(np.einsum("ed,ed->e", steps, steps)).mean())
-
-        lengths, added = mollified_lengths(lengths)
-        frames = (
-            frames_from_lengths(lengths) if added else frames_from_positions(domain.vertices, faces)
-        )
-        gradient = triangle_gradient(faces, frames, n_vertices)
-        stiffness = gradient.stiffness()
-        excess = obtuse_excess(stiffness, vertex_thirds(gradient))
+        dropped = domain.n_faces - len(faces)
+        gradient = ElementGradient.of_triangles(faces, inverse, areas, count)
+        stiffness, thirds, boundary = gradient.assembled()
+        spacing = mean_edge_length(domain.vertices, stiffness)
+        excess = obtuse_excess(stiffness, thirds)
         flip = self._to_be_flipped(faces, stiffness, excess)
         if flip.any():
+            lengths = face_edge_lengths(domain.vertices, faces) + added
             faces, lengths = _flipped(faces, lengths, flip)
-            gradient = triangle_gradient(faces, frames_from_lengths(lengths), n_vertices)
-            stiffness = gradient.stiffness()
+            frames = frames_from_lengths(lengths)
+            areas = face_areas(frames)
+            gradient = ElementGradient.of_triangles(faces, inverse_frames(frames), areas, count)
+            stiffness, thirds, _ = gradient.assembled()
         notes: dict[str, Any] = {
-            "dropped_faces": int(len(proper) - proper.sum()),
+            "dropped_faces": dropped,
             "mollified_by": added,
             "obtuse_excess": float(excess.max()),
             "triangulation": _TRIANGULATION[bool(flip.any()), bool(flip.all())],
         }
         return Discretization(
-            mass=self._mass(faces, lengths, gradient),
+            mass=self._mass(gradient, thirds),
             stiffness=stiffness,
             gradient=gradient,
             spacing=spacing,
@@ -182,7 +169,10 @@ class CotanLaplacian(LaplaceOperator):
         """Return the faces of the components that are to be made intrinsically Delaunay."""
         if self.intrinsic_delaunay != "auto":
             return np.full(len(faces), bool(self.intrinsic_delaunay))
-        _, labels = connected_components(stiffness, directed=False)
+        labels = connected_vertices(stiffness)
+        if not labels.any():  # one component, as most meshes are
+            limit = ROUNDING if len(faces) <= SMALL else DELAUNAY_LIMIT
+            return np.full(len(faces), excess.max() > limit)
         worst = np.zeros(labels.max() + 1)
         np.maximum.at(worst, labels, excess)
         component = labels[faces[:, 0]]
@@ -190,33 +180,21 @@ class CotanLaplacian(LaplaceOperator):
         wanted = worst > np.where(small, ROUNDING, DELAUNAY_LIMIT)
         return np.asarray(wanted[component])
 
-    def _mass(self, faces: IntArray, lengths: FloatArray, gradient: ElementGradient) -> FloatArray:
-        n_vertices = gradient.n_vertices
+    def _mass(self, gradient: ElementGradient, thirds: FloatArray) -> FloatArray:
+        faces, count = gradient.elements, gradient.n_vertices
         if self.mass == "voronoi":
-            return voronoi_areas(faces, lengths, n_vertices)
+            return voronoi_areas(faces, lengths_from_inverse(gradient.inverse_frames), count)
         if self.mass == "identity":
-            return (np.bincount(faces.ravel(), minlength=n_vertices) > 0).astype(np.float64)
-        return vertex_thirds(gradient)
+            return (np.bincount(faces.ravel(), minlength=count) > 0).astype(np.float64)
+        return thirds
 
 
 def _flipped(faces: IntArray, lengths: FloatArray, flip: BoolArray) -> tuple[IntArray, FloatArray]:
     """Return the triangles, the chosen ones of them made intrinsically Delaunay."""
-    used, local = np.unique(faces[flip], return_inverse=True)
-    cut, cut_lengths, origin = coherently_oriented(local.reshape(-1, 3), lengths[flip])
-    delaunay, delaunay_lengths = intrinsic_delaunay(cut, cut_lengths)
+    if flip.all():
+        return delaunay_triangles(faces, lengths)
+    delaunay, delaunay_lengths = delaunay_triangles(faces[flip], lengths[flip])
     return (
-        np.concatenate([faces[~flip], used[origin[delaunay]]]),
+        np.concatenate([faces[~flip], delaunay]),
         np.concatenate([lengths[~flip], delaunay_lengths]),
     )
-
-
-def vertex_thirds(gradient: ElementGradient) -> FloatArray:
-    """Return the barycentric mass: a third of the area of the triangles around each vertex."""
-    thirds = np.repeat(gradient.measure / 3, 3)
-    corners = gradient.elements.ravel()
-    return np.asarray(np.bincount(corners, thirds, gradient.n_vertices), dtype=np.float64)
-
-
-def triangle_gradient(faces: IntArray, frames: FloatArray, n_vertices: int) -> ElementGradient:
-    """Return the gradient of linear finite elements on triangles given by planar frames."""
-    return ElementGradient(faces, hat_gradients(frames), face_areas(frames), n_vertices)

@@ -1,0 +1,365 @@
+"""The compiled assembly of linear finite elements on triangles, and passes over a stiffness.
+
+A stiffness here is in compressed rows with sorted columns, a diagonal entry in every row, and an
+entry for every edge, be its weight zero. Kernels write into arrays of float64 and int32, the latter
+because rows and columns are half of a sparse matrix's memory.
+"""
+
+import math
+
+import numba
+import numpy as np
+from numba import types
+
+from geodesic_toolkit._typing import BoolArray, FloatArray, IndexArray, IntArray
+
+__all__ = [
+    "assemble",
+    "components",
+    "edge_lengths_of_parts",
+    "is_sound",
+    "mean_edge_length",
+    "measure_triangles",
+    "obtuse_excess",
+]
+
+# One signature each, of arrays that are only read: those that may be written to fit as well.
+kernel = numba.njit
+options = {"cache": True, "nogil": True, "error_model": "numpy"}
+FACES = types.Array(types.int64, 2, "C", readonly=True)
+TABLE = types.Array(types.float64, 2, "C", readonly=True)
+VALUES = types.Array(types.float64, 1, "C", readonly=True)
+PARTS = types.Array(types.int64, 1, "C", readonly=True)
+INDICES = types.Array(types.int32, 1, "C", readonly=True)
+NUMBERS = types.int32[::1]  # of the kernels' own making
+ROWS = (INDICES, INDICES, VALUES)
+
+BROKEN = 1e-8
+"""Part of a row's absolute sum from which on L 1 or L - Lᵀ is not zero."""
+
+GOLDEN = 0.6180339887498949
+"""Multiples of it, without their whole parts, are as good as random."""
+
+
+@kernel(  # type: ignore[untyped-decorator]
+    types.Tuple((types.int64, types.float64, types.float64))(
+        TABLE, FACES, types.float64, types.float64[:, ::1], types.float64[::1]
+    ),
+    **options,
+)
+def measure_triangles(
+    vertices: FloatArray,
+    faces: IntArray,
+    added: float,
+    inverse_frames: FloatArray,
+    areas: FloatArray,
+) -> tuple[int, float, float]:
+    """Write inverse frames ``(p, q, r)`` and areas of triangles whose edges are `added` longer.
+
+    As the functions of :mod:`geodesic_toolkit.geometry.triangles` do: from positions, and from
+    lengths where something is added.
+
+    Returns
+    -------
+    proper : int
+        Faces of three different vertices.
+    total : float
+        Sum of all edge lengths, before anything is added.
+    slack : float
+        The least by which two edges are longer than the third, before anything is added.
+    """
+    proper, total, slack = 0, 0.0, math.inf
+    for f in range(len(faces)):
+        i, j, k = faces[f, 0], faces[f, 1], faces[f, 2]
+        proper += i != j and k not in (i, j)
+        ux = vertices[j, 0] - vertices[i, 0]
+        uy = vertices[j, 1] - vertices[i, 1]
+        uz = vertices[j, 2] - vertices[i, 2]
+        vx = vertices[k, 0] - vertices[i, 0]
+        vy = vertices[k, 1] - vertices[i, 1]
+        vz = vertices[k, 2] - vertices[i, 2]
+        wx = vertices[k, 0] - vertices[j, 0]
+        wy = vertices[k, 1] - vertices[j, 1]
+        wz = vertices[k, 2] - vertices[j, 2]
+        ij = math.sqrt(ux * ux + uy * uy + uz * uz)
+        ik = math.sqrt(vx * vx + vy * vy + vz * vz)
+        jk = math.sqrt(wx * wx + wy * wy + wz * wz)
+        total += ij + ik + jk
+        slack = min(slack, ij + ik + jk - 2 * max(ij, ik, jk))
+        if added == 0.0:
+            x, y, z = uy * vz - uz * vy, uz * vx - ux * vz, ux * vy - uy * vx
+            length, doubled = ij, math.sqrt(x * x + y * y + z * z)
+            along = (ux * vx + uy * vy + uz * vz) / ij
+        else:
+            length, ik, jk = ij + added, ik + added, jk + added
+            a, c = max(length, ik, jk), min(length, ik, jk)
+            b = max(min(length, ik), min(max(length, ik), jk))
+            product = (a + (b + c)) * (c - (a - b)) * (c + (a - b)) * (a + (b - c))
+            doubled = math.sqrt(max(product, 0.0)) / 2
+            along = (length * length + (ik - jk) * (ik + jk)) / (2 * length)
+        inverse_frames[f, 0] = 1 / length
+        inverse_frames[f, 1] = -along / doubled
+        inverse_frames[f, 2] = length / doubled
+        areas[f] = doubled / 2
+    return proper, total, slack
+
+
+def assemble(
+    elements: IntArray, inverse_frames: FloatArray, measure: FloatArray, n_vertices: int
+) -> tuple[IndexArray, IndexArray, FloatArray, FloatArray, BoolArray]:
+    """Return the stiffness of triangles, their barycentric mass, and the ends of boundary edges.
+
+    Returns
+    -------
+    indptr, indices : ndarray of int32
+    data : ndarray of float64
+        L = Gᵀ W G in compressed rows, symmetric to the bit.
+    thirds : ndarray of shape (N,), float64
+        A third of the measure of the elements around each vertex.
+    boundary : ndarray of shape (N,), bool
+        Vertices of edges that one element has.
+    """
+    start, heads, weights, thirds = _gathered(elements, inverse_frames, measure, n_vertices)
+    boundary = _merge(start, heads, weights)
+    indptr, indices, data = _mirrored(start, heads, weights)
+    return indptr, indices, data, thirds, boundary
+
+
+@kernel(  # type: ignore[untyped-decorator]
+    types.Tuple((NUMBERS, NUMBERS, types.float64[::1], types.float64[::1]))(
+        FACES, TABLE, VALUES, types.int64
+    ),
+    **options,
+)
+def _gathered(
+    elements: IntArray, inverse_frames: FloatArray, measure: FloatArray, n_vertices: int
+) -> tuple[IndexArray, IndexArray, FloatArray, FloatArray]:
+    """Return the sides of all elements by their vertex of lower index, and the mass.
+
+    Side s of vertex v, ``start[v] <= s < start[v + 1]``, goes to ``heads[s]`` and has the weight
+    ``weights[s]``; those of a vertex are in the order of the elements.
+    """
+    start = np.zeros(n_vertices + 1, dtype=np.int32)
+    for e in range(len(elements)):
+        i, j, k = elements[e, 0], elements[e, 1], elements[e, 2]
+        start[min(i, j) + 1] += i != j
+        start[min(i, k) + 1] += i != k
+        start[min(j, k) + 1] += j != k
+    free = np.empty(n_vertices, dtype=np.int32)
+    for v in range(n_vertices):
+        free[v] = start[v]
+        start[v + 1] += start[v]
+    heads = np.empty(start[n_vertices], dtype=np.int32)
+    weights = np.empty(start[n_vertices])
+    thirds = np.zeros(n_vertices)
+    for e in range(len(elements)):
+        i, j, k = elements[e, 0], elements[e, 1], elements[e, 2]
+        p, q, r = inverse_frames[e, 0], inverse_frames[e, 1], inverse_frames[e, 2]
+        area, s, third = measure[e], q + r, measure[e] / 3
+        thirds[i] += third
+        thirds[j] += third
+        thirds[k] += third
+        for a, b, product in ((i, j, p * p + s * q), (i, k, s * r), (j, k, -(q * r))):
+            if a != b:
+                side = free[min(a, b)]
+                heads[side], weights[side] = max(a, b), area * product
+                free[min(a, b)] = side + 1
+    return start, heads, weights, thirds
+
+
+@kernel(  # type: ignore[untyped-decorator]
+    types.boolean[::1](NUMBERS, NUMBERS, types.float64[::1]), **options
+)
+def _merge(start: IndexArray, heads: IndexArray, weights: FloatArray) -> BoolArray:
+    """Merge the sides of an edge in place, and return the (N,) ends of edges of a single side.
+
+    Sides are added in their order, so that an edge's weight is one sum of one order.
+    """
+    n_vertices = len(start) - 1
+    boundary = np.zeros(n_vertices, dtype=np.bool_)
+    single = np.empty(len(heads), dtype=np.bool_)
+    edge_to = np.zeros(n_vertices, dtype=np.int32)  # from v, plus 1; of earlier vertices it is less
+    count, begin = np.int32(0), start[0]
+    for v in range(n_vertices):
+        end, start[v] = start[v + 1], count
+        for side in range(begin, end):
+            head, weight = heads[side], weights[side]
+            edge = edge_to[head] - 1
+            new = edge < start[v]
+            if new:
+                edge = count
+            heads[edge], single[edge] = head, new
+            weights[edge] = weight if new else weights[edge] + weight
+            edge_to[head] = edge + 1
+            count += new
+        for edge in range(start[v], count):
+            boundary[v] |= single[edge]
+            boundary[heads[edge]] |= single[edge]
+        begin = end
+    start[n_vertices] = count
+    return boundary
+
+
+@kernel(  # type: ignore[untyped-decorator]
+    types.Tuple((NUMBERS, NUMBERS, types.float64[::1]))(NUMBERS, NUMBERS, types.float64[::1]),
+    **options,
+)
+def _mirrored(
+    start: IndexArray, heads: IndexArray, weights: FloatArray
+) -> tuple[IndexArray, IndexArray, FloatArray]:
+    """Return the graph Laplacian of edges that are stored at their vertex of lower index.
+
+    Rows come out sorted without being sorted: the edges in the order of their lower ends fill what
+    lies left of the diagonal, and then the rows in their order what lies right of it.
+    """
+    n_vertices = len(start) - 1
+    indptr = np.zeros(n_vertices + 1, dtype=np.int32)
+    degree = np.zeros(n_vertices)
+    for v in range(n_vertices):
+        indptr[v + 1] += start[v + 1] - start[v] + 1
+        for edge in range(start[v], start[v + 1]):
+            indptr[heads[edge] + 1] += 1
+            degree[v] += weights[edge]
+            degree[heads[edge]] += weights[edge]
+    diagonal = np.empty(
+        n_vertices, dtype=np.int32
+    )  # the next place left of it, until all are taken
+    for v in range(n_vertices):
+        diagonal[v] = indptr[v]
+        indptr[v + 1] += indptr[v]
+    indices = np.empty(indptr[n_vertices], dtype=np.int32)
+    data = np.empty(indptr[n_vertices])
+    for v in range(n_vertices):
+        for edge in range(start[v], start[v + 1]):
+            place = diagonal[heads[edge]]
+            indices[place], data[place] = v, -weights[edge]
+            diagonal[heads[edge]] = place + 1
+    free = np.empty(n_vertices, dtype=np.int32)
+    for v in range(n_vertices):
+        indices[diagonal[v]], data[diagonal[v]] = v, degree[v]
+        free[v] = diagonal[v] + 1
+    for row in range(n_vertices):
+        for left in range(indptr[row], diagonal[row]):
+            place = free[indices[left]]
+            indices[place], data[place] = row, data[left]
+            free[indices[left]] = place + 1
+    return indptr, indices, data
+
+
+@kernel(types.float64(TABLE, INDICES, INDICES), **options)  # type: ignore[untyped-decorator]
+def mean_edge_length(vertices: FloatArray, indptr: IndexArray, indices: IndexArray) -> float:
+    """Return the mean length of the edges of a stiffness."""
+    total, count = 0.0, 0
+    for v in range(len(indptr) - 1):
+        for entry in range(indptr[v], indptr[v + 1]):
+            head = indices[entry]
+            if head > v:
+                x = vertices[head, 0] - vertices[v, 0]
+                y = vertices[head, 1] - vertices[v, 1]
+                z = vertices[head, 2] - vertices[v, 2]
+                total += math.sqrt(x * x + y * y + z * z)
+                count += 1
+    return total / count
+
+
+@kernel(  # type: ignore[untyped-decorator]
+    types.float64[::1](*ROWS, VALUES, types.int64), **options
+)
+def obtuse_excess(
+    indptr: IndexArray, indices: IndexArray, data: FloatArray, mass: FloatArray, rings: int
+) -> FloatArray:
+    """Return what :func:`geodesic_toolkit.positivity.obtuse_excess` does, for so many rings."""
+    count = len(mass)
+    sums, wider = np.empty((count, 2)), np.empty((count, 2))
+    for v in range(count):
+        wrong, absolute = 0.0, 0.0
+        for entry in range(indptr[v], indptr[v + 1]):
+            if indices[entry] != v:
+                absolute += abs(data[entry])
+                wrong += max(data[entry], 0.0)
+        sums[v, 0] = wrong / absolute * mass[v] if absolute > 0 else 0.0
+        sums[v, 1] = mass[v]
+    for _ in range(rings):
+        for v in range(count):
+            excess, area = 0.0, 0.0
+            for entry in range(indptr[v], indptr[v + 1]):
+                excess += sums[indices[entry], 0]
+                area += sums[indices[entry], 1]
+            wider[v, 0], wider[v, 1] = excess, area
+        sums, wider = wider, sums
+    mean = np.zeros(count)
+    for v in range(count):
+        if sums[v, 1] > 0:
+            mean[v] = sums[v, 0] / sums[v, 1]
+    return mean
+
+
+@kernel(types.int64[::1](INDICES, INDICES), **options)  # type: ignore[untyped-decorator]
+def components(indptr: IndexArray, indices: IndexArray) -> IntArray:
+    """Return the connected component of every vertex, numbered by their first vertices."""
+    count = len(indptr) - 1
+    labels, waiting = np.empty(count, dtype=np.int64), np.empty(count, dtype=np.int64)
+    for v in range(count):
+        labels[v] = -1
+    label = 0
+    for seed in range(count):
+        if labels[seed] >= 0:
+            continue
+        labels[seed], waiting[0] = label, seed
+        done, known = 0, 1
+        while done < known:
+            v = waiting[done]
+            done += 1
+            for entry in range(indptr[v], indptr[v + 1]):
+                head = indices[entry]
+                if labels[head] < 0:
+                    labels[head], waiting[known] = label, head
+                    known += 1
+        label += 1
+    return labels
+
+
+@kernel(  # type: ignore[untyped-decorator]
+    types.void(TABLE, FACES, PARTS, types.float64[::1], types.int64[::1]), **options
+)
+def edge_lengths_of_parts(
+    vertices: FloatArray, faces: IntArray, parts: IntArray, total: FloatArray, number: IntArray
+) -> None:
+    """Add the edge lengths of the proper faces of each component, and their number."""
+    for f in range(len(faces)):
+        i, j, k = faces[f, 0], faces[f, 1], faces[f, 2]
+        if i == j or k in (i, j):
+            continue
+        for a, b in ((i, j), (j, k), (k, i)):
+            squared = 0.0
+            for axis in range(3):
+                squared += (vertices[a, axis] - vertices[b, axis]) ** 2
+            total[parts[i]] += math.sqrt(squared)
+        number[parts[i]] += 3
+
+
+@kernel(types.boolean(*ROWS), **options)  # type: ignore[untyped-decorator]
+def is_sound(indptr: IndexArray, indices: IndexArray, data: FloatArray) -> bool:
+    """Return whether a matrix is finite, symmetric, kills constants and has no negative diagonal.
+
+    Symmetry is checked on one vector without a pattern, which L and Lᵀ take to the same.
+    """
+    count = len(indptr) - 1
+    skew, scale = np.zeros(count), np.zeros(count)
+    for v in range(count):
+        at_v = v * GOLDEN % 1.0
+        total = 0.0
+        for entry in range(indptr[v], indptr[v + 1]):
+            head, value = indices[entry], data[entry]
+            if head == v and value < 0:
+                return False
+            total += value
+            scale[v] += abs(value)
+            skew[v] += value * (head * GOLDEN % 1.0)
+            skew[head] -= value * at_v
+        if not abs(total) <= BROKEN * scale[v] < math.inf:
+            return False
+    symmetric = True
+    for v in range(count):
+        symmetric &= abs(skew[v]) <= BROKEN * scale[v]
+    return symmetric
