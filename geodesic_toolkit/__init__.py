@@ -13,6 +13,7 @@ __version__ = "0.1.0"
 
 if TYPE_CHECKING:
     from geodesic_toolkit import errors, testing, viz
+    from geodesic_toolkit.analysis.cloud_paths import CloudPath
     from geodesic_toolkit.analysis.matrix import distance_matrix
     from geodesic_toolkit.analysis.paths import GeodesicPath, geodesic_path
     from geodesic_toolkit.analysis.residual import eikonal_residual
@@ -47,6 +48,7 @@ if TYPE_CHECKING:
 # Spelt out once more, because type checkers read nothing else; a test keeps the two together.
 __all__ = [
     "CG",
+    "CloudPath",
     "CotanLaplacian",
     "Curve",
     "Diagnosis",
@@ -90,6 +92,7 @@ __all__ = [
 
 _HOMES = {
     "CG": "linear.cg",
+    "CloudPath": "analysis.cloud_paths",
     "CotanLaplacian": "laplacians.cotan",
     "Curve": "domains",
     "Diagnosis": "solver",

@@ -16,7 +16,6 @@ from geodesic_toolkit._typing import BoolArray, FloatArray, IndexArray, IntArray
 __all__ = [
     "assemble",
     "components",
-    "edge_lengths_of_parts",
     "is_sound",
     "mean_edge_length",
     "measure_triangles",
@@ -29,7 +28,6 @@ options = {"cache": True, "nogil": True, "error_model": "numpy"}
 FACES = types.Array(types.int64, 2, "C", readonly=True)
 TABLE = types.Array(types.float64, 2, "C", readonly=True)
 VALUES = types.Array(types.float64, 1, "C", readonly=True)
-PARTS = types.Array(types.int64, 1, "C", readonly=True)
 INDICES = types.Array(types.int32, 1, "C", readonly=True)
 NUMBERS = types.int32[::1]  # of the kernels' own making
 ROWS = (INDICES, INDICES, VALUES)
@@ -317,25 +315,6 @@ def components(indptr: IndexArray, indices: IndexArray) -> IntArray:
                     known += 1
         label += 1
     return labels
-
-
-@kernel(  # type: ignore[untyped-decorator]
-    types.void(TABLE, FACES, PARTS, types.float64[::1], types.int64[::1]), **options
-)
-def edge_lengths_of_parts(
-    vertices: FloatArray, faces: IntArray, parts: IntArray, total: FloatArray, number: IntArray
-) -> None:
-    """Add the edge lengths of the proper faces of each component, and their number."""
-    for f in range(len(faces)):
-        i, j, k = faces[f, 0], faces[f, 1], faces[f, 2]
-        if i == j or k in (i, j):
-            continue
-        for a, b in ((i, j), (j, k), (k, i)):
-            squared = 0.0
-            for axis in range(3):
-                squared += (vertices[a, axis] - vertices[b, axis]) ** 2
-            total[parts[i]] += math.sqrt(squared)
-        number[parts[i]] += 3
 
 
 @kernel(types.boolean(*ROWS), **options)  # type: ignore[untyped-decorator]

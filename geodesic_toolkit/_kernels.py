@@ -5,18 +5,27 @@ loads it from its cache after that (tenths of a second in every process). A smal
 without either.
 """
 
+import hashlib
 import importlib
 import os
 import sys
 from pathlib import Path
 
-__all__ = ["MODULES", "cached", "loaded", "warm", "worthwhile"]
+__all__ = [
+    "ALL_MODULES",
+    "MODULES",
+    "cached",
+    "load",
+    "loaded",
+    "warm",
+    "worth_a_change",
+    "worthwhile",
+]
 
 MODULES = (
     "geodesic_toolkit._assembly",
     "geodesic_toolkit._descent",
-    "geodesic_toolkit._assembly",
-    "geodesic_toolkit._descent",
+    "geodesic_toolkit._flipping",
     "geodesic_toolkit.linear.supernodal._ordering",
     "geodesic_toolkit.linear.supernodal._elimination",
     "geodesic_toolkit.linear.supernodal._numeric",
@@ -24,18 +33,43 @@ MODULES = (
 )
 """Modules whose import compiles or loads the kernels of :class:`~geodesic_toolkit.HeatMethod`."""
 
+ALL_MODULES = (
+    *MODULES,
+    "geodesic_toolkit._wavefront",
+    "geodesic_toolkit.geometry.stars",
+)
+"""Those, and the kernels of refinement and of point clouds."""
+
 LOADING = 60_000
 """Vertices from which on a job without the kernels takes longer than loading them."""
 
 COMPILING = 500_000
 """Vertices from which on it takes longer than compiling them."""
 
+LOADING_TIME, COMPILING_TIME = 1.0, 20.0
+"""Seconds that loading and compiling take."""
+
+BUILD_TIME, SOLVE_TIME = 2e-6, 4e-7
+"""Seconds a vertex, of both factors with the kernels, and that they save a source."""
+
 
 def worthwhile(n_vertices: int) -> bool:
-    """Return whether a job on so many vertices is done sooner with the kernels than without."""
+    """Return whether a job on so many vertices is done sooner with the kernels than without.
+
+    Where it is, all of them are loaded or compiled, and later jobs of any size have them.
+    """
     if loaded():
         return True
-    return n_vertices >= COMPILING or (n_vertices >= LOADING and cached())
+    if n_vertices >= COMPILING or (n_vertices >= LOADING and cached()):
+        warm()
+        return True
+    return False
+
+
+def worth_a_change(n_vertices: int, n_sources: int) -> bool:
+    """Return whether so many sources take longer with a plain factor than with a new, fast one."""
+    wait = 0.0 if loaded() else LOADING_TIME if cached() else COMPILING_TIME
+    return n_vertices * (n_sources * SOLVE_TIME - BUILD_TIME) > wait
 
 
 def loaded() -> bool:
@@ -44,7 +78,7 @@ def loaded() -> bool:
 
 
 def cached() -> bool:
-    """Return whether an earlier process has left all of them compiled, without importing Numba."""
+    """Return whether an earlier process has left them compiled, without importing Numba."""
     return all(_is_cached(Path(__file__).parent.joinpath(*_parts(name))) for name in MODULES)
 
 
@@ -59,7 +93,12 @@ def warm() -> None:
     True
     """
     for name in MODULES:
-        importlib.import_module(name)
+        load(name)
+
+
+def load(name: str) -> None:
+    """Load one module's kernels, or compile them."""
+    importlib.import_module(name)
 
 
 def _parts(module: str) -> list[str]:
@@ -69,9 +108,26 @@ def _parts(module: str) -> list[str]:
 
 def _is_cached(source: Path) -> bool:
     """Return whether one of Numba's places holds an index for `source` that is not older."""
-    places = [source.parent / "__pycache__"]
-    if "NUMBA_CACHE_DIR" in os.environ:  # a folder for each source folder, below it
-        places = list(Path(os.environ["NUMBA_CACHE_DIR"]).glob(f"{source.parent.name}_*"))
+    pattern = f"{source.stem}.*.py{sys.version_info.major}{sys.version_info.minor}*.nbi"
     stamp = source.stat().st_mtime
-    indices = [index for place in places for index in place.glob(f"{source.stem}.*.nbi")]
+    indices = [index for place in _places(source.parent) for index in place.glob(pattern)]
     return any(index.stat().st_mtime >= stamp for index in indices)
+
+
+def _places(folder: Path) -> list[Path]:
+    """Return where Numba may keep what it has compiled of the sources in a folder."""
+    full = os.path.abspath(folder)  # noqa: PTH100 - as Numba does, which follows no links
+    mark = hashlib.sha1(full.encode(), usedforsecurity=False).hexdigest()
+    if chosen := os.environ.get("NUMBA_CACHE_DIR"):
+        return [Path(chosen, f"{folder.name}_{mark}")]
+    # Beside the sources or, where that is not allowed, in a folder of the user's.
+    return [folder / "__pycache__", _user_cache() / f"{folder.name}_{mark}"]
+
+
+def _user_cache() -> Path:
+    home = os.environ.get("HOME", "")
+    if sys.platform == "win32":
+        return Path(os.environ.get("LOCALAPPDATA", home), "numba", "Cache")
+    if sys.platform == "darwin":
+        return Path(home, "Library", "Caches", "numba")
+    return Path(os.environ.get("XDG_CACHE_HOME", Path(home, ".cache")), "numba")

@@ -3,6 +3,7 @@
 from typing import Any
 
 from geodesic_toolkit._typing import FloatArray
+from geodesic_toolkit.conversion import check_one_shape
 from geodesic_toolkit.laplacians.base import LaplaceOperator
 from geodesic_toolkit.solver import GeodesicSolver
 
@@ -12,7 +13,7 @@ __all__ = ["geodesic_distance"]
 def geodesic_distance(
     domain: Any,
     sources: Any,
-    *,
+    *others: Any,
     operator: str | type[LaplaceOperator] | LaplaceOperator = "auto",
     **options: Any,
 ) -> FloatArray:
@@ -26,6 +27,8 @@ def geodesic_distance(
         A TriangleMesh, PointCloud or Graph, or whatever :func:`as_domain` takes.
     sources : int, array-like of int, array-like of float, SurfacePoint or sequence of them
         One set of sources, as :meth:`GeodesicSolver.distance` takes it.
+    *others
+        Nothing: an error says so, where vertices and faces were given as two arguments.
     operator : str, class or instance
         The Laplace operator.
     **options
@@ -57,4 +60,5 @@ def geodesic_distance(
     >>> float(distance[0]), float(distance[6])
     (0.0, inf)
     """
+    check_one_shape("geodesic_distance", others)
     return GeodesicSolver(domain, operator=operator, **options).distance(sources)

@@ -9,7 +9,7 @@ from geodesic_toolkit.laplacians.base import LaplaceOperator
 from geodesic_toolkit.linear.base import LinearSolver
 from geodesic_toolkit.registry import Registry
 
-__all__ = ["operators", "readers", "resolve_operator", "resolve_solvers", "solvers"]
+__all__ = ["fast_solver", "operators", "readers", "resolve_operator", "resolve_solvers", "solvers"]
 
 
 def _subclass_of(base: type) -> Any:
@@ -108,6 +108,11 @@ def resolve_solvers(choice: object, n_unknowns: int = 0) -> tuple[LinearSolver, 
 
 def _solver(choice: object, n_unknowns: int) -> LinearSolver:
     if choice == "auto":
-        choice = "supernodal" if worthwhile(n_unknowns) else "superlu"
+        return fast_solver() if worthwhile(n_unknowns) else solvers["superlu"]()
     solver: LinearSolver = solvers.resolve(choice)
     return solver
+
+
+def fast_solver() -> LinearSolver:
+    """Return the solver that "auto" prefers once its kernels are there."""
+    return solvers["supernodal"]()

@@ -6,35 +6,18 @@ from typing import Any
 
 import numpy as np
 
-from geodesic_toolkit._kernels import worthwhile
-from geodesic_toolkit._typing import BoolArray, FloatArray, IntArray
+from geodesic_toolkit._typing import BoolArray
 from geodesic_toolkit.discretization import Discretization
 from geodesic_toolkit.domains import Domain, TriangleMesh
+from geodesic_toolkit.geometry.parts import coarse_parts
 from geodesic_toolkit.geometry.triangles import (
     edges_of_faces,
-    face_edge_lengths,
     frames_from_positions,
     proper_faces,
 )
 from geodesic_toolkit.heat import HeatMethod
 
-__all__ = [
-    "COARSE",
-    "UNEVEN",
-    "Diagnosis",
-    "diagnose",
-    "edge_lengths_of_parts",
-    "vertices_on_seams",
-]
-
-COARSE = 20
-"""Vertices of a part of a mesh below which plain heat is not to be trusted. Measured: its mean
-error is 6 to 14 % on generated shapes of so few vertices and 7 to 16 % on parts of models; refined
-distances stay below 2 %."""
-
-UNEVEN = 4.0
-"""Mean edge length of a part, over that of the whole mesh, from which on plain heat warns.
-Measured: a body of a CAD model with 7 times longer edges reads 32 % off, and 17 % alone."""
+__all__ = ["Diagnosis", "diagnose", "vertices_on_seams"]
 
 
 @dataclass(frozen=True)
@@ -48,8 +31,8 @@ class Diagnosis:
     components : int
         Connected components of more than one vertex.
     coarse_components : int
-        Those among them that have too few vertices for plain heat to be trusted; 0 where there are
-        no faces.
+        Those among them that are too coarse for plain heat to be trusted; 0 where there are no
+        faces.
     isolated_vertices : int
         Vertices connected to nothing; their distance is ``inf``.
     boundary_vertices : int
@@ -128,7 +111,9 @@ def diagnose(domain: Domain, operator: object, method: HeatMethod) -> Diagnosis:
         operator=repr(operator),
         components=int((sizes > 1).sum()),
         coarse_components=(
-            int(((sizes > 1) & (sizes < COARSE)).sum()) if isinstance(domain, TriangleMesh) else 0
+            int(coarse_parts(domain.vertices, domain.faces, metric.components, metric.scales).sum())
+            if isinstance(domain, TriangleMesh)
+            else 0
         ),
         isolated_vertices=int((sizes == 1).sum()),
         boundary_vertices=int(metric.boundary.sum()),
@@ -154,31 +139,10 @@ def vertices_on_seams(mesh: TriangleMesh, boundary: BoolArray) -> int:
     boundary : ndarray of shape (N,), bool
     """
     places = mesh.vertices[boundary]
-    _, counts = np.unique(places, axis=0, return_counts=True)
-    return int(counts[counts > 1].sum())
-
-
-def edge_lengths_of_parts(mesh: TriangleMesh, components: IntArray) -> FloatArray:
-    """Return the mean edge length of each component, of shape (C,); 0 where it has no face.
-
-    Parameters
-    ----------
-    mesh : TriangleMesh
-    components : ndarray of shape (N,), int64
-    """
-    count = int(components.max()) + 1
-    if worthwhile(mesh.n_vertices):
-        from geodesic_toolkit import _assembly
-
-        total, number = np.zeros(count), np.zeros(count, dtype=np.int64)
-        _assembly.edge_lengths_of_parts(mesh.vertices, mesh.faces, components, total, number)
-    else:
-        faces = mesh.faces[proper_faces(mesh.faces)]
-        part = components[faces[:, 0]]
-        means = face_edge_lengths(mesh.vertices, faces).mean(axis=1)
-        total = np.bincount(part, means, count).astype(np.float64, copy=False)
-        number = np.bincount(part, minlength=count)
-    return np.divide(total, number, out=np.zeros(count), where=number > 0)
+    places = places[np.lexsort(places.T)]
+    same = np.zeros(len(places) + 1, dtype=np.bool_)  # as the one before
+    same[1:-1] = (places[1:] == places[:-1]).all(axis=1)
+    return int((same[:-1] | same[1:]).sum())
 
 
 def _positive_share(discretization: Discretization) -> float:

@@ -39,6 +39,9 @@ class Discretization(FrozenArrays):
         Mean edge length h, in the unit of the domain; the default time step is h².
     boundary : ndarray of shape (N,), bool
         Where the domain ends, for boundary conditions of the heat; all false where it has none.
+    scales : ndarray of shape (N,), float64, optional
+        The length whose square is the default time step, one value in each connected component;
+        `spacing` in all of them unless given.
     notes : mapping, optional
         What the operator found or decided on the way, by name, for people to read: a number of
         flipped edges, whose normals were used.
@@ -64,6 +67,7 @@ class Discretization(FrozenArrays):
     gradient: Gradient
     spacing: float
     boundary: BoolArray
+    scales: FloatArray = field(default_factory=lambda: np.zeros(0))
     notes: Mapping[str, Any] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
@@ -86,11 +90,27 @@ class Discretization(FrozenArrays):
                 f"spacing must be positive and finite, not {self.spacing}"
             )
         _check_stiffness(self.stiffness, count)
+        self._check_scales(count)
         freeze(self.mass)
         freeze(self.boundary)
         freeze_csr(self.stiffness)
         object.__setattr__(self, "spacing", float(self.spacing))
         object.__setattr__(self, "notes", dict(self.notes))
+
+    def _check_scales(self, count: int) -> None:
+        if not len(self.scales):
+            object.__setattr__(self, "scales", np.broadcast_to(float(self.spacing), (count,)))
+            return
+        coerce(self, scales=np.float64)
+        if self.scales.shape != (count,):
+            raise InvalidDiscretizationError(f"scales {self.scales.shape} must be (N,)")
+        sound = np.isfinite(self.scales) & (self.scales > 0)
+        if not sound.all():
+            bad = int(sound.argmin())
+            raise InvalidDiscretizationError(
+                f"the scale of vertex {bad} is {self.scales[bad]}; it must be positive and finite"
+            )
+        freeze(self.scales)
 
     @property
     def n_vertices(self) -> int:

@@ -186,6 +186,10 @@ class ElementGradient(Gradient):
         vertex_count : int
             Number N of vertices, the unreferenced ones among them.
 
+        Returns
+        -------
+        ElementGradient
+
         Raises
         ------
         InvalidDiscretizationError

@@ -4,6 +4,7 @@ K. Crane, C. Weischedel, M. Wardetzky, *Geodesics in Heat: A New Approach to Com
 Based on Heat Flow*, ACM Transactions on Graphics 32, 2013, https://doi.org/10.1145/2516971.2516977
 """
 
+import copy
 import os
 import threading
 from collections.abc import Callable, Iterable, Iterator, Sequence
@@ -61,7 +62,8 @@ class HeatMethod:
     diffusion : Discretization, optional
         Where heat flows, on the same vertices; the metric by default.
     time : float, optional
-        Time step t, in squared length; ``time_factor * metric.spacing**2`` by default.
+        Time step t, in squared length; ``time_factor * metric.scales**2`` by default, one value
+        in each connected component.
     time_factor : float
         Time step in units of the squared mean edge length; 1 is the paper's choice. Larger values
         smooth, smaller ones sharpen up to where the edges show through.
@@ -124,7 +126,7 @@ class HeatMethod:
                 f"the diffusion has {self.diffusion.n_vertices} vertices, "
                 f"the metric {metric.n_vertices}"
             )
-        self.time = _time_step(time, time_factor, metric.spacing)
+        self.times = _time_steps(time, time_factor, metric, self.diffusion)
         if boundary not in ("neumann", "dirichlet", "average"):
             raise InvalidOptionError(
                 f'boundary must be "neumann", "dirichlet" or "average", not {boundary!r}'
@@ -302,7 +304,7 @@ class HeatMethod:
         with self._lock:
             if self._substitute is None:
                 diffusion = positive_part(self.diffusion)
-                self._substitute = HeatFlow(diffusion, self.time, self.boundary, self.heat_solver)
+                self._substitute = HeatFlow(diffusion, self.times, self.boundary, self.heat_solver)
             return self._substitute
 
     def _complaint(self, report: HeatReport) -> str:
@@ -406,7 +408,7 @@ class HeatMethod:
             else SharedAnalysis(self.poisson_solver)
         )
         self._flow = HeatFlow(
-            self.diffusion, self.time, self.boundary, self.heat_solver, factorize=factorize
+            self.diffusion, self.times, self.boundary, self.heat_solver, factorize=factorize
         )
         self._sweeper = WavefrontSweeper(self.metric) if self.refine else None
         self._substitute = None
@@ -416,6 +418,14 @@ class HeatMethod:
     def n_vertices(self) -> int:
         """Number N of vertices."""
         return self.metric.n_vertices
+
+    @property
+    def time(self) -> float:
+        """The time step t, in squared length; that of the largest connected component."""
+        if isinstance(self.times, float):
+            return self.times
+        sizes = np.bincount(self.diffusion.components)
+        return float(self.times[np.argmax(self.diffusion.components == sizes.argmax())])
 
     def prepare(self) -> "HeatMethod":
         """Factorise now rather than on first use, and return the method.
@@ -435,6 +445,28 @@ class HeatMethod:
             self._flow.systems()
             poisson.result()
         return self
+
+    def with_solver(self, solver: LinearSolver) -> "HeatMethod":
+        """Return the same method on another linear solver, factorised.
+
+        Parameters
+        ----------
+        solver : LinearSolver
+            For both systems, componentwise accurate.
+
+        Returns
+        -------
+        HeatMethod
+
+        Raises
+        ------
+        SolverError, NotEnoughMemoryError
+            The factorisation failed.
+        """
+        other = copy.copy(self)
+        other.heat_solver = other.poisson_solver = solver
+        other._set_up()
+        return other.prepare()
 
     @property
     def nbytes(self) -> int:
@@ -463,7 +495,10 @@ class HeatMethod:
         )
 
 
-def _time_step(time: float | None, time_factor: float, spacing: float) -> float:
+def _time_steps(
+    time: float | None, time_factor: float, metric: Discretization, diffusion: Discretization
+) -> float | FloatArray:
+    """Return the time step: a number, or (N,) if parts of the domain are of different scales."""
     try:
         given = {"time": None if time is None else float(time), "time_factor": float(time_factor)}
     except (TypeError, ValueError) as error:
@@ -473,7 +508,15 @@ def _time_step(time: float | None, time_factor: float, spacing: float) -> float:
             raise InvalidOptionError(f"{name} must be positive and finite, not {value}")
     if time is not None and time_factor != 1.0:
         raise InvalidOptionError("give time or time_factor, not both")
-    return float(time) if time is not None else float(time_factor) * spacing**2
+    if time is not None:
+        return float(time)
+    first = float(metric.scales[0])
+    if (metric.scales == first).all():
+        return float(time_factor) * first**2
+    # Heat may flow between parts of the metric: t has to be one number wherever it does.
+    largest = np.zeros(int(diffusion.components.max()) + 1)
+    np.maximum.at(largest, diffusion.components, metric.scales)
+    return np.asarray(float(time_factor) * largest[diffusion.components] ** 2)
 
 
 def _worse(one: HeatReport | None, other: HeatReport | None) -> HeatReport | None:

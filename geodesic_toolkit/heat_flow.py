@@ -73,8 +73,8 @@ class HeatFlow:
     Parameters
     ----------
     diffusion : Discretization
-    time : float
-        Time step t, in squared length.
+    times : float or ndarray of shape (N,)
+        Time step t, in squared length; one value in each connected component.
     boundary : {"neumann", "dirichlet", "average"}
     solver : LinearSolver
     factorize : callable, optional
@@ -84,14 +84,14 @@ class HeatFlow:
     def __init__(
         self,
         diffusion: Discretization,
-        time: float,
+        times: float | FloatArray,
         boundary: Boundary,
         solver: LinearSolver,
         *,
         factorize: Factorizer | None = None,
     ) -> None:
         self.diffusion = diffusion
-        self.time = time
+        self.times = times
         self.boundary = boundary
         self.solver = solver
         self._factorize = factorize or SharedAnalysis(solver)
@@ -165,10 +165,14 @@ class HeatFlow:
 
     def _loads(self, block: Sequence[SourcePoints]) -> tuple[FloatArray, FloatArray, IntArray]:
         """Return right-hand sides (N, K'), the logarithms of their scales, and whose they are."""
-        # exp(-d / √t) in the smooth limit; by steps of h the heat equation has this solution.
-        spacing = self.diffusion.spacing
-        decay = float(np.arccosh(1 + spacing**2 / (2 * self.time))) / spacing
-        loads = [points.loads(points.components(self.diffusion), decay) for points in block]
+        loads = []
+        for points in block:
+            at = points.first_vertices
+            scale = self.diffusion.scales[at]
+            time = np.broadcast_to(self.times, self.diffusion.n_vertices)[at]
+            # exp(-d / √t) in the smooth limit; by steps of h the heat equation has this solution.
+            decay = np.arccosh(1 + scale**2 / (2 * time)) / scale
+            loads.append(points.loads(points.components(self.diffusion), decay))
         flat = [load for own in loads for load in own]
         owners = np.repeat(np.arange(len(block)), [len(own) for own in loads])
         columns = np.zeros((self.diffusion.n_vertices, len(flat)))
@@ -205,7 +209,7 @@ class HeatFlow:
 
     def _heat_system(self, dirichlet: bool) -> "_HeatSystem":
         mass, stiffness = self.diffusion.mass, self.diffusion.stiffness
-        free = plus_diagonal(stiffness, mass, self.time)
+        free = plus_diagonal(stiffness, mass, self.times)
         diagonal = free.diagonal()
         if not (diagonal > 0).all():  # vertices of no element: any pivot will do
             free = plus_diagonal(free, np.where(diagonal > 0, 0.0, 1.0))

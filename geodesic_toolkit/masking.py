@@ -6,9 +6,14 @@ import numpy as np
 
 from geodesic_toolkit._typing import BoolArray
 from geodesic_toolkit.domains import Domain, Graph, PointCloud, TriangleMesh
-from geodesic_toolkit.errors import InvalidOptionError, UnsupportedDomainError
+from geodesic_toolkit.errors import (
+    InvalidOptionError,
+    InvalidSourceError,
+    UnsupportedDomainError,
+)
+from geodesic_toolkit.source_points import SourcePoints
 
-__all__ = ["as_mask", "without"]
+__all__ = ["as_mask", "check_unmasked", "without"]
 
 
 def as_mask(mask: Any, n_vertices: int) -> BoolArray:
@@ -29,6 +34,23 @@ def as_mask(mask: Any, n_vertices: int) -> BoolArray:
             f"may pass, not {array.dtype} of shape {array.shape}"
         )
     return np.array(array, dtype=np.bool_)
+
+
+def check_unmasked(places: SourcePoints, mask: BoolArray, name: str = "sources") -> None:
+    """Raise an `InvalidSourceError` where one of the sources touches a masked vertex.
+
+    Parameters
+    ----------
+    places : SourcePoints
+    mask : ndarray of shape (N,), bool
+    name : str
+        What to call the sources in the message.
+    """
+    used = places.weights.indices
+    if mask[used].any():
+        raise InvalidSourceError(
+            f"{name}: vertex {used[mask[used]][0]} is masked, so that no path starts there"
+        )
 
 
 def without(domain: Domain, mask: BoolArray) -> Domain:

@@ -87,5 +87,6 @@ def positive_part(metric: Discretization) -> Discretization:
         gradient=gradient,
         spacing=metric.spacing,
         boundary=metric.boundary,
+        scales=metric.scales,
         notes=metric.notes,
     )

@@ -7,25 +7,20 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from geodesic_toolkit._typing import FloatArray
+from geodesic_toolkit._kernels import worth_a_change
+from geodesic_toolkit._typing import BoolArray, FloatArray
 from geodesic_toolkit._warning import warn
-from geodesic_toolkit.catalog import resolve_operator, resolve_solvers
-from geodesic_toolkit.conversion import as_domain
-from geodesic_toolkit.diagnosis import (
-    COARSE,
-    UNEVEN,
-    Diagnosis,
-    diagnose,
-    edge_lengths_of_parts,
-    vertices_on_seams,
-)
+from geodesic_toolkit.catalog import fast_solver, resolve_operator, resolve_solvers
+from geodesic_toolkit.conversion import as_domain, check_one_shape
+from geodesic_toolkit.diagnosis import Diagnosis, diagnose, vertices_on_seams
 from geodesic_toolkit.discretization import Discretization
-from geodesic_toolkit.domains import TriangleMesh
+from geodesic_toolkit.domains import Domain, TriangleMesh
 from geodesic_toolkit.errors import CoarseMeshWarning, InvalidSourceError, SeamWarning
+from geodesic_toolkit.geometry.parts import coarse_parts
 from geodesic_toolkit.heat import Boundary, HeatMethod, Progress
 from geodesic_toolkit.laplacians.base import LaplaceOperator
 from geodesic_toolkit.linear.base import LinearSolver
-from geodesic_toolkit.masking import as_mask, without
+from geodesic_toolkit.masking import as_mask, check_unmasked, without
 from geodesic_toolkit.queries import as_points, interpolate, positions_of
 from geodesic_toolkit.source_points import SourcePoints
 from geodesic_toolkit.sources import locate_sources
@@ -46,6 +41,8 @@ class GeodesicSolver:
     domain : Domain or object
         A TriangleMesh, PointCloud, Graph, a plugin's kind of domain, or whatever
         :func:`as_domain` takes: (vertices, faces), an object of trimesh, Open3D, networkx, ...
+    *others
+        Nothing: an error says so, where vertices and faces were given as two arguments.
     operator : str, class or instance
         The Laplace operator that measures distance; options travel on an instance. "auto" takes
         the one for the kind of domain, and on meshes flips edges where obtuse angles would do
@@ -55,7 +52,8 @@ class GeodesicSolver:
     time : float, optional
         Time step t of the heat, in squared units of length.
     time_factor : float
-        Time step in units of h², h the mean edge length; where `time` is not given.
+        Time step in units of h², h the mean edge length of each connected part; where `time` is
+        not given. On a mesh h is at least half of the root mean square edge of the surface.
     boundary : {"neumann", "dirichlet", "average"}
         Condition on the heat at boundaries.
     solver : str, class, instance or dict
@@ -105,7 +103,7 @@ class GeodesicSolver:
     def __init__(
         self,
         domain: Any,
-        *,
+        *others: Any,
         operator: str | type[LaplaceOperator] | LaplaceOperator = "auto",
         diffusion: str | type[LaplaceOperator] | LaplaceOperator | None = None,
         time: float | None = None,
@@ -115,13 +113,14 @@ class GeodesicSolver:
         refine: bool = False,
         mask: ArrayLike | None = None,
     ) -> None:
+        check_one_shape("GeodesicSolver", others)
         domain = as_domain(domain)
         self.domain = domain
         self.operator = resolve_operator(operator, domain)
         self.diffusion = None if diffusion is None else resolve_operator(diffusion, domain)
         self._mask = None if mask is None else as_mask(mask, domain.n_vertices)
         self._passable = domain = domain if self._mask is None else without(domain, self._mask)
-        heat_solver, poisson_solver = resolve_solvers(solver)
+        heat_solver, poisson_solver = resolve_solvers(solver, domain.n_vertices)
         self.operator.check_domain(domain)
         metric = self.operator.assemble(domain)
         if isinstance(domain, TriangleMesh):
@@ -140,8 +139,9 @@ class GeodesicSolver:
             poisson_solver=poisson_solver,
             refine=refine,
         ).prepare()
+        self._automatic = solver == "auto" and heat_solver != fast_solver()
         self._diagnosis: Diagnosis | None = None
-        self._part_edges: FloatArray | None = None
+        self._coarse: BoolArray | None = None
         self._lock = threading.Lock()
 
     def distance(self, sources: Any) -> FloatArray:
@@ -201,6 +201,7 @@ class GeodesicSolver:
         """
         sets = self._locate_sets(source_sets)
         self._warn_where_coarse(sets)
+        self._hasten(len(sets))
         return self.method.distances(sets, progress=progress)
 
     def query(self, points: ArrayLike, sources: Any, *, reach: float | None = None) -> FloatArray:
@@ -271,6 +272,16 @@ class GeodesicSolver:
         return self.method.log_heat(self._locate(sources))
 
     @property
+    def mask(self) -> BoolArray | None:
+        """True at the vertices that paths may not cross, of shape (N,), or None."""
+        return self._mask
+
+    @property
+    def passable(self) -> Domain:
+        """The domain without what touches a masked vertex: all of it where there is no mask."""
+        return self._passable
+
+    @property
     def diagnosis(self) -> Diagnosis:
         """What the shape is like and what was done about it; computed on first use."""
         with self._lock:
@@ -278,18 +289,22 @@ class GeodesicSolver:
                 self._diagnosis = diagnose(self._passable, self.operator, self.method)
             return self._diagnosis
 
+    def _hasten(self, n_sources: int) -> None:
+        """Change to the fast solver where "auto" took the one that is ready soonest."""
+        if not self._automatic or not worth_a_change(self.domain.n_vertices, n_sources):
+            return
+        with self._lock:
+            if self._automatic:
+                self.method = self.method.with_solver(fast_solver())
+                self._automatic = False
+
     def _locate(self, sources: Any, name: str = "sources") -> SourcePoints:
         if isinstance(sources, SourcePoints):  # located before
             places = sources
         else:
             places = locate_sources(self.domain, sources, name, passable=self._passable)
         if self._mask is not None:
-            used = places.weights.indices
-            if self._mask[used].any():
-                raise InvalidSourceError(
-                    f"{name}: vertex {used[self._mask[used]][0]} is masked, so that no path starts "
-                    "there"
-                )
+            check_unmasked(places, self._mask, name)
         return places
 
     def _warn_where_coarse(self, sets: list[SourcePoints]) -> None:
@@ -297,36 +312,32 @@ class GeodesicSolver:
         metric = self.method.metric
         if self.method.refine or not isinstance(self._passable, TriangleMesh):
             return
-        sizes = np.bincount(metric.components)
-        edges = self._edge_lengths()
+        coarse = self._coarse_parts()
+        if not coarse.any():
+            return
         for places in sets:
             parts = places.components(metric)
-            smallest, longest = int(sizes[parts].min()), float(edges[parts].max()) / metric.spacing
-            if longest > UNEVEN:
+            if coarse[parts].any():
+                part = int(parts[coarse[parts]][0])
+                size = int(np.count_nonzero(metric.components == part))
                 warn(
-                    f"edges are {longest:.1f} times as long on the source's part of the mesh as on "
-                    "the whole of it, and the time step too short for them; use refine=True, a "
-                    "larger time_factor, or that part alone",
-                    CoarseMeshWarning,
-                )
-                return
-            if 1 < smallest < COARSE:
-                warn(
-                    f"a source lies on a part of the mesh that has only {smallest} vertices: too "
-                    "coarse for the heat method, whose error is 10 % and more there; use "
-                    "refine=True, or exact_distance, or divide the faces",
+                    f"a source lies on a part of the mesh that has {size} vertices, and edges as "
+                    "long as the shape is wide: too coarse for the heat method, whose error is "
+                    "10 % and more there; use refine=True, or exact_distance, or divide the faces",
                     CoarseMeshWarning,
                 )
                 return
 
-    def _edge_lengths(self) -> FloatArray:
-        """Return the mean edge length of each component of a mesh; computed on first use."""
+    def _coarse_parts(self) -> BoolArray:
+        """Return which components of a mesh are too coarse for plain heat; found on first use."""
         with self._lock:
-            if self._part_edges is None:
-                assert isinstance(self._passable, TriangleMesh)  # for the type checker
-                components = self.method.metric.components
-                self._part_edges = edge_lengths_of_parts(self._passable, components)
-            return self._part_edges
+            if self._coarse is None:
+                mesh, metric = self._passable, self.method.metric
+                assert isinstance(mesh, TriangleMesh)  # for the type checker
+                self._coarse = coarse_parts(
+                    mesh.vertices, mesh.faces, metric.components, metric.scales
+                )
+            return self._coarse
 
     def _locate_sets(self, source_sets: Any) -> list[SourcePoints]:
         if isinstance(source_sets, str | bytes) or not isinstance(source_sets, Iterable):

@@ -91,15 +91,16 @@ class SourcePoints:
         ----------
         components : ndarray of shape (P,), int64
             The connected component that each point lies in; they do not hear of one another.
-        decay : float
-            Powers of e by which heat falls in a unit of length.
+        decay : ndarray of shape (P,), float64
+            Powers of e by which heat falls in a unit of length there.
 
         Returns
         -------
         list of (vertices, strengths, log_scale)
             What to add where, with repeated vertices.
         """
-        vertices, weights = self.weights.indices, self.weights.data
+        vertices = np.asarray(self.weights.indices, dtype=np.int64)
+        weights = np.asarray(self.weights.data, dtype=np.float64)
         if not self.starts.any():
             return [(vertices, weights, 0.0)]
         least = np.full(components.max() + 1, np.inf)
@@ -116,8 +117,12 @@ class SourcePoints:
 
     def components(self, discretization: Discretization) -> IntArray:
         """Return the connected component that each point lies in, of shape (P,)."""
-        first = self.weights.indices[self.weights.indptr[:-1]]
-        return discretization.components[first]
+        return discretization.components[self.first_vertices]
+
+    @property
+    def first_vertices(self) -> IntArray:
+        """The (P,) first of the vertices around each point."""
+        return np.asarray(self.weights.indices[self.weights.indptr[:-1]])
 
 
 def as_vertices(sources: Any, n_vertices: int, name: str = "sources") -> IntArray:

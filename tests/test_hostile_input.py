@@ -9,6 +9,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
+from scipy.sparse import csr_array, diags_array
 
 import geodesic_toolkit as gt
 from geodesic_toolkit.errors import (
@@ -33,6 +34,7 @@ from geodesic_toolkit.testing import shapes
 MESH = shapes.icosphere(2)
 V, F = MESH.vertices, MESH.faces
 N = len(V)
+TWO = csr_array([[0.0, 1.0], [1.0, 0.0]])
 
 
 def with_vertex(index, value):
@@ -42,7 +44,7 @@ def with_vertex(index, value):
 
 
 def with_face(index, value):
-    faces = F.copy()
+    faces = F.astype(type(value))
     faces[index] = value
     return faces
 
@@ -61,6 +63,39 @@ BAD = {
     "source a boolean": ((V, F), True, {}, InvalidSourceError, "must be vertex indices"),
     "source 1.5": ((V, F), 1.5, {}, InvalidSourceError, "vertex indices must be integers"),
     "source an object": ((V, F), object(), {}, InvalidSourceError, "must be vertex indices"),
+    "source a dictionary": ((V, F), {0: 1}, {}, InvalidSourceError, "must be vertex indices"),
+    "source a set": ((V, F), {0, 1}, {}, InvalidSourceError, "must be vertex indices"),
+    "source complex": ((V, F), 1 + 0j, {}, InvalidSourceError, "must be vertex indices"),
+    "source 2**70": ((V, F), 2**70, {}, InvalidSourceError, "must be vertex indices"),
+    "source 2**64 - 1": ((V, F), np.uint64(2**64 - 1), {}, InvalidSourceError, "does not exist"),
+    "sources with None": ((V, F), [0, None], {}, InvalidSourceError, "must be vertex indices"),
+    "a table of sources": ((V, F), [[0, 1], [2, 3]], {}, InvalidSourceError, "one-dimensional"),
+    "ragged sources": ((V, F), [[0, 1], [2]], {}, InvalidSourceError, "cannot be read"),
+    "a mask for sources": ((V, F), np.arange(N) < 3, {}, InvalidSourceError, "flatnonzero"),
+    "a source point inf": ((V, F), [0, 0, np.inf], {}, InvalidSourceError, "point 0 is not finite"),
+    "a source point (2,)": ((V, F), [0.0, 1.0], {}, InvalidSourceError, r"of shape \(3,\)"),
+    "a face that is not there": (
+        (V, F),
+        gt.SurfacePoint(len(F), (1, 0, 0)),
+        {},
+        InvalidSourceError,
+        f"lies on face {len(F)}",
+    ),
+    "a face of a cloud": (
+        gt.PointCloud(V),
+        gt.SurfacePoint(0, (1, 0, 0)),
+        {"operator": gt.PointCloudLaplacian(normals="pca")},
+        InvalidSourceError,
+        "lies on a TriangleMesh",
+    ),
+    "a place on a graph": (
+        gt.Graph(3, [[0, 1]]),
+        [0.0, 0.0, 0.0],
+        {},
+        InvalidSourceError,
+        "has no positions",
+    ),
+    "a masked source": ((V, F), 0, {"mask": np.arange(N) == 0}, InvalidSourceError, "is masked"),
     "vertices (n, 2)": ((V[:, :2], F), 0, {}, InvalidDomainError, r"must have shape \(n, 3\)"),
     "a NaN vertex": ((with_vertex(7, np.nan), F), 0, {}, InvalidDomainError, "vertex 7 is not"),
     "an inf vertex": ((with_vertex(9, np.inf), F), 0, {}, InvalidDomainError, "vertex 9 is not"),
@@ -69,28 +104,109 @@ BAD = {
     "face index n": ((V, with_face(3, N)), 0, {}, InvalidDomainError, f"face 3 .* vertex {N}"),
     "face index 1e9": ((V, with_face(3, 10**9)), 0, {}, InvalidDomainError, "face 3"),
     "face index -1": ((V, with_face(3, -1)), 0, {}, InvalidDomainError, "face 3 .* vertex -1"),
+    "face index 2**64 - 1": (
+        (V, np.full((1, 3), 2**64 - 1, dtype=np.uint64)),
+        0,
+        {},
+        InvalidDomainError,
+        "too large",
+    ),
+    "face index NaN": ((V, with_face(3, np.nan)), 0, {}, InvalidDomainError, "not whole numbers"),
+    "face index inf": ((V, with_face(3, np.inf)), 0, {}, InvalidDomainError, "not whole numbers"),
     "faces of 0.5": ((V, F + 0.5), 0, {}, InvalidDomainError, "not whole numbers"),
     "faces (f, 2)": ((V, F[:, :2]), 0, {}, InvalidDomainError, r"must have shape \(n, 3\)"),
+    "faces (f, 4)": ((V, F[:, [0, 1, 2, 0]]), 0, {}, InvalidDomainError, r"shape \(n, 3\)"),
+    "faces (3,)": ((V, F[0]), 0, {}, InvalidDomainError, r"must have shape \(n, 3\)"),
+    "faces None": ((V, None), 0, {}, InvalidDomainError, "real numbers"),
+    "faces of strings": ((V, F.astype(str)), 0, {}, InvalidDomainError, "real numbers"),
+    "boolean faces": ((V, F > 0), 0, {}, InvalidDomainError, "real numbers"),
+    "boolean vertices": ((V > 0, F), 0, {}, InvalidDomainError, "real numbers"),
+    "vertices None": ((None, F), 0, {}, UnsupportedDomainError, "no shape"),
+    "dates": ((V.astype("datetime64[s]"), F), 0, {}, InvalidDomainError, "real numbers"),
+    "points (n, 2)": (V[:, :2], 0, {}, UnsupportedDomainError, "no shape"),
+    "three arrays": ((V, F, F), 0, {}, UnsupportedDomainError, "no shape"),
+    "a file's name": ("bunny.off", 0, {}, UnsupportedDomainError, "geodesic_toolkit.read"),
     "object vertices": ((V.astype(object), F), 0, {}, InvalidDomainError, "object"),
     "object faces": ((V, F.astype(object)), 0, {}, InvalidDomainError, "object"),
     "ragged vertices": (
         ([[0, 0, 0], [1, 0]], [[0, 1, 1]]),
         0,
         {},
-        UnsupportedDomainError,
-        "no shape",
+        InvalidDomainError,
+        "vertices cannot be read as an array: row 1 has 2 entries, where row 0 has 3",
     ),
+    "ragged faces": (
+        (V, [[0, 1, 2], [0, 1, 2, 3]]),
+        0,
+        {},
+        InvalidDomainError,
+        "faces cannot be read as an array: row 1 has 4 entries, where row 0 has 3",
+    ),
+    "ragged points": (
+        [[0, 0, 0], [1, 0, 0], [1, 0], [2, 0, 0]],
+        0,
+        {},
+        InvalidDomainError,
+        "points cannot be read as an array: row 2 has 2 entries, where row 0 has 3",
+    ),
+    "lists of no table": (
+        [[[0, 0], [1]], [[0, 0], [1]], [[2]]],
+        0,
+        {},
+        InvalidDomainError,
+        "points cannot be read as an array: row 2 has 1 entries",
+    ),
+    "a ragged mixture": ([[0, 0, 0], "abc"], 0, {}, UnsupportedDomainError, "no shape"),
     "complex vertices": ((V + 0j, F), 0, {}, InvalidDomainError, "complex"),
     "strings": ((V.astype(str), F), 0, {}, InvalidDomainError, "dtype"),
     "all at one place": ((np.ones((3, 3)), [[0, 1, 2]]), 0, {}, UnsupportedDomainError, "single"),
     "negative time": ((V, F), 0, {"time": -1.0}, InvalidOptionError, "must be positive"),
+    "time 0": ((V, F), 0, {"time": 0}, InvalidOptionError, "must be positive"),
+    "time inf": ((V, F), 0, {"time": np.inf}, InvalidOptionError, "must be positive"),
+    "time a list": ((V, F), 0, {"time": [1.0, 2.0]}, InvalidOptionError, "must be numbers"),
+    "time twice": ((V, F), 0, {"time": 1, "time_factor": 2}, InvalidOptionError, "not both"),
+    "factor None": ((V, F), 0, {"time_factor": None}, InvalidOptionError, "must be numbers"),
     "time NaN": ((V, F), 0, {"time": np.nan}, InvalidOptionError, "must be positive"),
     "negative factor": ((V, F), 0, {"time_factor": -2}, InvalidOptionError, "must be positive"),
     "unknown boundary": ((V, F), 0, {"boundary": "wall"}, InvalidOptionError, "boundary must be"),
+    "no boundary": ((V, F), 0, {"boundary": None}, InvalidOptionError, "boundary must be"),
+    "operator 3": ((V, F), 0, {"operator": 3}, InvalidOptionError, "3 is no operator"),
+    "operator dict": ((V, F), 0, {"operator": dict}, InvalidOptionError, "is no operator"),
+    "solver 3": ((V, F), 0, {"solver": 3}, InvalidOptionError, "3 is no solver"),
+    "solver of another step": (
+        (V, F),
+        0,
+        {"solver": {"heat": "superlu", "poison": "cg"}},
+        InvalidOptionError,
+        "not 'poison'",
+    ),
+    "cg for heat": ((V, F), 0, {"solver": {"heat": "cg"}}, InvalidOptionError, "small values"),
+    "unknown diffusion": ((V, F), 0, {"diffusion": "nope"}, UnknownPluginError, "nope"),
+    "refined graph": (
+        gt.Graph(3, [[0, 1], [1, 2]]),
+        0,
+        {"refine": True},
+        UnsupportedDomainError,
+        "refinement needs triangles",
+    ),
+    "a mask of 3": ((V, F), 0, {"mask": [True] * 3}, InvalidOptionError, "one boolean for each"),
+    "a mask of integers": ((V, F), 0, {"mask": [0] * N}, InvalidOptionError, "one boolean for"),
+    "a mask of all": ((V, F), 0, {"mask": [True] * N}, InvalidOptionError, "leaves no face"),
     "unknown operator": ((V, F), 0, {"operator": "cott"}, UnknownPluginError, "cotan"),
     "unknown solver": ((V, F), 0, {"solver": "superlo"}, UnknownPluginError, "superlu"),
     "wrong operator": ((V, F), 0, {"operator": "pointcloud"}, UnsupportedDomainError, "PointCloud"),
     "no shape at all": (7, 0, {}, UnsupportedDomainError, "is no shape"),
+    "a matrix 2 x 3": (csr_array(np.ones((2, 3))), 0, {}, InvalidDomainError, "square"),
+    "a length of -1": (-TWO, 0, {}, InvalidDomainError, "edge 0 has length -1"),
+    "a length of 0": (
+        csr_array((np.zeros(1), ([0], [1])), shape=(2, 2)),
+        0,
+        {},
+        InvalidDomainError,
+        "edge 0 has length 0",
+    ),
+    "a length of NaN": (np.nan * TWO, 0, {}, InvalidDomainError, "edge 0 has length nan"),
+    "a length of inf": (np.inf * TWO, 0, {}, InvalidDomainError, "edge 0 has length inf"),
     "k larger than n": (
         gt.PointCloud(V[:30]),
         0,
@@ -114,6 +230,16 @@ def test_bad_input_is_one_typed_error(row):
     with pytest.raises(error, match=message) as caught:
         gt.geodesic_distance(shape, source, **options)
     assert type(caught.value) is error
+
+
+def test_vertices_and_faces_as_two_arguments_are_told_to_be_a_pair():
+    pair = r"as a pair, {}\(\(vertices, faces\), \.\.\.\)"
+    with pytest.raises(UnsupportedDomainError, match=pair.format("GeodesicSolver")):
+        gt.GeodesicSolver(V, F)
+    with pytest.raises(UnsupportedDomainError, match=pair.format("geodesic_distance")):
+        gt.geodesic_distance(V, F, 0)
+    with pytest.raises(UnsupportedDomainError, match=pair.format("exact_distance")):
+        gt.exact_distance(V, F, 0)
 
 
 @pytest.mark.parametrize(
@@ -184,7 +310,7 @@ def test_a_coarse_mesh_is_named_by_command_and_doctor(tmp_path):
     path.write_bytes(OFF)
     code, out, err = command("distance", path, "--source", 0, "--json")
     assert code == 0
-    assert "only 4 vertices" in err + " ".join(map(str, json.loads(out)["warnings"]))
+    assert "has 4 vertices" in err + " ".join(map(str, json.loads(out)["warnings"]))
     code, out, _ = command("doctor", path, "--json")
     told = json.loads(out)
     assert told["diagnosis"]["coarse_components"] == 1
@@ -204,7 +330,7 @@ def test_an_output_that_cannot_be_written_leaves_the_old_one(tmp_path):
 
 def test_a_few_vertices_earn_a_warning_by_name_and_refinement_needs_none():
     square = gt.TriangleMesh([[0, 0, 0], [1, 0, 0], [0, 1, 0], [1, 1, 0]], [[0, 1, 2], [1, 3, 2]])
-    with pytest.warns(CoarseMeshWarning, match=r"only 4 vertices.*refine=True"):
+    with pytest.warns(CoarseMeshWarning, match=r"has 4 vertices.*refine=True"):
         gt.geodesic_distance(square, 0)
     distance = gt.geodesic_distance(square, 0, refine=True)
     np.testing.assert_allclose(distance[:3], [0, 1, 1])
@@ -349,8 +475,6 @@ def test_a_table_that_would_not_fit_is_refused_before_the_work():
 
 @pytest.mark.usefixtures("little_memory")
 def test_a_factor_that_would_not_fit_is_refused_before_the_work():
-    from scipy.sparse import csr_array, diags_array
-
     count = 400_000
     band = np.ones(count)
     wide = csr_array(diags_array([band] * 7, offsets=range(-3, 4), shape=(count, count)))
@@ -370,14 +494,57 @@ def test_where_the_system_does_not_say_how_much_there_is_work_goes_on(monkeypatc
     memory.require_memory(1e30, "anything")
 
 
-def test_a_part_of_much_longer_edges_than_the_rest_warns():
-    fine, coarse = shapes.icosphere(4), shapes.icosphere(2, radius=30.0)
-    mesh = shapes.disjoint_union(fine, coarse)
+def test_parts_of_a_mesh_of_other_sizes_read_what_each_reads_alone():
+    fine, large = shapes.icosphere(4), shapes.icosphere(3, radius=30.0)
+    both = gt.GeodesicSolver(shapes.disjoint_union(fine, large))
+    alone = [gt.GeodesicSolver(part).distance(0) for part in (fine, large)]
+    distance = both.distance([0, fine.n_vertices])
+    np.testing.assert_allclose(distance[: fine.n_vertices], alone[0], rtol=1e-9, atol=1e-12)
+    np.testing.assert_allclose(distance[fine.n_vertices :], alone[1], rtol=1e-9, atol=1e-12)
+
+
+def test_heat_has_the_time_to_cross_a_surface_of_long_triangles_with_a_fine_corner():
+    """Half of the vertices in one corner make the mean edge say nothing about the surface."""
+    side = np.concatenate([np.linspace(0, 0.02, 25), np.linspace(0.1, 1, 12)])
+    x, y = (a.ravel() for a in np.meshgrid(side, side, indexing="ij"))
+    corner = np.arange(37 * 36).reshape(36, 37)[:, :-1].ravel()
+    faces = np.concatenate(
+        [
+            np.column_stack([corner, corner + 37, corner + 38]),
+            np.column_stack([corner, corner + 38, corner + 1]),
+        ]
+    )
+    mesh = gt.TriangleMesh(np.column_stack([x, y, np.zeros_like(x)]), faces)
     solver = gt.GeodesicSolver(mesh)
-    assert np.isfinite(solver.distance(0)[: fine.n_vertices]).all()
-    with pytest.warns(CoarseMeshWarning, match=r"edges are \d+\.\d times as long"):
-        solver.distance(fine.n_vertices)
-    gt.geodesic_distance(mesh, fine.n_vertices, refine=True)
+    metric = solver.method.metric
+    assert metric.scales[0] > 1.05 * metric.spacing
+    assert solver.method.time == pytest.approx(metric.scales[0] ** 2)
+    far = np.hypot(x, y) > 0.2
+    plain = gt.GeodesicSolver(mesh, time=metric.spacing**2)
+    ours, theirs = (
+        np.abs(each.distance(0)[far] / np.hypot(x, y)[far] - 1).mean() for each in (solver, plain)
+    )
+    assert ours < 0.09 < theirs
+
+
+def test_a_part_with_edges_as_long_as_it_is_wide_warns():
+    sphere, turn = shapes.icosphere(3), np.arange(12)
+    rim = np.column_stack([np.cos(turn * np.pi / 6), np.sin(turn * np.pi / 6), 0 * turn])
+    pipe = gt.TriangleMesh(
+        np.concatenate([rim, rim + np.array([0, 0, 8.0])]),
+        np.concatenate(
+            [
+                np.column_stack([turn, (turn + 1) % 12, turn + 12]),
+                np.column_stack([(turn + 1) % 12, (turn + 1) % 12 + 12, turn + 12]),
+            ]
+        ),
+    )
+    coarse = gt.GeodesicSolver(shapes.disjoint_union(sphere, pipe))
+    assert np.isfinite(coarse.distance(0)[: sphere.n_vertices]).all()
+    with pytest.warns(CoarseMeshWarning, match="has 24 vertices"):
+        coarse.distance(sphere.n_vertices)
+    assert coarse.diagnosis.coarse_components == 1
+    gt.geodesic_distance(coarse.domain, sphere.n_vertices, refine=True)
 
 
 def test_a_source_in_other_units_warns():

@@ -63,6 +63,17 @@ def distance(
             show_default=False,
         ),
     ] = None,
+    mask: Annotated[
+        Path | None,
+        typer.Option(
+            exists=True,
+            dir_okay=False,
+            readable=True,
+            metavar="FILE",
+            help="Vertices that no path may cross, in an .npy, .txt or .csv file: 1 or 0 for each "
+            "vertex, or the indices of those that are masked. Their distance is inf.",
+        ),
+    ] = None,
     operator: Annotated[
         str, typer.Option(metavar="NAME", help="Laplace operator; see the command plugins.")
     ] = "auto",
@@ -120,7 +131,8 @@ def distance(
 
     Example: geodesic-toolkit distance bunny.off --source 500 --output d.ply --picture d.png
     """
-    from geodesic_toolkit.io import read, read_points
+    from geodesic_toolkit.io import read, read_mask, read_points
+    from geodesic_toolkit.masking import check_unmasked, without
     from geodesic_toolkit.solver import GeodesicSolver
     from geodesic_toolkit.sources import locate_sources
 
@@ -129,7 +141,7 @@ def distance(
     check_reach(reach, at)
     check_plugins(solver, operator, diffusion)
     targets = Targets(tables=tuple(output or ()), picture=picture, html=html, cmap=cmap)
-    targets.check(path, *([] if at is None else [at]))
+    targets.check(path, *(file for file in (at, mask) if file is not None))
 
     with running() as run:
         if targets.drawn:
@@ -137,7 +149,11 @@ def distance(
                 targets.load_graphics()
         with run.step("reading"):
             domain = read(path)
-            places = locate_sources(domain, sources)
+            masked = None if mask is None else read_mask(mask, domain.n_vertices)
+            passable = domain if masked is None else without(domain, masked)
+            places = locate_sources(domain, sources, passable=passable)
+            if masked is not None:
+                check_unmasked(places, masked)
             targets.check_domain(domain)
             points = None if at is None else read_points(at)
             if points is not None:
@@ -152,6 +168,7 @@ def distance(
                 boundary=boundary.value,
                 solver=solver,
                 refine=refine,
+                mask=masked,
             )
         with run.step("solving"):
             distances = geodesic.distance(places)
@@ -161,7 +178,7 @@ def distance(
                 asked = points, _at(points, geodesic, distances, places, reach)
         targets.write(run, domain, distances, sources, asked=asked)
         summed_up = distances if asked is None else asked[1]
-        result = Result(path, geodesic, sources, at, summed_up, targets.paths, run)
+        result = Result(path, geodesic, sources, at, mask, summed_up, targets.paths, run)
         if at is None and result.reached == len(sources):
             run.warn("the sources are connected to no other vertex: every other distance is inf")
         elif result.reached == 0:
@@ -180,6 +197,7 @@ class Result:
     solver: "GeodesicSolver"
     sources: list[int] | list[list[float]]
     at: Path | None
+    mask: Path | None
     distances: "FloatArray"
     outputs: Sequence[Path]
     run: Run
@@ -206,6 +224,7 @@ class Result:
             "sources": self.sources,
             "at": None if self.at is None else str(self.at),
             "n_points": None if self.at is None else len(self.distances),
+            "mask": None if self.mask is None else str(self.mask),
             "operator": repr(self.solver.operator),
             "diffusion": None if self.solver.diffusion is None else repr(self.solver.diffusion),
             "solver": {"heat": repr(method.heat_solver), "poisson": repr(method.poisson_solver)},
@@ -233,6 +252,7 @@ class Result:
             ("shape", repr(self.solver.domain)),
             ("source", "; ".join(map(_place, self.sources))),
             *([] if self.at is None else [("at", f"{len(self.distances)} points of {self.at}")]),
+            *([] if self.mask is None else [("mask", str(self.mask))]),
             (
                 "method",
                 f"{self.solver.operator!r}, {' and '.join(solvers)}"
@@ -275,7 +295,7 @@ def _at(
     found = np.full(points.n_vertices, np.inf)
     present = points.points[points.present]
     found[points.present] = interpolate(
-        solver.domain, solver.method.metric, distances, present, reach=reach, sources=places
+        solver.passable, solver.method.metric, distances, present, reach=reach, sources=places
     )
     return found
 

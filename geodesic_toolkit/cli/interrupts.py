@@ -10,10 +10,22 @@ from contextlib import contextmanager
 
 from geodesic_toolkit.cli.exits import INTERRUPTED
 
-__all__ = ["prompt_interrupts"]
+__all__ = ["last_words", "prompt_interrupts"]
 
 GRACE = 1.0
 """Seconds for Python's own KeyboardInterrupt to come through and clean up."""
+
+_last_words: list[str] = []
+
+
+@contextmanager
+def last_words(text: str) -> Iterator[None]:
+    """Have `text` said where the process is ended within the block, with no time for more."""
+    _last_words.append(text)
+    try:
+        yield
+    finally:
+        _last_words.remove(text)
 
 
 @contextmanager
@@ -52,5 +64,6 @@ def prompt_interrupts() -> Iterator[None]:
 def _leave() -> None:
     # No cleaning up is possible with the main thread held; only the terminal's cursor comes back.
     restore = "\r\x1b[2K\x1b[?25h" if sys.stderr.isatty() else ""
-    os.write(2, f"{restore}interrupted\n".encode())
+    lines = [*_last_words, "interrupted"]
+    os.write(2, (restore + "\n".join(lines) + "\n").encode(errors="backslashreplace"))
     os._exit(INTERRUPTED)

@@ -15,6 +15,7 @@ from geodesic_toolkit.cli.distance import distance
 from geodesic_toolkit.cli.doctor import doctor
 from geodesic_toolkit.cli.exits import INTERRUPTED, WRONG_USAGE, report
 from geodesic_toolkit.cli.interrupts import prompt_interrupts
+from geodesic_toolkit.cli.matrix import matrix
 from geodesic_toolkit.cli.output import say, show
 from geodesic_toolkit.cli.plugins import plugins
 from geodesic_toolkit.cli.study import study
@@ -74,7 +75,7 @@ def _options(
         raise typer.Exit(WRONG_USAGE)
 
 
-for command in (demo, distance, compare, study, plugins, check, doctor):
+for command in (demo, distance, matrix, compare, study, plugins, check, doctor):
     app.command()(command)
 
 

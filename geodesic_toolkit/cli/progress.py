@@ -6,6 +6,7 @@ import threading
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager
+from dataclasses import dataclass
 from types import TracebackType
 from typing import Self
 
@@ -18,6 +19,36 @@ SILENCE = 2.0
 
 FIRST_PLAIN_LINE = 5.0
 """Seconds before the first line where there is no terminal; the next come after twice as long."""
+
+BAR = 24
+"""Characters of a bar."""
+
+SURE = 10
+"""Seconds of counting before it is said how long the rest will take."""
+
+
+@dataclass(frozen=True)
+class _Count:
+    """How far a step has come, and where it began: a resumed one in the middle."""
+
+    done: int
+    total: int
+    at: float
+    began_with: int
+    began_at: float
+
+    @property
+    def rest(self) -> str:
+        """How long the rest will take, in words; nothing while it is not clear."""
+        spent, made = self.at - self.began_at, self.done - self.began_with
+        if spent < SURE or made <= 0 or self.done >= self.total:
+            return ""
+        seconds = spent * (self.total - self.done) / made
+        return (
+            f", about {seconds:.0f} s to go"
+            if seconds < 100
+            else f", about {seconds / 60:.0f} min to go"
+        )
 
 
 class Progress:
@@ -35,6 +66,7 @@ class Progress:
     def __init__(self) -> None:
         self.timings: dict[str, float] = {}
         self._label = ""
+        self._counted: _Count | None = None
         self._since = time.monotonic()
         self._done = threading.Event()
         self._lock = threading.Lock()
@@ -45,16 +77,18 @@ class Progress:
     def step(self, name: str) -> Iterator[None]:
         """Name what the block does, and time it."""
         start = time.perf_counter()
-        self._label, self._since = name, time.monotonic()
+        self._label, self._since, self._counted = name, time.monotonic(), None
         try:
             yield
         finally:
             self.timings[name] = self.timings.get(name, 0.0) + time.perf_counter() - start
-            self._label = ""
+            self._label, self._counted = "", None
 
     def advance(self, done: int, total: int) -> None:
         """Say how much of the step is done; fits the `progress` parameter of the library."""
-        self._label = f"{self._label.split(':')[0]}: {done} of {total}"
+        now, first = time.monotonic(), self._counted
+        began = (done, now) if first is None else (first.began_with, first.began_at)
+        self._counted = _Count(done, total, now, *began)
 
     def say(self, text: str) -> None:
         """Print a line on stderr without tearing the one that shows progress."""
@@ -76,7 +110,20 @@ class Progress:
 
     @property
     def _line(self) -> str:
-        return f"{self._label or 'working'} ({time.monotonic() - self._since:.0f} s)"
+        spent = f"{time.monotonic() - self._since:.0f} s"
+        counted = self._counted
+        if counted is None:
+            return f"{self._label or 'working'} ({spent})"
+        return f"{self._label}: {counted.done} of {counted.total} ({spent}{counted.rest})"
+
+    @property
+    def _bar(self) -> str:
+        """The line with a bar, for terminals."""
+        counted = self._counted
+        if counted is None or not counted.total:
+            return self._line
+        full = int(BAR * counted.done / counted.total)
+        return f"{'━' * full}{'─' * (BAR - full)} {self._line}"
 
     def _watch(self) -> None:
         terminal = sys.stderr is not None and sys.stderr.isatty()
@@ -93,12 +140,12 @@ class Progress:
         from rich.console import Console  # 0.1 s: only for work that takes longer than that
 
         console = Console(stderr=True)
-        with console.status(self._line) as status:
+        with console.status(self._bar) as status:
             with self._lock:
                 self._show_above = lambda text: console.print(
                     text, markup=False, highlight=False, soft_wrap=True
                 )
             while not self._done.wait(0.2):
-                status.update(self._line)
+                status.update(self._bar)
             with self._lock:
                 self._show_above = say

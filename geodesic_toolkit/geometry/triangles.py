@@ -23,6 +23,7 @@ __all__ = [
     "lengths_from_inverse",
     "mean_edge_length",
     "measured_triangles",
+    "mean_squared_edges",
     "mollified_lengths",
     "proper_faces",
 ]
@@ -109,9 +110,11 @@ def frames_from_lengths(lengths: FloatArray) -> FloatArray:
     `lengths` has the edge opposite corner i in column i. The area is Heron's formula in Kahan's
     order of operations, which does not cancel for thin triangles.
     """
-    opposite_0, opposite_1, length = lengths.T
+    opposite_0, opposite_1, length = np.ascontiguousarray(lengths.T)
     along = (length**2 + (opposite_1 - opposite_0) * (opposite_1 + opposite_0)) / (2 * length)
-    c, b, a = np.sort(lengths, axis=1).T
+    shorter, longer = np.minimum(opposite_0, opposite_1), np.maximum(opposite_0, opposite_1)
+    a, c = np.maximum(longer, length), np.minimum(shorter, length)
+    b = np.maximum(shorter, np.minimum(longer, length))
     product = (a + (b + c)) * (c - (a - b)) * (c + (a - b)) * (a + (b - c))
     double_area = np.sqrt(np.maximum(product, 0.0)) / 2
     return np.column_stack([length, along, double_area / length])
@@ -181,6 +184,14 @@ def mean_edge_length(vertices: FloatArray, edges: csr_array) -> float:
     upper = edges.indices > tails
     steps = vertices[tails[upper]] - vertices[edges.indices[upper]]
     return float(np.sqrt(np.einsum("ed,ed->e", steps, steps)).mean())
+
+
+def mean_squared_edges(inverse: FloatArray) -> FloatArray:
+    """Return the (F,) mean squared edge length of triangles, from what `inverse_frames` returns."""
+    p, q, r = inverse.T
+    squared, height = 1 / p**2, 1 / r
+    along = -q * height / p  # q is -a / (l b), and b the height
+    return np.asarray((squared + along**2 + (1 / p - along) ** 2 + 2 * height**2) / 3)
 
 
 def mollified_lengths(lengths: FloatArray, *, slack: float = SLACK) -> tuple[FloatArray, float]:

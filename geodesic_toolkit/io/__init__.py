@@ -1,8 +1,18 @@
 """Files in and out: one reader a format, and outputs that are whole or not there."""
 
 from geodesic_toolkit._atomic import check_output, replacing
+from geodesic_toolkit.io.masks import read_mask
 from geodesic_toolkit.io.points import read_points
 from geodesic_toolkit.io.reading import read
+from geodesic_toolkit.io.vertices import read_vertices
 from geodesic_toolkit.io.writing import write_distances
 
-__all__ = ["check_output", "read", "read_points", "replacing", "write_distances"]
+__all__ = [
+    "check_output",
+    "read",
+    "read_mask",
+    "read_points",
+    "read_vertices",
+    "replacing",
+    "write_distances",
+]

@@ -11,6 +11,7 @@ from geodesic_toolkit.domains import Domain, PointCloud, TriangleMesh
 from geodesic_toolkit.errors import ReadError
 from geodesic_toolkit.geometry.polygons import surface_polygons
 from geodesic_toolkit.io.common import optional_package, triangulate, warn
+from geodesic_toolkit.io.gmsh import check_node_numbers
 
 __all__ = ["read_cells", "read_medit", "read_msh", "read_vtu"]
 
@@ -25,6 +26,7 @@ def read_medit(path: Path) -> Domain:
 
 def read_msh(path: Path) -> Domain:
     """Read a Gmsh .msh file."""
+    check_node_numbers(path.read_bytes())
     return read_cells(path, "gmsh")
 
 

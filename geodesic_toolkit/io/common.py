@@ -1,6 +1,7 @@
 """What the readers share: numbers from text, fans of polygons, optional packages."""
 
 import importlib
+import warnings
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import Any
@@ -20,6 +21,7 @@ from geodesic_toolkit.errors import (
 from geodesic_toolkit.geometry.polygons import fan_triangles
 
 __all__ = [
+    "array_of",
     "cloud",
     "floats",
     "integers",
@@ -46,6 +48,22 @@ def text_of(path: Path) -> bytes:
     if b"\0" in text:
         raise ReadError("binary, where text is expected")
     return text.removeprefix(BYTE_ORDER_MARK)
+
+
+def array_of(path: Path) -> NDArray[Any]:
+    """Return the array of an .npy file.
+
+    Raises
+    ------
+    ReadError
+        It is an archive of several.
+    """
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", SyntaxWarning)  # of Python, on what a damaged header says
+        table = np.load(path, allow_pickle=False)
+    if not isinstance(table, np.ndarray):
+        raise ReadError("an archive, where an .npy array is expected")
+    return table
 
 
 def floats(tokens: Sequence[bytes], what: str) -> FloatArray:

@@ -7,9 +7,9 @@ import numpy as np
 
 from geodesic_toolkit._typing import FloatArray
 from geodesic_toolkit.domains import PointCloud, TriangleMesh
-from geodesic_toolkit.errors import InvalidDomainError, ReadError
+from geodesic_toolkit.errors import InvalidDomainError, NotEnoughMemoryError, ReadError
 from geodesic_toolkit.io.columns import number_table
-from geodesic_toolkit.io.common import text_of
+from geodesic_toolkit.io.common import array_of, text_of
 from geodesic_toolkit.io.reading import check_file, one_line, read
 
 __all__ = ["read_points"]
@@ -54,8 +54,12 @@ def read_points(path: str | os.PathLike[str]) -> PointCloud:
     check_file(file)
     try:
         return PointCloud(tables[file.suffix.lower()](file))
-    except (ReadError, InvalidDomainError, ValueError, EOFError) as error:
+    except (ReadError, InvalidDomainError) as error:
         raise ReadError(f"{file}: {one_line(error)}") from error
+    except MemoryError as error:
+        raise NotEnoughMemoryError(f"{file}: the points do not fit into memory") from error
+    except Exception as error:  # numpy.load meets garbage with whatever exception it trips it into
+        raise ReadError(f"{file}: damaged ({type(error).__name__}: {one_line(error)})") from error
 
 
 def _vertices(file: Path) -> PointCloud:
@@ -68,10 +72,7 @@ def _vertices(file: Path) -> PointCloud:
 
 
 def _array(file: Path) -> FloatArray:
-    table = np.load(file, allow_pickle=False)
-    if not isinstance(table, np.ndarray):
-        raise ReadError("an archive, where an .npy array is expected")
-    return np.atleast_2d(table)
+    return np.atleast_2d(array_of(file))
 
 
 def _columns(file: Path) -> FloatArray:

@@ -3,6 +3,8 @@
 import os
 from pathlib import Path
 
+import numpy as np
+
 from geodesic_toolkit.catalog import readers
 from geodesic_toolkit.domains import Domain
 from geodesic_toolkit.errors import (
@@ -87,7 +89,10 @@ def read(path: str | os.PathLike[str]) -> Domain:
         unknown = f"there is no reader for .{suffix}" if suffix else "it has no suffix"
         raise ReadError(f"{file}: {unknown}; can be read: {', '.join(readers)}") from error
     try:
-        domain = reader(file)
+        # Garbage in a column of float32 may be a NaN of the kind that signals when it is widened;
+        # domains look for what is not finite in any case.
+        with np.errstate(invalid="ignore", over="ignore"):
+            domain = reader(file)
     except (ReadError, InvalidDomainError) as error:
         raise ReadError(f"{file}: {one_line(error)}") from error
     except GeodesicError:

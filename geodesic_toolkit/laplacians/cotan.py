@@ -4,20 +4,20 @@ from dataclasses import dataclass
 from typing import Any, ClassVar, Literal, final
 
 import numpy as np
-from scipy.sparse import csr_array
 
 from geodesic_toolkit._typing import BoolArray, FloatArray, IntArray
 from geodesic_toolkit.discretization import Discretization, connected_vertices
 from geodesic_toolkit.domains import Domain, TriangleMesh
 from geodesic_toolkit.errors import InvalidOptionError, UnsupportedDomainError
 from geodesic_toolkit.geometry.intrinsic import delaunay_triangles, voronoi_areas
+from geodesic_toolkit.geometry.parts import part_scales
 from geodesic_toolkit.geometry.triangles import (
     face_areas,
-    face_edge_lengths,
     frames_from_lengths,
     inverse_frames,
     lengths_from_inverse,
     mean_edge_length,
+    mean_squared_edges,
     measured_triangles,
 )
 from geodesic_toolkit.gradient import ElementGradient
@@ -65,7 +65,8 @@ class CotanLaplacian(LaplaceOperator):
     intrinsic_delaunay : bool or "auto"
         Assemble on the intrinsic Delaunay triangulation of the same surface: same vertices, but
         no weight of the wrong sign away from the boundary, so that heat is positive. Worth its
-        cost (several times that of the rest of the assembly) on meshes with many obtuse angles.
+        cost (that of the rest of the assembly; several times it where libigl flips, on meshes too
+        small to load our kernels for) on meshes with many obtuse angles.
         "auto" decides by how much of the stiffness has the wrong sign.
 
     Raises
@@ -139,11 +140,20 @@ class CotanLaplacian(LaplaceOperator):
         gradient = ElementGradient.of_triangles(faces, inverse, areas, count)
         stiffness, thirds, boundary = gradient.assembled()
         spacing = mean_edge_length(domain.vertices, stiffness)
+        parts = connected_vertices(stiffness)
+        scales = part_scales(
+            domain.vertices,
+            stiffness,
+            parts,
+            spacing=spacing,
+            first_vertices=faces[:, 0],
+            squares=mean_squared_edges(inverse),
+            areas=areas,
+        )
         excess = obtuse_excess(stiffness, thirds)
-        flip = self._to_be_flipped(faces, stiffness, excess)
+        flip = self._to_be_flipped(faces, parts, excess)
         if flip.any():
-            lengths = face_edge_lengths(domain.vertices, faces) + added
-            faces, lengths = _flipped(faces, lengths, flip)
+            faces, lengths = _flipped(faces, lengths_from_inverse(inverse), flip)
             frames = frames_from_lengths(lengths)
             areas = face_areas(frames)
             gradient = ElementGradient.of_triangles(faces, inverse_frames(frames), areas, count)
@@ -160,16 +170,14 @@ class CotanLaplacian(LaplaceOperator):
             gradient=gradient,
             spacing=spacing,
             boundary=boundary,
+            scales=scales[parts],
             notes=notes,
         )
 
-    def _to_be_flipped(
-        self, faces: IntArray, stiffness: csr_array, excess: FloatArray
-    ) -> BoolArray:
+    def _to_be_flipped(self, faces: IntArray, labels: IntArray, excess: FloatArray) -> BoolArray:
         """Return the faces of the components that are to be made intrinsically Delaunay."""
         if self.intrinsic_delaunay != "auto":
             return np.full(len(faces), bool(self.intrinsic_delaunay))
-        labels = connected_vertices(stiffness)
         if not labels.any():  # one component, as most meshes are
             limit = ROUNDING if len(faces) <= SMALL else DELAUNAY_LIMIT
             return np.full(len(faces), excess.max() > limit)

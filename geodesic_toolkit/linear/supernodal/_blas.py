@@ -12,12 +12,13 @@ import numba
 import numpy as np
 from numba import types
 from numba.extending import get_cython_function_address
+from numpy.typing import NDArray
 
-from geodesic_toolkit._typing import FloatArray, IntArray
+from geodesic_toolkit._typing import FloatArray, IndexArray
 
 __all__ = ["Arguments", "arguments", "cholesky", "divide", "minus_gram", "minus_product"]
 
-Arguments: TypeAlias = tuple[IntArray, FloatArray, IntArray]
+Arguments: TypeAlias = tuple[IndexArray, FloatArray, NDArray[np.uint8]]
 
 kernel = numba.njit(cache=True, nogil=True, error_model="numpy", forceinline=True)
 
@@ -53,7 +54,7 @@ def cholesky(memory: Arguments, a: int, order: int, stride: int) -> int:
     size, letter = np.uintp(sizes.ctypes.data), np.uintp(letters.ctypes.data)
     sizes[0], sizes[1], sizes[2] = order, stride, 0
     _potrf(letter, size, a, size + np.uintp(4), size + np.uintp(8))
-    return sizes[2]
+    return int(sizes[2])
 
 
 @kernel  # type: ignore[untyped-decorator]

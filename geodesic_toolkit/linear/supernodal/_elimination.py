@@ -11,7 +11,7 @@ import numba
 import numpy as np
 from numba import types
 
-from geodesic_toolkit._typing import IntArray
+from geodesic_toolkit._typing import IndexArray, IntArray
 
 __all__ = [
     "column_counts",
@@ -44,7 +44,7 @@ def kernel(signature: object) -> object:
 
 
 @kernel(types.boolean(_int64, _int32))  # type: ignore[operator]
-def is_symmetric(indptr: IntArray, indices: IntArray) -> bool:
+def is_symmetric(indptr: IntArray, indices: IndexArray) -> bool:
     """Return whether every entry of a pattern with sorted indices has its mirror image.
 
     Rows visited in order meet the entries of each column in order too. The other kernels trust this
@@ -63,8 +63,8 @@ def is_symmetric(indptr: IntArray, indices: IntArray) -> bool:
 
 @kernel(_new32(_int64, _int32, _int32, _int32))  # type: ignore[operator]
 def elimination_tree(
-    indptr: IntArray, indices: IntArray, order: IntArray, rank: IntArray
-) -> IntArray:
+    indptr: IntArray, indices: IndexArray, order: IndexArray, rank: IndexArray
+) -> IndexArray:
     """Return the parent of every column of the factor of ``A[order][:, order]``, -1 at roots.
 
     `rank` is the inverse of the permutation `order`.
@@ -84,7 +84,7 @@ def elimination_tree(
 
 
 @kernel(_new32(_int32))  # type: ignore[operator]
-def postorder(parent: IntArray) -> IntArray:
+def postorder(parent: IndexArray) -> IndexArray:
     """Return the vertices of a forest, children before parents and subtrees together."""
     n = parent.size
     first_child, sibling = np.full(n, NONE, np.int32), np.full(n, NONE, np.int32)
@@ -115,8 +115,8 @@ def postorder(parent: IntArray) -> IntArray:
 
 @kernel(types.Tuple((_new64, _new32, _new64))(_int64, _int32, _int32, _int32))  # type: ignore[operator]
 def lower_triangle(
-    indptr: IntArray, indices: IntArray, order: IntArray, rank: IntArray
-) -> tuple[IntArray, IntArray, IntArray]:
+    indptr: IntArray, indices: IndexArray, order: IndexArray, rank: IndexArray
+) -> tuple[IntArray, IndexArray, IntArray]:
     """Return the lower triangle of ``A[order][:, order]`` by columns, and where its entries are.
 
     Returns
@@ -145,7 +145,7 @@ def lower_triangle(
 
 
 @kernel(_new32(_int64, _int32, _int32))  # type: ignore[operator]
-def column_counts(starts: IntArray, rows: IntArray, parent: IntArray) -> IntArray:
+def column_counts(starts: IntArray, rows: IndexArray, parent: IndexArray) -> IndexArray:
     """Return the number of entries in every column of the factor, the diagonal included.
 
     Column j has an entry in row i where j lies in the subtree of the elimination tree that the
@@ -194,8 +194,8 @@ def column_counts(starts: IntArray, rows: IntArray, parent: IntArray) -> IntArra
 
 @kernel(_new32(_int32, _int32, types.UniTuple(types.float64, 4)))  # type: ignore[operator]
 def supernodes(
-    parent: IntArray, counts: IntArray, allowed: tuple[float, float, float, float]
-) -> IntArray:
+    parent: IndexArray, counts: IndexArray, allowed: tuple[float, float, float, float]
+) -> IndexArray:
     """Return the first column of every supernode, and N at the end.
 
     Columns that follow one another and share their rows form one; a supernode is then merged with
@@ -238,8 +238,8 @@ def supernodes(
     types.Tuple((_new64, _new32, _new32))(_int64, _int32, _int32, _int32, _int32)
 )
 def supernode_rows(
-    starts: IntArray, rows: IntArray, parent: IntArray, counts: IntArray, first: IntArray
-) -> tuple[IntArray, IntArray, IntArray]:
+    starts: IntArray, rows: IndexArray, parent: IndexArray, counts: IndexArray, first: IndexArray
+) -> tuple[IntArray, IndexArray, IndexArray]:
     """Return the rows of every supernode in ascending order, and the tree of supernodes.
 
     Row i belongs to the supernodes on the ways from its entries of A up the tree to its own.
@@ -296,7 +296,7 @@ def supernode_rows(
 
 
 @kernel(types.int64(_int32, _int64, _int32))  # type: ignore[operator]
-def stack_peak(first: IntArray, row_starts: IntArray, above: IntArray) -> int:
+def stack_peak(first: IndexArray, row_starts: IntArray, above: IndexArray) -> int:
     """Return how many numbers the stack of update matrices holds at the most."""
     n_supernodes = above.size
     of_children = np.zeros(n_supernodes, np.int64)
@@ -307,4 +307,4 @@ def stack_peak(first: IntArray, row_starts: IntArray, above: IntArray) -> int:
         height += below * below - of_children[s]
         if above[s] != NONE:
             of_children[above[s]] += below * below
-    return peak
+    return int(peak)

@@ -17,13 +17,13 @@ import numba
 import numpy as np
 from numba import types
 
-from geodesic_toolkit._typing import FloatArray, IntArray
+from geodesic_toolkit._typing import FloatArray, IndexArray, IntArray
 from geodesic_toolkit.linear.supernodal import _blas
 from geodesic_toolkit.linear.supernodal._pointers import Pointer, address, pointer, shifted
 
 __all__ = ["factorize"]
 
-NARROW, SHORT = 4, 48
+NARROW, SHORT = 8, 48
 """Columns and rows up to which plain loops beat a call to the BLAS."""
 
 DONE = -1
@@ -99,15 +99,15 @@ def _eliminate(panel: Pointer, update: Pointer, height: int, width: int, fresh: 
     ),
     cache=True, nogil=True, error_model="numpy",
 )  # fmt: skip
-def factorize(  # noqa: PLR0917 - kernels take no keywords
+def factorize(  # noqa: PLR0912, PLR0917 - one sweep; kernels take no keywords
     data: FloatArray,
     starts: IntArray,
-    lower_rows: IntArray,
+    lower_rows: IndexArray,
     places: IntArray,
-    first: IntArray,
+    first: IndexArray,
     row_starts: IntArray,
-    rows: IntArray,
-    above: IntArray,
+    rows: IndexArray,
+    above: IndexArray,
     panels: IntArray,
     factor: FloatArray,
     stack: FloatArray,
@@ -175,13 +175,13 @@ def factorize(  # noqa: PLR0917 - kernels take no keywords
         if width <= NARROW and below <= SHORT:
             failed = _eliminate(panel, update, height, width, fresh)
             if failed != DONE:
-                return begin + failed
+                return int(begin + failed)
         else:
             triangle = address(panel)
             rest = triangle + np.uintp(8 * width)
             failed = _blas.cholesky(memory, triangle, width, height)
             if failed:
-                return begin + failed - 1
+                return int(begin + failed - 1)
             if below:
                 _blas.divide(memory, rest, height, below, triangle, height, width, True)
                 _blas.minus_gram(memory, rest, height, below, width, address(update), fresh)

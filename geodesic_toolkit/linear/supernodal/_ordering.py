@@ -15,11 +15,23 @@ import numba
 import numpy as np
 from numba import types
 
-from geodesic_toolkit._typing import IntArray
+from geodesic_toolkit._typing import IndexArray, IntArray
 
 __all__ = ["minimum_degree"]
 
 NONE = -1
+
+# The fields of a vertex, which is a variable, an element later on, or gone. One row of memory holds
+# them: visits come in no order, and memory is what they wait for.
+START = 0  # of its list
+LENGTH = (
+    1  # of its list: a variable's elements come first, then its variables; an element's members
+)
+ELEMENTS = 2  # how many of them are elements
+SIZE = 3  # vertices that a variable stands for: 0 once absorbed, < 0 in the current element
+DEGREE = 4  # approximate degree of a variable; an element's number of vertices
+MARK = 5  # of an element: epoch + |Lₑ \ Lₚ|, or 0 once absorbed
+AFTER, BEFORE = 6, 7  # its neighbours in the list of variables of one degree
 
 _starts = types.Array(types.int64, 1, "C", readonly=True)
 _indices = types.Array(types.int32, 1, "C", readonly=True)
@@ -28,7 +40,9 @@ _indices = types.Array(types.int32, 1, "C", readonly=True)
 @numba.njit(  # type: ignore[untyped-decorator]
     types.int32[::1](_starts, _indices), cache=True, nogil=True, error_model="numpy"
 )
-def minimum_degree(indptr: IntArray, indices: IntArray) -> IntArray:
+def minimum_degree(  # noqa: PLR0912, PLR0915 - its steps share a dozen arrays
+    indptr: IntArray, indices: IndexArray
+) -> IndexArray:
     """Return the vertices of a symmetric pattern in an order of elimination with little fill.
 
     Parameters
@@ -44,16 +58,10 @@ def minimum_degree(indptr: IntArray, indices: IntArray) -> IntArray:
     n = indptr.size - 1
     nnz = indptr[n]
     lists = np.empty(2 * nnz + 2 * n + 64, np.int32)
-    start, length = np.empty(n, np.int64), np.zeros(n, np.int32)
-    n_elements = np.zeros(n, np.int32)  # the first part of a variable's list
-    size = np.ones(n, np.int32)  # of a supervariable: 0 once absorbed, < 0 in the current element
-    degree = np.empty(n, np.int32)  # of an element: the size of its members
-    mark = np.ones(n, np.int64)  # of an element: epoch + |Lₑ \ Lₚ|, or 0 once absorbed
-    head, after, before = (
-        np.full(n + 1, NONE, np.int32),
-        np.full(n, NONE, np.int32),
-        np.full(n, NONE, np.int32),
-    )
+    buffer = np.empty(8 * n + 8, np.int64)
+    aligned = -(buffer.ctypes.data // 8) % 8  # a row is a cache line
+    node = buffer[aligned : aligned + 8 * n].reshape(n, 8)
+    head = np.full(n + 1, NONE, np.int32)
     bucket, bucket_next, hashes = (
         np.full(n, NONE, np.int32),
         np.full(n, NONE, np.int32),
@@ -64,29 +72,30 @@ def minimum_degree(indptr: IntArray, indices: IntArray) -> IntArray:
 
     end = np.int64(0)
     for i in range(n):
-        start[i] = end
+        node[i, START] = end
         for p in range(indptr[i], indptr[i + 1]):
             if indices[p] != i:
                 lists[end] = indices[p]
                 end += 1
-        length[i] = end - start[i]
-        degree[i] = length[i]
+        node[i, LENGTH] = node[i, DEGREE] = end - node[i, START]
+        node[i, SIZE], node[i, ELEMENTS], node[i, MARK] = 1, 0, 1
+        node[i, AFTER], node[i, BEFORE] = NONE, NONE
     # Rows that are nearly full belong at the end whatever the rest does, and are dear to update.
     full = max(16, int(10 * math.sqrt(n)))
     eliminated = 0
     n_full = 0
     for i in range(n - 1, -1, -1):
-        if degree[i] > full:
+        if node[i, DEGREE] > full:
             n_full += 1
             eliminated += 1
-            size[i] = 0
+            node[i, SIZE] = 0
             order[n - n_full] = i
         else:
-            follower = head[degree[i]]
-            after[i] = follower
+            follower = head[node[i, DEGREE]]
+            node[i, AFTER] = follower
             if follower != NONE:
-                before[follower] = i
-            head[degree[i]] = i
+                node[follower, BEFORE] = i
+            head[node[i, DEGREE]] = i
 
     epoch, least, largest = np.int64(2), 0, 0
     while eliminated < n:
@@ -94,101 +103,101 @@ def minimum_degree(indptr: IntArray, indices: IntArray) -> IntArray:
         while head[least] == NONE:
             least += 1
         pivot = head[least]
-        head[least] = after[pivot]
-        if after[pivot] != NONE:
-            before[after[pivot]] = NONE
-        pivot_size = size[pivot]
+        head[least] = node[pivot, AFTER]
+        if node[pivot, AFTER] != NONE:
+            node[node[pivot, AFTER], BEFORE] = NONE
+        pivot_size = node[pivot, SIZE]
         eliminated += pivot_size
-        size[pivot] = -pivot_size
+        node[pivot, SIZE] = -pivot_size
 
         # -- its element Lₚ: its variables, and those of its elements, which it absorbs ------------
-        needed = np.int64(length[pivot] - n_elements[pivot])
-        for p in range(start[pivot], start[pivot] + n_elements[pivot]):
-            needed += length[lists[p]]
+        needed = np.int64(node[pivot, LENGTH] - node[pivot, ELEMENTS])
+        for p in range(node[pivot, START], node[pivot, START] + node[pivot, ELEMENTS]):
+            needed += node[lists[p], LENGTH]
         if end + needed > lists.size:
             live = np.int64(0)
             for i in range(n):
-                live += length[i]
+                live += node[i, LENGTH]
             moved = np.empty(live + needed + nnz, np.int32)
             end = np.int64(0)
             for i in range(n):
-                old = start[i]
-                start[i] = end
-                for p in range(old, old + length[i]):
+                old = node[i, START]
+                node[i, START] = end
+                for p in range(old, old + node[i, LENGTH]):
                     moved[end] = lists[p]
                     end += 1
             lists = moved
         first, members = end, 0
-        for q in range(n_elements[pivot] + 1):
-            own = q == n_elements[pivot]
-            e = pivot if own else lists[start[pivot] + q]
-            begin = start[e] + (n_elements[pivot] if own else 0)
-            for p in range(begin, start[e] + length[e]):
+        for q in range(node[pivot, ELEMENTS] + 1):
+            own = q == node[pivot, ELEMENTS]
+            e = pivot if own else lists[node[pivot, START] + q]
+            begin = node[e, START] + (node[pivot, ELEMENTS] if own else 0)
+            for p in range(begin, node[e, START] + node[e, LENGTH]):
                 i = lists[p]
-                own_size = size[i]
+                own_size = node[i, SIZE]
                 if own_size > 0:
                     members += own_size
-                    size[i] = -own_size
+                    node[i, SIZE] = -own_size
                     lists[end] = i
                     end += 1
-                    if before[i] != NONE:
-                        after[before[i]] = after[i]
+                    if node[i, BEFORE] != NONE:
+                        node[node[i, BEFORE], AFTER] = node[i, AFTER]
                     else:
-                        head[degree[i]] = after[i]
-                    if after[i] != NONE:
-                        before[after[i]] = before[i]
+                        head[node[i, DEGREE]] = node[i, AFTER]
+                    if node[i, AFTER] != NONE:
+                        node[node[i, AFTER], BEFORE] = node[i, BEFORE]
             if not own:
-                mark[e], length[e] = 0, 0
-        n_elements[pivot] = 0
-        start[pivot], length[pivot] = first, end - first
+                node[e, MARK], node[e, LENGTH] = 0, 0
+        node[pivot, ELEMENTS] = 0
+        node[pivot, START], node[pivot, LENGTH] = first, end - first
 
         # -- |Lₑ \ Lₚ| for every element e that touches Lₚ -----------------------------------------
         epoch += 1
         for k in range(first, end):
             i = lists[k]
-            own_size = -size[i]
-            for p in range(start[i], start[i] + n_elements[i]):
+            own_size = -node[i, SIZE]
+            for p in range(node[i, START], node[i, START] + node[i, ELEMENTS]):
                 e = lists[p]
-                left = mark[e]
+                left = node[e, MARK]
                 if left >= epoch:
-                    mark[e] = left - own_size
+                    node[e, MARK] = left - own_size
                 elif left != 0:
-                    mark[e] = degree[e] + epoch - own_size
+                    node[e, MARK] = node[e, DEGREE] + epoch - own_size
 
         # -- new lists and approximate degrees of the members --------------------------------------
         for k in range(first, end):
             i = lists[k]
-            begin, stop = start[i], start[i] + length[i]
-            variables = begin + n_elements[i]
+            begin, stop = node[i, START], node[i, START] + node[i, LENGTH]
+            variables = begin + node[i, ELEMENTS]
             outside, fold, keep = 0, np.int64(0), begin
             for p in range(begin, variables):
                 e = lists[p]
-                left = mark[e]
+                left = node[e, MARK]
                 if left > epoch:
                     outside += left - epoch
                     fold += e
                     lists[keep] = e
                     keep += 1
                 elif left != 0:  # all of e lies in the new element: absorb it
-                    mark[e], length[e] = 0, 0
+                    node[e, MARK], node[e, LENGTH] = 0, 0
             kept = keep - begin
             for p in range(variables, stop):
                 j = lists[p]
-                own_size = size[j]
+                own_size = node[j, SIZE]
                 if own_size > 0:
                     outside += own_size
                     fold += j
                     lists[keep] = j
                     keep += 1
             if keep == begin:  # nothing but the new element: eliminated along with the pivot
-                pivot_size -= size[i]
-                eliminated -= size[i]
-                members += size[i]
-                size[i], length[i] = 0, 0
+                pivot_size -= node[i, SIZE]
+                eliminated -= node[i, SIZE]
+                members += node[i, SIZE]
+                node[i, SIZE], node[i, LENGTH] = 0, 0
                 next_member[last_member[pivot]] = i
                 last_member[pivot] = last_member[i]
                 continue
-            degree[i] = min(degree[i], outside)
+            node[i, DEGREE] = min(node[i, DEGREE], outside)
             # The new element goes first. Its place was that of an element or a variable which is
             # there no longer, as it brought i into Lₚ.
             if keep > begin + kept:
@@ -196,37 +205,40 @@ def minimum_degree(indptr: IntArray, indices: IntArray) -> IntArray:
             if kept > 0:
                 lists[begin + kept] = lists[begin]
             lists[begin] = pivot
-            n_elements[i], length[i] = kept + 1, keep - begin + 1
+            node[i, ELEMENTS], node[i, LENGTH] = kept + 1, keep - begin + 1
             hashes[i] = (fold + pivot) % n
             bucket_next[i] = bucket[hashes[i]]
             bucket[hashes[i]] = i
-        degree[pivot] = members
+        node[pivot, DEGREE] = members
         largest = max(largest, members)
 
         # -- members with equal lists become one variable ------------------------------------------
         epoch += largest + 1  # past every mark that this pivot has left
         for k in range(first, end):
-            if size[lists[k]] == 0:
+            if node[lists[k], SIZE] == 0:
                 continue
             key = hashes[lists[k]]
             i = bucket[key]
             bucket[key] = NONE
             while i != NONE and bucket_next[i] != NONE:
                 epoch += 1
-                for p in range(start[i] + 1, start[i] + length[i]):
-                    mark[lists[p]] = epoch
+                for p in range(node[i, START] + 1, node[i, START] + node[i, LENGTH]):
+                    node[lists[p], MARK] = epoch
                 previous, j = i, bucket_next[i]
                 while j != NONE:
-                    same = length[j] == length[i] and n_elements[j] == n_elements[i]
+                    same = (
+                        node[j, LENGTH] == node[i, LENGTH]
+                        and node[j, ELEMENTS] == node[i, ELEMENTS]
+                    )
                     if same:
-                        for p in range(start[j] + 1, start[j] + length[j]):
-                            if mark[lists[p]] != epoch:
+                        for p in range(node[j, START] + 1, node[j, START] + node[j, LENGTH]):
+                            if node[lists[p], MARK] != epoch:
                                 same = False
                                 break
                     following = bucket_next[j]
                     if same:
-                        size[i] += size[j]
-                        size[j], length[j] = 0, 0
+                        node[i, SIZE] += node[j, SIZE]
+                        node[j, SIZE], node[j, LENGTH] = 0, 0
                         next_member[last_member[i]] = j
                         last_member[i] = last_member[j]
                         bucket_next[previous] = following
@@ -238,24 +250,24 @@ def minimum_degree(indptr: IntArray, indices: IntArray) -> IntArray:
 
         # -- back into the lists of degrees; out with the pivot ------------------------------------
         end = first
-        for k in range(first, first + length[pivot]):
+        for k in range(first, first + node[pivot, LENGTH]):
             i = lists[k]
-            if size[i] == 0:
+            if node[i, SIZE] == 0:
                 continue
-            size[i] = -size[i]
-            degree[i] = max(0, min(degree[i] + members, n - eliminated) - size[i])
-            follower = head[degree[i]]
-            after[i], before[i] = follower, NONE
+            node[i, SIZE] = -node[i, SIZE]
+            node[i, DEGREE] = max(0, min(node[i, DEGREE] + members, n - eliminated) - node[i, SIZE])
+            follower = head[node[i, DEGREE]]
+            node[i, AFTER], node[i, BEFORE] = follower, NONE
             if follower != NONE:
-                before[follower] = i
-            head[degree[i]] = i
-            least = min(least, degree[i])
+                node[follower, BEFORE] = i
+            head[node[i, DEGREE]] = i
+            least = min(least, node[i, DEGREE])
             lists[end] = i
             end += 1
-        length[pivot] = end - first
-        size[pivot] = pivot_size
-        if length[pivot] == 0:
-            mark[pivot] = 0
+        node[pivot, LENGTH] = end - first
+        node[pivot, SIZE] = pivot_size
+        if node[pivot, LENGTH] == 0:
+            node[pivot, MARK] = 0
         v = pivot
         while v != NONE:
             order[ordered] = v

@@ -37,9 +37,7 @@ def _minus_product(builder: Any, row: Any, factor: Any, other: Any) -> Any:
 
 
 @intrinsic  # type: ignore[untyped-decorator]
-def minus_one(  # noqa: PLR0917 - kernels take no keywords
-    _context: Any, _target: Any, _at: Any, _other: Any, _begin: Any, _factor: Any
-) -> Any:
+def minus_one(_context: Any, _target: Any, _at: Any, _other: Any, _begin: Any, _factor: Any) -> Any:
     """Subtract a multiple of the row ``other[begin:]`` from the row ``target[at:]``."""
 
     def code(context: Any, builder: Any, _signature: Any, arguments: Any) -> Any:
@@ -54,7 +52,7 @@ def minus_one(  # noqa: PLR0917 - kernels take no keywords
 
 
 @intrinsic  # type: ignore[untyped-decorator]
-def minus_four(  # noqa: PLR0917 - kernels take no keywords
+def minus_four(
     _context: Any, _target: Any, _at: Any, _head: Any, _l0: Any, _l1: Any, _l2: Any, _l3: Any
 ) -> Any:
     """Subtract multiples of the four rows at `head` from the row ``target[at:]``."""
@@ -73,7 +71,7 @@ def minus_four(  # noqa: PLR0917 - kernels take no keywords
 
 
 @intrinsic  # type: ignore[untyped-decorator]
-def four_minus(  # noqa: PLR0917 - kernels take no keywords
+def four_minus(
     _context: Any, _head: Any, _other: Any, _at: Any, _l0: Any, _l1: Any, _l2: Any, _l3: Any
 ) -> Any:
     """Subtract multiples of the row ``other[at:]`` from the four rows at `head`."""

@@ -10,7 +10,7 @@ import numba
 import numpy as np
 from numba import types
 
-from geodesic_toolkit._typing import FloatArray, IntArray
+from geodesic_toolkit._typing import FloatArray, IndexArray, IntArray
 from geodesic_toolkit.linear.supernodal._pointers import Pointer, pointer
 from geodesic_toolkit.linear.supernodal._rows import BLOCK, four_minus, minus_four, minus_one
 
@@ -72,9 +72,7 @@ def _dot_columns(  # noqa: PLR0917 - kernels take no keywords
 
 
 @kernel  # type: ignore[untyped-decorator]
-def _dot_column(  # noqa: PLR0917 - kernels take no keywords
-    x: Pointer, begin: int, count: int, factor: Pointer, start: int
-) -> float:
+def _dot_column(x: Pointer, begin: int, count: int, factor: Pointer, start: int) -> float:
     total = 0.0
     for k in range(count):
         total += factor[start + k] * x[begin + k]
@@ -157,10 +155,10 @@ def _backward(  # noqa: PLR0917 - kernels take no keywords
 )  # fmt: skip
 def solve_column(  # noqa: PLR0917 - kernels take no keywords
     right_hand_side: FloatArray,
-    order: IntArray,
-    first: IntArray,
+    order: IndexArray,
+    first: IndexArray,
     row_starts: IntArray,
-    rows: IntArray,
+    rows: IndexArray,
     panels: IntArray,
     panel_values: FloatArray,
     room: FloatArray,
@@ -301,10 +299,10 @@ def _backward_block(  # noqa: PLR0917 - kernels take no keywords
 )  # fmt: skip
 def solve_block(  # noqa: PLR0917 - kernels take no keywords
     right_hand_sides: FloatArray,
-    order: IntArray,
-    first: IntArray,
+    order: IndexArray,
+    first: IndexArray,
     row_starts: IntArray,
-    rows: IntArray,
+    rows: IndexArray,
     panels: IntArray,
     panel_values: FloatArray,
     room: FloatArray,

@@ -6,7 +6,7 @@ from typing import final
 import numpy as np
 from scipy.sparse import csr_array
 
-from geodesic_toolkit._typing import IntArray
+from geodesic_toolkit._typing import IndexArray, IntArray
 from geodesic_toolkit.errors import SolverError
 
 __all__ = ["Analysis", "analyze"]
@@ -42,17 +42,17 @@ class Analysis:
         Rows of the tallest supernode.
     """
 
-    indptr: IntArray
-    indices: IntArray
-    order: IntArray
-    rank: IntArray
+    indptr: IndexArray | IntArray
+    indices: IndexArray | IntArray
+    order: IndexArray
+    rank: IndexArray
     starts: IntArray
-    lower_rows: IntArray
+    lower_rows: IndexArray
     places: IntArray
-    first: IntArray
+    first: IndexArray
     row_starts: IntArray
-    rows: IntArray
-    above: IntArray
+    rows: IndexArray
+    above: IndexArray
     panels: IntArray
     stack: int
     tallest: int
@@ -133,13 +133,13 @@ def _without_mirror_image(matrix: csr_array) -> tuple[int, int]:
     return row, column
 
 
-def _inverse(permutation: IntArray) -> IntArray:
+def _inverse(permutation: IndexArray) -> IndexArray:
     inverse = np.empty_like(permutation)
     inverse[permutation] = np.arange(len(permutation), dtype=permutation.dtype)
     return inverse
 
 
-def _relabelled(parent: IntArray, order: IntArray) -> IntArray:
+def _relabelled(parent: IndexArray, order: IndexArray) -> IndexArray:
     """Return a forest with vertex ``order[k]`` called k."""
     above = parent[order]
     return np.where(above >= 0, _inverse(order)[above], above).astype(np.int32)

@@ -14,6 +14,12 @@ from geodesic_toolkit.linear.supernodal.factor import SupernodalFactor, factoriz
 
 __all__ = ["Supernodal"]
 
+OF_LU = 1 / 3
+"""Share of the bytes of L and U that L takes, one row index serving a whole row of a supernode.
+
+The analysis knows how many there are; this is to refuse at once what is hopeless.
+"""
+
 
 @final
 @dataclass(frozen=True, kw_only=True)
@@ -48,7 +54,7 @@ class Supernodal(LinearSolver):
     def analyze(self, matrix: csr_array) -> Factorizer:
         """Return a function that factorises matrices with the pattern of `matrix`."""
         require_memory(
-            factor_bytes(matrix.shape[0], matrix.nnz),
+            OF_LU * factor_bytes(matrix.shape[0], matrix.nnz),
             f"factorising {matrix.shape[0]} unknowns with {matrix.nnz} entries",
         )
         pattern = _canonical(matrix)

@@ -1,0 +1,163 @@
+"""The compiled edge flips of :mod:`geodesic_toolkit.geometry.intrinsic`.
+
+Half-edge ``3 f + c`` is the side of face f opposite its corner c. It runs from corner c + 1 to
+corner c + 2, and its twin, on the other side of the edge, runs back.
+"""
+
+import math
+
+import numba
+import numpy as np
+from numba import types
+
+from geodesic_toolkit._typing import BoolArray, FloatArray, IntArray
+
+__all__ = ["flip_edges", "twins"]
+
+TOLERANCE = 1e-10
+"""Sum of two cotangents below zero, over that of 1 and their sizes, from which on an edge is
+flipped: no rounding must flip it back."""
+
+kernel = numba.njit
+options = {"cache": True, "nogil": True, "error_model": "numpy"}
+FACES = types.Array(types.int64, 2, "C", readonly=True)
+
+
+@numba.njit(**options)  # type: ignore[untyped-decorator]
+def _by_lower_end(
+    faces: IntArray, n_vertices: int
+) -> tuple[IntArray, IntArray, IntArray, BoolArray]:
+    """Return the half-edges by their vertex of lower index.
+
+    Those of vertex v are ``gathered[start[v] : start[v + 1]]``, and ``ends`` of the same places are
+    the other vertices. ``upward`` says, for each half-edge, whether it runs to the latter.
+    """
+    start = np.zeros(n_vertices + 1, dtype=np.int64)
+    for f in range(len(faces)):
+        i, j, k = faces[f, 0], faces[f, 1], faces[f, 2]
+        start[min(j, k) + 1] += 1
+        start[min(k, i) + 1] += 1
+        start[min(i, j) + 1] += 1
+    free = np.empty(n_vertices, dtype=np.int64)
+    for v in range(n_vertices):
+        free[v] = start[v]
+        start[v + 1] += start[v]
+    gathered, ends = np.empty(faces.size, dtype=np.int64), np.empty(faces.size, dtype=np.int64)
+    upward = np.empty(faces.size, dtype=np.bool_)
+    half = 0
+    for f in range(len(faces)):
+        i, j, k = faces[f, 0], faces[f, 1], faces[f, 2]
+        for tail, head in ((j, k), (k, i), (i, j)):
+            place = free[min(tail, head)]
+            gathered[place], ends[place], upward[half] = half, max(tail, head), tail < head
+            free[min(tail, head)] = place + 1
+            half += 1
+    return start, gathered, ends, upward
+
+
+@kernel(  # type: ignore[untyped-decorator]
+    types.Tuple((types.int64[::1], types.boolean))(FACES, types.int64), **options
+)
+def twins(faces: IntArray, n_vertices: int) -> tuple[IntArray, bool]:
+    """Return the twin of each half-edge, and whether they run against each other everywhere.
+
+    Only the two half-edges of an edge that has just two are twins; the others have -1.
+    """
+    start, gathered, ends, upward = _by_lower_end(faces, n_vertices)
+    twin = np.empty(len(gathered), dtype=np.int64)
+    first = np.empty(n_vertices, dtype=np.int64)  # of the half-edges between v and each vertex
+    count = np.zeros(n_vertices, dtype=np.int64)
+    for v in range(n_vertices):
+        for place in range(start[v], start[v + 1]):
+            half, other = gathered[place], ends[place]
+            twin[half] = -1
+            count[other] += 1
+            if count[other] == 1:
+                first[other] = half
+            elif count[other] == 2:
+                twin[half], twin[first[other]] = first[other], half
+            elif twin[first[other]] >= 0:
+                twin[twin[first[other]]] = -1
+                twin[first[other]] = -1
+        for place in range(start[v], start[v + 1]):
+            count[ends[place]] = 0
+    coherent = True
+    for half in range(len(twin)):
+        if twin[half] >= 0:
+            coherent &= upward[half] != upward[twin[half]]
+    return twin, coherent
+
+
+@numba.njit(**options)  # type: ignore[untyped-decorator]
+def _doubled_area(p: float, q: float, r: float) -> float:
+    """Return twice the area by Kahan's order of Heron's formula, which does not cancel."""
+    a, c = max(p, q, r), min(p, q, r)
+    b = max(min(p, q), min(max(p, q), r))
+    product = (a + (b + c)) * (c - (a - b)) * (c + (a - b)) * (a + (b - c))
+    return math.sqrt(max(product, 0.0)) / 2
+
+
+@kernel(  # type: ignore[untyped-decorator]
+    types.int64(types.int64[:, ::1], types.float64[:, ::1], types.int64[::1]), **options
+)
+def flip_edges(faces: IntArray, lengths: FloatArray, twin: IntArray) -> int:
+    """Flip edges until none has opposite angles of more than π together; return how many.
+
+    All three arrays change in place. Half-edges that wait to be looked at are on a stack; whatever
+    a flip may have spoilt goes there again, under the name that it has after the flip.
+    """
+    waiting, is_waiting = np.empty(len(twin), dtype=np.int64), np.zeros(len(twin), dtype=np.bool_)
+    known = 0
+    for half in range(len(twin)):
+        if twin[half] > half:
+            waiting[known] = half
+            is_waiting[half] = True
+            known += 1
+    flips = 0
+    old, new = np.empty(4, dtype=np.int64), np.empty(4, dtype=np.int64)
+    across, measures = np.empty(4, dtype=np.int64), np.empty(4)
+    while known > 0:
+        known -= 1
+        half = waiting[known]
+        is_waiting[half] = False
+        mate = twin[half]
+        if mate < 0 or mate // 3 == half // 3:
+            continue
+        f, c, g, d = half // 3, half % 3, mate // 3, mate % 3
+        old[0], old[1] = 3 * g + (d + 1) % 3, 3 * f + (c + 2) % 3  # ad and ca, b opposite both
+        old[2], old[3] = 3 * f + (c + 1) % 3, 3 * g + (d + 2) % 3  # bc and db, a opposite both
+        for side in range(4):
+            measures[side] = lengths[old[side] // 3, old[side] % 3]
+        ad, ca, bc, db = measures
+        ab = lengths[f, c]
+        above, below = _doubled_area(ab, bc, ca), _doubled_area(ab, ad, db)
+        # Twice the cotangents at c and d, times the doubled area of each triangle.
+        at_c, at_d = bc * bc + ca * ca - ab * ab, ad * ad + db * db - ab * ab
+        at_c, at_d = at_c * below, at_d * above
+        if not at_c + at_d < -TOLERANCE * (above * below + abs(at_c) + abs(at_d)):
+            continue
+        x = ((ca - bc) * (ca + bc) - (ad - db) * (ad + db)) / (2 * ab)
+        y = (above + below) / ab
+        cd = math.sqrt(x * x + y * y)
+        at = faces[f, (c + 1) % 3], faces[f, (c + 2) % 3], faces[f, c], faces[g, d]
+        faces[f, 0], faces[f, 1], faces[f, 2] = at[2], at[0], at[3]
+        faces[g, 0], faces[g, 1], faces[g, 2] = at[3], at[1], at[2]
+        lengths[f, 0], lengths[f, 1], lengths[f, 2] = ad, cd, ca
+        lengths[g, 0], lengths[g, 1], lengths[g, 2] = bc, cd, db
+        new[0], new[1], new[2], new[3] = 3 * f, 3 * f + 2, 3 * g, 3 * g + 2
+        for side in range(4):
+            across[side] = twin[old[side]]
+            for moved in range(4):
+                if twin[old[side]] == old[moved]:
+                    across[side] = new[moved]
+        for side in range(4):
+            twin[new[side]] = across[side]
+            if across[side] >= 0:
+                twin[across[side]] = new[side]
+                if not is_waiting[new[side]]:
+                    is_waiting[new[side]] = True
+                    waiting[known] = new[side]
+                    known += 1
+        twin[3 * f + 1], twin[3 * g + 1] = 3 * g + 1, 3 * f + 1
+        flips += 1
+    return flips

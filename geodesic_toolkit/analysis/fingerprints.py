@@ -1,0 +1,95 @@
+"""What a matrix was asked for, as words and digests that tell one request from another."""
+
+import dataclasses
+import hashlib
+from importlib import metadata
+from typing import Any
+
+import numpy as np
+from scipy.sparse import csr_array
+
+from geodesic_toolkit.analysis.row_tasks import EveryVertex, Sets
+from geodesic_toolkit.discretization import Discretization
+from geodesic_toolkit.solver import GeodesicSolver
+
+__all__ = ["digest", "fingerprint_of_solver", "fingerprint_of_sources", "fingerprint_of_versions"]
+
+
+def digest(*values: Any) -> str:
+    """Return twelve characters that change with any bit of `values`.
+
+    Arrays count by type, shape and contents; objects by their class and what they hold.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from geodesic_toolkit.analysis.fingerprints import digest
+    >>> digest(np.arange(3)) == digest(np.arange(3)), digest(np.arange(3)) == digest([0, 1, 2])
+    (True, False)
+    """
+    state = hashlib.sha256()
+    for value in values:
+        _feed(state, value)
+    return state.hexdigest()[:12]
+
+
+def _feed(state: Any, value: Any) -> None:
+    if isinstance(value, np.ndarray) and value.dtype != object:
+        state.update(f"array {value.dtype.str} {value.shape} ".encode())
+        state.update(np.ascontiguousarray(value).data)
+    elif isinstance(value, csr_array):
+        _feed(state, [value.shape, value.data, value.indices, value.indptr])
+    elif isinstance(value, list | tuple):
+        state.update(f"{type(value).__name__} {len(value)} ".encode())
+        for item in value:
+            _feed(state, item)
+    elif dataclasses.is_dataclass(value) and not isinstance(value, type):
+        state.update(f"{type(value).__qualname__} ".encode())
+        for item in dataclasses.fields(value):
+            _feed(state, getattr(value, item.name))
+    else:
+        state.update(f"{value!r} ".encode())
+
+
+def fingerprint_of_solver(solver: GeodesicSolver) -> dict[str, str]:
+    """Return what distances depend on, by name: the shape, the operator, each option.
+
+    Parameters
+    ----------
+    solver : GeodesicSolver
+
+    Returns
+    -------
+    dict of str to str
+    """
+    method = solver.method
+    return {
+        "shape": f"{solver.domain!r} {digest(solver.domain)}",
+        "operator": f"{solver.operator!r} {_of_discretization(method.metric)}",
+        "diffusion": f"{solver.diffusion!r} {_of_discretization(method.diffusion)}",
+        "time": repr(method.time),
+        "boundary": method.boundary,
+        "heat solver": repr(method.heat_solver),
+        "Poisson solver": repr(method.poisson_solver),
+        "refine": repr(method.refine),
+    }
+
+
+def _of_discretization(discretization: Discretization) -> str:
+    """Return a digest that knows the mask too, and options that a repr does not show."""
+    kind = type(discretization.gradient).__qualname__
+    return digest(discretization.mass, discretization.stiffness, discretization.boundary, kind)
+
+
+def fingerprint_of_sources(sets: Sets) -> str:
+    """Return how many source sets there are and a digest of them."""
+    if isinstance(sets, EveryVertex):
+        return "every vertex"
+    kind = "vertices" if isinstance(sets, np.ndarray) else "source sets"
+    return f"{len(sets)} {kind} {digest(sets)}"
+
+
+def fingerprint_of_versions() -> str:
+    """Return the versions on which the last bit of a distance may depend."""
+    names = ("geodesic-toolkit", "numpy", "scipy", "numba")
+    return ", ".join(f"{name} {metadata.version(name)}" for name in names)

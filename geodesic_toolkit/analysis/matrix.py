@@ -1,0 +1,329 @@
+"""`distance_matrix`: distances of many sources, to memory or to disk, in one process or many."""
+
+import os
+from concurrent.futures import Executor
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, DTypeLike
+
+from geodesic_toolkit._atomic import check_output
+from geodesic_toolkit._typing import IntArray
+from geodesic_toolkit.analysis.executors import check_executor, computed
+from geodesic_toolkit.analysis.fingerprints import (
+    digest,
+    fingerprint_of_solver,
+    fingerprint_of_sources,
+    fingerprint_of_versions,
+)
+from geodesic_toolkit.analysis.row_tasks import (
+    EveryVertex,
+    RowTask,
+    Sets,
+    rows_of_task,
+    vertices_of,
+)
+from geodesic_toolkit.analysis.settling import as_begun, settled
+from geodesic_toolkit.analysis.stores import (
+    FileOfRows,
+    InMemory,
+    Plan,
+    SparseFile,
+    SparseInMemory,
+    Store,
+    ZarrOfRows,
+    check_disk,
+    require_zarr,
+)
+from geodesic_toolkit.analysis.symmetry import Symmetrize, check_symmetrize, widened
+from geodesic_toolkit.analysis.unfinished import Unfinished, recorded_request
+from geodesic_toolkit.errors import InvalidOptionError, WriteError
+from geodesic_toolkit.heat import Progress
+from geodesic_toolkit.solver import GeodesicSolver
+from geodesic_toolkit.source_points import as_vertices
+
+__all__ = ["MATRIX_SUFFIXES", "check_matrix_output", "distance_matrix"]
+
+MATRIX_SUFFIXES = (".npy", ".zarr", ".npz")
+
+
+def distance_matrix(
+    solver: GeodesicSolver,
+    sources: Any = None,
+    *,
+    targets: ArrayLike | None = None,
+    dtype: DTypeLike = np.float64,
+    symmetrize: Symmetrize = "mean",
+    max_distance: float | None = None,
+    out: str | os.PathLike[str] | None = None,
+    resume: bool = True,
+    executor: Executor | None = None,
+    progress: Progress | None = None,
+) -> Any:
+    """Return the matrix of geodesic distances from K source sets to N vertices.
+
+    Rows are computed in tasks of fixed ranges, so that the result has the same bits to the last
+    whether it goes to memory or to a file, in one process or in many, at once or resumed.
+
+    Parameters
+    ----------
+    solver : GeodesicSolver
+    sources : array-like of int, or iterable of what :meth:`GeodesicSolver.distance` takes, optional
+        A one-dimensional array of integers means that many single sources. All vertices by default;
+        those that cannot be a source (masked ones, missing points of a cloud) have rows of ``inf``.
+    targets : array-like of int, optional
+        Vertices that are the columns; all by default. The sources once more give the square matrix
+        between them.
+    dtype : {float64, float32}
+        Of the result. Computed is in float64.
+    symmetrize : {"mean", "min", "max"} or None
+        What an entry and the one that mirrors it become, as heat distances are not symmetric. For
+        square matrices, whose rows and columns are the same vertices; others are left as they are.
+    max_distance : float, optional
+        Keep the entries that are not above it, in a sparse matrix. Blocks of rows are thinned
+        before they are collected. The zeros of the diagonal are stored entries, as neighbour
+        searches expect: what is not stored is farther, and ``eliminate_zeros`` would lose them.
+        With ``symmetrize="mean"``, entries up to twice as far are held until the end.
+    out : path-like, optional
+        A file to write: ``.npy``, or ``.zarr`` with one task a chunk, or with `max_distance`
+        SciPy's ``.npz``. It is put in place when it is complete. Until then a folder beside it,
+        ``NAME.partial``, holds what is done. Dense symmetric matrices take twice their size on
+        disk for a while, and a few hundred megabytes of memory however large they are.
+    resume : bool
+        Whether to go on with what an interrupted run of the same request left beside `out`; else
+        that is thrown away.
+    executor : concurrent.futures.Executor, optional
+        Where to compute: a process pool, loky's, ``Client(...).get_executor()`` of dask,
+        ``MPIPoolExecutor`` of mpi4py. In each process the solver is unpickled and factorised once,
+        and kept for the next call with it. The executor stays open.
+    progress : callable, optional
+        Called with the number of rows done and their total, at the start and after each task.
+
+    Returns
+    -------
+    ndarray, memmap, zarr.Array or csr_array, of shape (K, N) or (K, T)
+        In the unit of the domain, ``inf`` where no source connects. Files come back opened for
+        reading: an ``.npy`` as a memory map, a ``.zarr`` as its array. Sparse where `max_distance`
+        is given.
+
+    Raises
+    ------
+    InvalidSourceError
+        As for :meth:`GeodesicSolver.distances`, before any work; a target out of range.
+    InvalidOptionError
+        An option outside its values; a file that does not go with the others; beside `out` an
+        unfinished matrix of another request, when the message says what differs.
+    NotEnoughMemoryError
+        A dense matrix in memory that would not fit.
+    WriteError
+        `out` cannot be written, or another run is writing it.
+    MissingDependencyError
+        A ``.zarr`` without the package zarr.
+
+    Examples
+    --------
+    >>> import geodesic_toolkit as gt
+    >>> solver = gt.GeodesicSolver(gt.testing.shapes.icosphere(2))
+    >>> gt.distance_matrix(solver, [0, 1, 2]).shape
+    (3, 162)
+    >>> square = gt.distance_matrix(solver, dtype="float32")
+    >>> square.shape, bool((square == square.T).all())
+    ((162, 162), True)
+    >>> near = gt.distance_matrix(solver, max_distance=0.5)
+    >>> round(near.nnz / 162)  # vertices not farther than half a radius
+    10
+    """
+    check_executor(executor)
+    check_symmetrize(symmetrize)
+    plan = _plan(
+        solver,
+        _sets(solver, sources),
+        None if targets is None else as_vertices(targets, solver.domain.n_vertices, "targets"),
+        dtype=_dtype(dtype),
+        symmetrize=symmetrize,
+        limit=_limit(max_distance),
+    )
+    output = None if out is None else check_matrix_output(out, sparse=plan.limit is not None)
+    fixed = settled(solver, plan.shape[0])
+    if output is not None and resume:
+        fixed = as_begun(fixed, recorded_request(output))
+    store = _store(fixed, plan, output, resume=bool(resume))
+    try:
+        return _filled(fixed, store, executor, progress)
+    finally:
+        store.close()
+
+
+def _filled(
+    solver: GeodesicSolver, store: Store, executor: Executor | None, progress: Progress | None
+) -> Any:
+    tasks = store.plan.tasks
+    missing = [task for task in tasks if not store.done[task.number]]
+    done = sum(task.stop - task.start for task in tasks) - sum(
+        task.stop - task.start for task in missing
+    )
+    if progress is not None:
+        progress(done, store.plan.shape[0])
+    for task, rows in computed(solver, missing, executor):
+        store.put(task, rows)
+        done += task.stop - task.start
+        if progress is not None:
+            progress(done, store.plan.shape[0])
+    return store.finish()
+
+
+# -- the request -----------------------------------------------------------------------------------
+
+
+def _dtype(dtype: DTypeLike) -> np.dtype[Any]:
+    try:
+        chosen = np.dtype(dtype)
+    except TypeError as error:
+        raise InvalidOptionError(f"dtype must be float64 or float32, not {dtype!r}") from error
+    if chosen not in (np.dtype(np.float64), np.dtype(np.float32)):
+        raise InvalidOptionError(f"dtype must be float64 or float32, not {chosen}")
+    return chosen
+
+
+def _limit(max_distance: object) -> float | None:
+    if max_distance is None:
+        return None
+    try:
+        limit = float(max_distance)  # type: ignore[arg-type]
+    except (TypeError, ValueError) as error:
+        raise InvalidOptionError(f"max_distance must be a number, not {max_distance!r}") from error
+    if not (np.isfinite(limit) and limit >= 0):
+        raise InvalidOptionError(f"max_distance must be finite and not negative, not {limit}")
+    return limit
+
+
+def _sets(solver: GeodesicSolver, sources: Any) -> Sets:
+    """Return the source sets, each checked."""
+    n_vertices = solver.domain.n_vertices
+    if sources is None:
+        return EveryVertex(0, n_vertices)
+    places = solver._locate_sets(sources)  # noqa: SLF001 - all are checked before any work
+    try:
+        array = np.asarray(sources)
+    except (ValueError, TypeError):  # sets of different kinds and lengths
+        return places
+    if array.ndim == 1 and array.dtype.kind in "iu":
+        return as_vertices(array, n_vertices)
+    return places
+
+
+def _plan(
+    solver: GeodesicSolver,
+    sets: Sets,
+    columns: IntArray | None,
+    *,
+    dtype: np.dtype[Any],
+    symmetrize: Symmetrize,
+    limit: float | None,
+) -> Plan:
+    n_vertices = solver.domain.n_vertices
+    across = np.arange(n_vertices) if columns is None else columns
+    square = _are_the_same(vertices_of(sets), across)
+    how = symmetrize if square else None
+    kept = None if limit is None else widened(limit, how)
+    step = rows_of_task(len(sets), n_vertices)
+    tasks = []
+    for number, start in enumerate(range(0, len(sets), step)):
+        stop = min(start + step, len(sets))
+        part = EveryVertex(start, stop) if isinstance(sets, EveryVertex) else sets[start:stop]
+        tasks.append(RowTask(number, start, stop, part, columns, dtype, kept))
+    request = {
+        "sources": fingerprint_of_sources(sets),
+        "targets": "every vertex" if columns is None else f"{len(columns)} {digest(columns)}",
+        "dtype": dtype.name,
+        "symmetrize": how or "no",
+        "max_distance": repr(limit),
+        "rows of a task": str(step),
+    }
+    return Plan(
+        tasks=tasks,
+        shape=(len(sets), len(across)),
+        dtype=dtype,
+        symmetrize=how,
+        limit=limit,
+        request=request,
+    )
+
+
+def _are_the_same(rows: IntArray | None, columns: IntArray) -> bool:
+    if rows is None or not np.array_equal(rows, columns):
+        return False
+    return len(np.unique(columns)) == len(columns)
+
+
+# -- the output ------------------------------------------------------------------------------------
+
+
+def check_matrix_output(out: str | os.PathLike[str], *, sparse: bool) -> Path:
+    """Raise where `out` cannot become a matrix: to be asked before any work is done.
+
+    Parameters
+    ----------
+    out : path-like
+    sparse : bool
+        Whether a `max_distance` is given.
+
+    Returns
+    -------
+    Path
+        With links resolved.
+
+    Raises
+    ------
+    InvalidOptionError
+        Another suffix than those that can be written.
+    WriteError
+        Something else is there, there is no such folder, no permission.
+    MissingDependencyError
+        A ``.zarr`` without the package zarr.
+    """
+    try:
+        path = Path(out)
+    except TypeError as error:
+        raise InvalidOptionError(f"out must be a path, not a {type(out).__name__}") from error
+    suffix = path.suffix.lower()
+    if suffix in MATRIX_SUFFIXES and sparse != (suffix == ".npz"):
+        raise InvalidOptionError(
+            f"{path}: a matrix thinned by max_distance is sparse, and goes to a .npz file"
+            if sparse
+            else f"{path}: a .npz file is for sparse matrices; give max_distance, or write .npy "
+            "or .zarr"
+        )
+    if suffix == ".zarr":
+        require_zarr()
+        if path.exists():  # another store may be replaced, something else may not
+            if not (path / "zarr.json").exists():
+                raise WriteError(f"{path} is there already, and no zarr store")
+            check_output(path / "zarr.json", (".json",))
+            return Path(os.path.realpath(path))
+    check_output(path, MATRIX_SUFFIXES)
+    return Path(os.path.realpath(path))
+
+
+def _store(solver: GeodesicSolver, plan: Plan, output: Path | None, *, resume: bool) -> Store:
+    sparse = plan.limit is not None
+    if output is None:
+        return SparseInMemory(plan) if sparse else InMemory(plan)
+    request = {
+        **fingerprint_of_solver(solver),
+        **plan.request,
+        "file": output.suffix.lower(),
+        "versions": fingerprint_of_versions(),
+    }
+    unfinished = Unfinished(output, request, len(plan.tasks), resume=resume)
+    try:
+        if sparse:
+            return SparseFile(plan, unfinished)
+        todo = float(np.mean(~unfinished.done)) + (plan.symmetrize is not None)
+        check_disk(output.parent, plan.nbytes * todo, output)
+        kind = FileOfRows if output.suffix.lower() == ".npy" else ZarrOfRows
+        return kind(plan, unfinished)
+    except BaseException:
+        unfinished.close()
+        raise

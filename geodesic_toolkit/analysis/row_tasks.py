@@ -1,0 +1,139 @@
+"""A matrix of distances as tasks: fixed ranges of rows, each computed by itself.
+
+The ranges depend on the shape of the matrix alone. Whoever computes a task, and whenever, gives it
+to the solver as one list of source sets, so that the last bit is the same on each way.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any, TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.sparse import csr_array
+
+from geodesic_toolkit._typing import IntArray
+from geodesic_toolkit.errors import InvalidSourceError
+from geodesic_toolkit.solver import GeodesicSolver
+from geodesic_toolkit.source_points import SourcePoints
+
+__all__ = ["EveryVertex", "RowTask", "Rows", "Sets", "rows_of_task", "thinned", "vertices_of"]
+
+Rows: TypeAlias = NDArray[np.floating[Any]] | csr_array
+"""Rows of a matrix: dense, or the entries that are not above a limit."""
+
+TASK_BYTES = 32e6
+"""Of the float64 rows of a task: a second's work or less, and little to lose."""
+
+FEWEST, MOST = 16, 1024
+"""Rows of a task; fewer would leave the blocks that solvers work on half empty."""
+
+TASKS = 64
+"""Tasks that there should be, for progress and for many workers, where rows are enough."""
+
+
+@dataclass(frozen=True)
+class EveryVertex:
+    """As source sets: each vertex by itself, where those that cannot be one reach nothing.
+
+    Parameters
+    ----------
+    start, stop : int
+        The range of vertices.
+    """
+
+    start: int
+    stop: int
+
+    def __len__(self) -> int:
+        return self.stop - self.start
+
+
+Sets: TypeAlias = EveryVertex | Sequence[SourcePoints] | IntArray
+"""Source sets: all vertices, places already found, or vertices that are known to be there."""
+
+
+@dataclass(frozen=True, eq=False)
+class RowTask:
+    """Some rows of a matrix, all that a worker needs to know but the solver.
+
+    Parameters
+    ----------
+    number : int
+        Its place in the list of tasks.
+    start, stop : int
+        The range of rows.
+    sets : EveryVertex, sequence of SourcePoints, or ndarray
+        Sources, one set a row.
+    targets : ndarray of shape (T,), int64, optional
+        The vertices that are columns; all by default.
+    dtype : dtype
+        Of the rows.
+    limit : float, optional
+        Entries above it are left out of a sparse result.
+    """
+
+    number: int
+    start: int
+    stop: int
+    sets: Sets
+    targets: IntArray | None
+    dtype: np.dtype[Any]
+    limit: float | None
+
+    def compute(self, solver: GeodesicSolver) -> Rows:
+        """Return the rows, dense or thinned."""
+        distances = _distances(solver, self.sets)
+        if self.targets is not None:
+            distances = distances[:, self.targets]
+        rows = distances.astype(self.dtype, copy=False)
+        return rows if self.limit is None else thinned(rows, self.limit)
+
+
+def _distances(solver: GeodesicSolver, sets: Sets) -> NDArray[np.float64]:
+    if not isinstance(sets, EveryVertex):
+        return solver.distances(sets)
+    places = [_place(solver, vertex) for vertex in range(sets.start, sets.stop)]
+    found = [place for place in places if place is not None]
+    if len(found) == len(places):
+        return solver.distances(found)
+    distances = np.full((len(places), solver.domain.n_vertices), np.inf)
+    if found:
+        distances[[place is not None for place in places]] = solver.distances(found)
+    return distances
+
+
+def _place(solver: GeodesicSolver, vertex: int) -> SourcePoints | None:
+    """Return a vertex as a source, or None where none can be: masked, missing in a cloud."""
+    try:
+        return solver._locate(vertex)  # noqa: SLF001 - located once, here, instead of in each block
+    except InvalidSourceError:
+        return None
+
+
+def thinned(rows: NDArray[np.floating[Any]], limit: float) -> csr_array:
+    """Return the entries that are not above `limit`; zeros among them are entries too."""
+    kept = rows <= np.float64(limit)  # not a Python float, which float32 would round
+    starts = np.concatenate([[0], np.cumsum(np.count_nonzero(kept, axis=1))]).astype(np.int64)
+    columns = np.nonzero(kept)[1].astype(np.int64)
+    return csr_array((rows[kept], columns, starts), shape=rows.shape)
+
+
+def rows_of_task(n_rows: int, n_vertices: int) -> int:
+    """Return how many rows a task has: as many as make `TASK_BYTES`, and enough tasks.
+
+    Examples
+    --------
+    >>> from geodesic_toolkit.analysis.row_tasks import rows_of_task
+    >>> rows_of_task(10_242, 10_242), rows_of_task(100, 1_000_000), rows_of_task(3, 10)
+    (160, 16, 16)
+    """
+    fitting = min(TASK_BYTES / (8 * n_vertices), n_rows / TASKS, MOST)
+    return max(FEWEST, int(fitting) // FEWEST * FEWEST)
+
+
+def vertices_of(sets: Sets) -> IntArray | None:
+    """Return the source vertices, one a row, or None where a set is anything else."""
+    if isinstance(sets, EveryVertex):
+        return np.arange(sets.start, sets.stop)
+    return sets if isinstance(sets, np.ndarray) else None

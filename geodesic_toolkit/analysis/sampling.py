@@ -1,0 +1,233 @@
+"""Vertices spread over a shape, and the parts of it that are nearest to each of some sites."""
+
+from collections.abc import Iterable
+from typing import Any, Literal, overload
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from geodesic_toolkit._typing import FloatArray, IntArray
+from geodesic_toolkit.domains import PointCloud
+from geodesic_toolkit.errors import InvalidOptionError, InvalidSourceError
+from geodesic_toolkit.heat import Progress
+from geodesic_toolkit.solver import GeodesicSolver
+
+__all__ = ["farthest_point_sampling", "geodesic_voronoi"]
+
+BLOCK = 64
+"""Sites whose distances are held at once."""
+
+
+@overload
+def farthest_point_sampling(
+    solver: GeodesicSolver,
+    count: int,
+    *,
+    start: int | None = ...,
+    rng: np.random.Generator | None = ...,
+    return_radii: Literal[False] = ...,
+    progress: Progress | None = ...,
+) -> IntArray: ...
+@overload
+def farthest_point_sampling(
+    solver: GeodesicSolver,
+    count: int,
+    *,
+    start: int | None = ...,
+    rng: np.random.Generator | None = ...,
+    return_radii: Literal[True],
+    progress: Progress | None = ...,
+) -> tuple[IntArray, FloatArray]: ...
+
+
+def farthest_point_sampling(
+    solver: GeodesicSolver,
+    count: int,
+    *,
+    start: int | None = None,
+    rng: np.random.Generator | None = None,
+    return_radii: bool = False,
+    progress: Progress | None = None,
+) -> IntArray | tuple[IntArray, FloatArray]:
+    """Return vertices spread over a shape, each the farthest from all those before it.
+
+    The greedy choice of Gonzalez covers the shape with balls whose radius is at most twice that of
+    the best choice of as many.
+
+    Parameters
+    ----------
+    solver : GeodesicSolver
+    count : int
+        How many.
+    start : int, optional
+        The first one. By default the vertex that is farthest from the first vertex of the shape: an
+        extremity.
+    rng : numpy.random.Generator, optional
+        Draws the first one instead. All else is determined by it.
+    return_radii : bool
+        Return the covering radii too.
+    progress : callable, optional
+        Called with the number of vertices chosen and `count` after each.
+
+    Returns
+    -------
+    samples : ndarray of shape (count,), int64
+        Distinct vertices, in the order of choice. A component without one is infinitely far, and
+        gets the next one. Vertices that no element uses, masked ones and the missing points of a
+        cloud are no candidates, unless there are no others.
+    radii : ndarray of shape (count,), float64
+        With `return_radii`. How far, in the unit of the domain, any candidate is at most from the
+        nearest of the samples up to that one: ``inf`` while a component has none, 0 where all are
+        taken. It never grows.
+
+    Raises
+    ------
+    InvalidOptionError
+        A count below 1 or above the number of candidates; `start` and `rng` both.
+    InvalidSourceError
+        A start that cannot be a source.
+
+    References
+    ----------
+    T. F. Gonzalez, *Clustering to minimize the maximum intercluster distance*, 1985,
+    https://doi.org/10.1016/0304-3975(85)90224-5
+
+    Examples
+    --------
+    >>> import geodesic_toolkit as gt
+    >>> solver = gt.GeodesicSolver(gt.testing.shapes.icosphere(3))
+    >>> poles, radii = gt.farthest_point_sampling(solver, 2, start=0, return_radii=True)
+    >>> poles
+    array([0, 3])
+    >>> radii.round(1)  # from one pole to the other is π, from both to the equator half of it
+    array([3.1, 1.5])
+    """
+    candidates = _candidates(solver)
+    _check_count(count, len(candidates))
+    first = _first(solver, candidates, start, rng)
+    chosen, radii = np.empty(count, dtype=np.int64), np.empty(count)
+    nearest = np.full(solver.domain.n_vertices, -np.inf)  # never chosen: no candidate, or taken
+    nearest[candidates] = np.inf
+    for position in range(count):
+        chosen[position] = vertex = first if position == 0 else int(nearest.argmax())
+        np.minimum(nearest, solver.distance(vertex), out=nearest)
+        nearest[vertex] = -np.inf
+        radii[position] = max(0.0, float(nearest.max()))
+        if progress is not None:
+            progress(position + 1, count)
+    return (chosen, radii) if return_radii else chosen
+
+
+def _candidates(solver: GeodesicSolver) -> IntArray:
+    """Return the vertices that may be chosen: those that elements use, else all there are."""
+    metric = solver.method.metric
+    used = np.flatnonzero(np.bincount(metric.components)[metric.components] > 1)
+    if len(used):
+        return used
+    present = np.ones(solver.domain.n_vertices, dtype=bool)
+    if isinstance(solver.domain, PointCloud):
+        present = solver.domain.present
+    return np.flatnonzero(present)
+
+
+def _check_count(count: object, n_candidates: int) -> None:
+    if isinstance(count, bool) or not isinstance(count, int | np.integer):
+        raise InvalidOptionError(f"count must be an integer, not {count!r}")
+    if not 1 <= count <= n_candidates:
+        raise InvalidOptionError(
+            f"count must be between 1 and the {n_candidates} vertices to choose from, not {count}"
+        )
+
+
+def _first(
+    solver: GeodesicSolver,
+    candidates: IntArray,
+    start: int | None,
+    rng: np.random.Generator | None,
+) -> int:
+    if start is not None and rng is not None:
+        raise InvalidOptionError("give start or rng, not both")
+    if rng is not None:
+        return int(rng.choice(candidates))
+    if start is not None:
+        if isinstance(start, bool) or not isinstance(start, int | np.integer):
+            raise InvalidSourceError(f"start must be one vertex index, not {start!r}")
+        return int(start)  # where it is out of range, the first distance says so
+    distance = solver.distance(int(candidates[0]))
+    return int(np.where(np.isfinite(distance), distance, -1.0).argmax())
+
+
+@overload
+def geodesic_voronoi(
+    solver: GeodesicSolver,
+    sites: ArrayLike | Iterable[Any],
+    *,
+    return_distances: Literal[False] = ...,
+    progress: Progress | None = ...,
+) -> IntArray: ...
+@overload
+def geodesic_voronoi(
+    solver: GeodesicSolver,
+    sites: ArrayLike | Iterable[Any],
+    *,
+    return_distances: Literal[True],
+    progress: Progress | None = ...,
+) -> tuple[IntArray, FloatArray]: ...
+
+
+def geodesic_voronoi(
+    solver: GeodesicSolver,
+    sites: ArrayLike | Iterable[Any],
+    *,
+    return_distances: bool = False,
+    progress: Progress | None = None,
+) -> IntArray | tuple[IntArray, FloatArray]:
+    """Return which of some sites is nearest to each vertex: their Voronoi cells on the shape.
+
+    Parameters
+    ----------
+    solver : GeodesicSolver
+    sites : array-like of int, or iterable of what :meth:`GeodesicSolver.distance` takes
+        A one-dimensional array of integers means that many vertices; a site may also be a point in
+        space, a curve, or a set of vertices.
+    return_distances : bool
+        Return the distances from them too.
+    progress : callable, optional
+        Called with the number of sites done and their total after each block.
+
+    Returns
+    -------
+    labels : ndarray of shape (N,), int64
+        The position of the nearest site in the list, the first of those that are equally near; -1
+        where none connects.
+    distances : ndarray of shape (N,), float64
+        With `return_distances`: from that site, in the unit of the domain; ``inf`` where there is
+        none.
+
+    Raises
+    ------
+    InvalidSourceError
+        As for :meth:`GeodesicSolver.distances`, before any work.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> import geodesic_toolkit as gt
+    >>> strip = gt.testing.shapes.grid(9)  # the unit square
+    >>> labels = gt.geodesic_voronoi(gt.GeodesicSolver(strip), [[0.0, 0.5, 0.0], [1.0, 0.5, 0.0]])
+    >>> labels[np.isclose(strip.vertices[:, 0], 0.25)]
+    array([0, 0, 0, 0, 0, 0, 0, 0, 0])
+    """
+    places = solver._locate_sets(sites)  # noqa: SLF001 - all are checked before any work
+    labels = np.full(solver.domain.n_vertices, -1, dtype=np.int64)
+    nearest = np.full(solver.domain.n_vertices, np.inf)
+    for first in range(0, len(places), BLOCK):
+        distances = solver.distances(places[first : first + BLOCK])
+        best = distances.argmin(axis=0)
+        least = np.take_along_axis(distances, best[None], axis=0)[0]
+        nearer = least < nearest
+        labels[nearer] = first + best[nearer]
+        nearest[nearer] = least[nearer]
+        if progress is not None:
+            progress(min(first + BLOCK, len(places)), len(places))
+    return (labels, nearest) if return_distances else labels

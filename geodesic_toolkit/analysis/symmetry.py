@@ -1,0 +1,123 @@
+"""Symmetric matrices from nearly symmetric ones, a band of rows at a time.
+
+Heat distances of i from j and of j from i differ by a per cent or so, and many methods refuse a
+matrix that is not symmetric to the last bit.
+"""
+
+from collections.abc import Callable, Iterator
+from typing import Any, Literal, TypeAlias, get_args
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.sparse import csr_array
+
+from geodesic_toolkit.errors import InvalidOptionError
+
+__all__ = [
+    "Symmetrize",
+    "check_symmetrize",
+    "symmetric_bands",
+    "symmetrize_in_place",
+    "symmetrized_entries",
+    "widened",
+]
+
+Symmetrize: TypeAlias = Literal["mean", "min", "max"] | None
+"""What becomes of two entries that should be one."""
+
+Matrix: TypeAlias = NDArray[np.floating[Any]]
+
+BAND_BYTES = 256e6
+"""Of a band of rows in memory, and of the columns that mirror it."""
+
+
+def check_symmetrize(how: object) -> None:
+    """Raise an `InvalidOptionError` for what is no `Symmetrize`."""
+    known = get_args(get_args(Symmetrize)[0])
+    if how is not None and how not in known:
+        raise InvalidOptionError(f'symmetrize must be "mean", "min", "max" or None, not {how!r}')
+
+
+def symmetric_bands(
+    matrix: Matrix, how: str, multiple: int = 1
+) -> Iterator[tuple[int, NDArray[np.floating[Any]]]]:
+    """Yield bands of rows of a square matrix made symmetric, each with its first row.
+
+    Parameters
+    ----------
+    matrix : ndarray of shape (N, N)
+        A memory map too: only a band of it is in memory at a time.
+    how : {"mean", "min", "max"}
+    multiple : int
+        Of which the rows of a band are one, but for the last.
+    """
+    for start, stop in _bands(matrix, multiple):
+        yield start, _merged(matrix[start:stop], matrix[:, start:stop].T, how)
+
+
+def symmetrize_in_place(matrix: Matrix, how: str) -> None:
+    """Make a square matrix in memory symmetric."""
+    for start, stop in _bands(matrix, 1):
+        merged = _merged(matrix[start:stop, start:], matrix[start:, start:stop].T, how)
+        matrix[start:stop, start:] = merged
+        matrix[start:, start:stop] = merged.T
+
+
+def _bands(matrix: Matrix, multiple: int) -> Iterator[tuple[int, int]]:
+    fitting = int(BAND_BYTES / (2 * matrix.itemsize * max(1, len(matrix))))
+    rows = max(1, fitting // multiple) * multiple
+    for start in range(0, len(matrix), rows):
+        yield start, min(start + rows, len(matrix))
+
+
+def _merged(there: Matrix, back: Matrix, how: str) -> Matrix:
+    """Return one matrix of two; the same bits whichever comes first."""
+    if how == "mean":
+        merged: Matrix = there + back
+        merged *= merged.dtype.type(0.5)
+        return merged
+    return _pick(how)(there, back)
+
+
+def _pick(how: str) -> Callable[[Matrix, Matrix], Matrix]:
+    return {"min": np.minimum, "max": np.maximum}[how]
+
+
+# -- sparse ----------------------------------------------------------------------------------------
+
+
+def widened(limit: float, how: str | None) -> float:
+    """Return up to where entries must be kept so that those of the symmetric matrix are known.
+
+    A mean that is not above the limit may be that of nothing and of twice the limit.
+    """
+    return 2 * limit if how == "mean" else limit
+
+
+def symmetrized_entries(matrix: csr_array, how: str, limit: float) -> csr_array:
+    """Return the entries not above `limit` of a matrix made symmetric, zeros among them.
+
+    Parameters
+    ----------
+    matrix : csr_array of shape (N, N)
+        What is not stored is above ``widened(limit, how)``.
+    how : {"mean", "min", "max"}
+    limit : float
+    """
+    size = matrix.shape[0]
+    rows = np.repeat(np.arange(size, dtype=np.int64), np.diff(matrix.indptr))
+    columns = matrix.indices.astype(np.int64)
+    keys = np.concatenate([rows * size + columns, columns * size + rows])
+    order = np.argsort(keys, kind="stable")
+    keys = keys[order]
+    values = np.concatenate([matrix.data, matrix.data])[order]
+    first = np.flatnonzero(np.diff(keys, prepend=-1))
+    alone = np.diff(first, append=len(keys)) == 1
+    there = values[first]
+    back = values[np.minimum(first + 1, len(values) - 1)] if len(values) else values
+    merged = np.where(alone, there, _merged(there, back, how))
+    # One that has no partner has it above the limit: the least of them is here, no other is.
+    kept = (merged <= np.float64(limit)) & (~alone | (how == "min"))
+    keys, merged = keys[first][kept], merged[kept]
+    starts = np.searchsorted(keys, np.arange(size + 1, dtype=np.int64) * size)
+    return csr_array((merged, keys % size, starts), shape=matrix.shape)

@@ -1,0 +1,302 @@
+"""``geodesic-toolkit matrix``: distances from many vertices to all, and between all of them."""
+
+import signal
+import threading
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from enum import StrEnum
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any, cast
+
+import typer
+
+from geodesic_toolkit.cli.arguments import Input, Json, check_plugins
+from geodesic_toolkit.cli.interrupts import last_words
+from geodesic_toolkit.cli.output import aligned, show, show_json, versions
+from geodesic_toolkit.cli.run import Run, running
+from geodesic_toolkit.errors import InvalidOptionError
+
+if TYPE_CHECKING:  # importing NumPy takes longer than all of --help
+    from concurrent.futures import Executor
+
+    from geodesic_toolkit._typing import IntArray
+    from geodesic_toolkit.analysis.symmetry import Symmetrize
+    from geodesic_toolkit.solver import GeodesicSolver
+
+__all__ = ["matrix"]
+
+NAMED = 8
+"""Sources that a person is shown; --json has all of them."""
+
+
+class SymmetrizeChoice(StrEnum):
+    """What becomes of two entries that should be one."""
+
+    mean = "mean"
+    min = "min"
+    max = "max"
+    none = "none"
+
+
+def matrix(
+    path: Input,
+    *,
+    output: Annotated[
+        Path,
+        typer.Option(
+            metavar="FILE",
+            help="Where the matrix goes: .npy, .zarr, or with --max-distance .npz.",
+            show_default=False,
+        ),
+    ],
+    sources: Annotated[
+        Path | None,
+        typer.Option(
+            exists=True,
+            dir_okay=False,
+            readable=True,
+            metavar="FILE",
+            help="Vertices that are the rows: an .npy array, or whole numbers in a .txt or .csv. "
+            "Without it and without --landmarks, all vertices.",
+        ),
+    ] = None,
+    landmarks: Annotated[
+        int | None,
+        typer.Option(
+            metavar="K",
+            min=1,
+            help="So many rows, from vertices spread over the shape, each the farthest from those "
+            "before it.",
+            show_default=False,
+        ),
+    ] = None,
+    float32: Annotated[
+        bool, typer.Option("--float32", help="Write 32-bit numbers: half the size.")
+    ] = False,
+    symmetrize: Annotated[
+        SymmetrizeChoice,
+        typer.Option(help="What an entry and its mirror image become in a square matrix."),
+    ] = SymmetrizeChoice.mean,
+    max_distance: Annotated[
+        float | None,
+        typer.Option(
+            metavar="X",
+            help="Keep only entries that are not above it, in a sparse matrix of SciPy.",
+            show_default=False,
+        ),
+    ] = None,
+    mask: Annotated[
+        Path | None,
+        typer.Option(
+            exists=True,
+            dir_okay=False,
+            readable=True,
+            metavar="FILE",
+            help="Vertices that no path may cross, in an .npy, .txt or .csv file: 1 or 0 for each "
+            "vertex, or the indices of those that are masked. Their distance is inf.",
+        ),
+    ] = None,
+    operator: Annotated[
+        str, typer.Option(metavar="NAME", help="Laplace operator; see the command plugins.")
+    ] = "auto",
+    solver: Annotated[
+        str, typer.Option(metavar="NAME", help="Linear solver; see the command plugins.")
+    ] = "auto",
+    refine: Annotated[
+        bool, typer.Option("--refine", help="Several times more accurate on meshes and clouds.")
+    ] = False,
+    workers: Annotated[int, typer.Option(metavar="N", min=1, help="Processes that compute.")] = 1,
+    restart: Annotated[
+        bool,
+        typer.Option("--restart", help="Throw away what an interrupted run left, and begin anew."),
+    ] = False,
+    json: Json = False,
+) -> None:
+    """Matrix of the geodesic distances between vertices of INPUT.
+
+    May be interrupted: the same command again goes on from there, and its result is the same to
+    the last bit.
+
+    Example: geodesic-toolkit matrix bunny.off --float32 --output D.zarr
+    """
+    from geodesic_toolkit.analysis.matrix import check_matrix_output, distance_matrix
+    from geodesic_toolkit.io import read, read_mask, read_vertices
+    from geodesic_toolkit.solver import GeodesicSolver
+
+    if sources is not None and landmarks is not None:
+        raise InvalidOptionError("give --sources or --landmarks, not both")
+    check_plugins(solver, operator)
+    check_matrix_output(output, sparse=max_distance is not None)
+    _check_apart(output, path, sources, mask)
+    with running() as run:
+        with run.step("reading"):
+            domain = read(path)
+            rows = None if sources is None else read_vertices(sources)
+            masked = None if mask is None else read_mask(mask, domain.n_vertices)
+        with run.step("factorising"):
+            geodesic = GeodesicSolver(
+                domain, operator=operator, solver=solver, refine=refine, mask=masked
+            )
+        if landmarks is not None:
+            with run.step("choosing landmarks"):
+                rows = _landmarks(geodesic, landmarks, run)
+        with run.step("computing"), _processes(workers) as executor, _resumable(output, run):
+            result = distance_matrix(
+                geodesic,
+                rows,
+                dtype="float32" if float32 else "float64",
+                symmetrize=_how(symmetrize),
+                max_distance=max_distance,
+                out=output,
+                resume=not restart,
+                executor=executor,
+                progress=run.advance,
+            )
+    summary = Result(path, geodesic, rows, output, result, run)
+    if json:
+        show_json(summary.as_dict())
+    else:
+        show(str(summary))
+
+
+def _how(symmetrize: SymmetrizeChoice) -> "Symmetrize":
+    return None if symmetrize is SymmetrizeChoice.none else cast("Symmetrize", symmetrize.value)
+
+
+def _check_apart(output: Path, *inputs: Path | None) -> None:
+    for path in inputs:
+        if path is not None and path.resolve() == output.resolve():
+            raise InvalidOptionError(f"{output} would overwrite an input")
+
+
+def _landmarks(solver: "GeodesicSolver", count: int, run: Run) -> "IntArray":
+    from geodesic_toolkit.analysis.sampling import farthest_point_sampling
+
+    return farthest_point_sampling(solver, count, progress=run.advance)
+
+
+@contextmanager
+def _resumable(output: Path, run: Run) -> Iterator[None]:
+    """Say where an interrupted run left what it has."""
+    folder = output.with_name(f"{output.name}.partial")
+    words = f"{folder} holds the rows so far; the same command again goes on from there"
+    try:
+        with last_words(f"note: {words}"):
+            yield
+    except KeyboardInterrupt:
+        if folder.exists():
+            run.note(words)
+        raise
+
+
+# -- processes -------------------------------------------------------------------------------------
+
+
+@contextmanager
+def _processes(count: int) -> Iterator["Executor | None"]:
+    """Give a pool of processes, or None for this one alone; none of them outlives the block."""
+    if count == 1:
+        yield None
+        return
+    import multiprocessing
+    from concurrent.futures import ProcessPoolExecutor
+
+    # Not by fork: a copy of a process with threads may find a lock held for ever.
+    pool = ProcessPoolExecutor(count, mp_context=multiprocessing.get_context("spawn"))
+    try:
+        with _deaf_children():
+            for _ in range(count):  # each starts a process
+                pool.submit(int)
+        yield pool
+    except BaseException:
+        for process in multiprocessing.active_children():  # rather than wait for their tasks
+            process.terminate()
+        pool.shutdown(wait=False, cancel_futures=True)  # the end of the program waits for it
+        raise
+    pool.shutdown()
+
+
+@contextmanager
+def _deaf_children() -> Iterator[None]:
+    """Have processes that the block starts ignore Ctrl-C, from their first instruction on.
+
+    In a terminal it reaches all processes; this one sees to it, and the others have nothing to say.
+    """
+    if threading.current_thread() is not threading.main_thread():
+        yield
+        return
+    usual = signal.signal(signal.SIGINT, signal.SIG_IGN)  # which a new process inherits
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGINT, usual)
+
+
+# -- what came of it -------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class Result:
+    """What the command made, for people and for programs."""
+
+    path: Path
+    solver: "GeodesicSolver"
+    sources: "IntArray | None"
+    output: Path
+    matrix: Any
+    run: Run
+
+    @property
+    def entries(self) -> int:
+        """Numbers that are stored."""
+        rows, columns = self.matrix.shape
+        return int(getattr(self.matrix, "nnz", rows * columns))
+
+    def as_dict(self) -> dict[str, Any]:
+        """Return everything, for JSON."""
+        method = self.solver.method
+        return {
+            "input": str(self.path),
+            "domain": type(self.solver.domain).__name__,
+            "n_vertices": self.solver.domain.n_vertices,
+            "sources": "all" if self.sources is None else self.sources,
+            "shape": list(self.matrix.shape),
+            "dtype": str(self.matrix.dtype),
+            "entries": self.entries,
+            "operator": repr(self.solver.operator),
+            "solver": {"heat": repr(method.heat_solver), "poisson": repr(method.poisson_solver)},
+            "refine": method.refine,
+            "time": method.time,
+            "timings": self.run.timings,
+            "warnings": self.run.warnings,
+            "outputs": [str(self.output)],
+            "versions": versions(),
+        }
+
+    def __str__(self) -> str:
+        method = self.solver.method
+        solvers = dict.fromkeys([repr(method.heat_solver), repr(method.poisson_solver)])
+        rows, columns = self.matrix.shape
+        of = f", {self.entries} entries" if hasattr(self.matrix, "nnz") else ""
+        lines = [
+            ("shape", repr(self.solver.domain)),
+            ("sources", _named(self.sources)),
+            (
+                "method",
+                f"{self.solver.operator!r}, {' and '.join(solvers)}"
+                + (", refined" if method.refine else ""),
+            ),
+            ("matrix", f"{rows} x {columns}, {self.matrix.dtype}{of}"),
+            ("took", self.run.took),
+            ("wrote", str(self.output)),
+        ]
+        return "\n".join(aligned(lines))
+
+
+def _named(sources: "IntArray | None") -> str:
+    if sources is None:
+        return "every vertex"
+    names = ", ".join(map(str, sources[:NAMED].tolist()))
+    more = len(sources) - NAMED
+    return f"vertices {names}" + (f" and {more} more (--json lists them)" if more > 0 else "")

@@ -1,0 +1,134 @@
+"""Normals where sheets are thin: towards the emptiest side of a point.
+
+Principal components take the plane in which most neighbours lie, and where a sheet is thinner than
+its spacing, or a limb not much thicker, half of the neighbours are on the far side of it. However
+thin it is, a ball of air touches each of its points from outside, and the direction to the centre
+of the largest is the normal: Amenta and Bern's pole of the Voronoi cell (*Surface reconstruction by
+Voronoi filtering*, Discrete & Computational Geometry 22, 1999, https://doi.org/10.1007/PL00009475).
+
+The kernel is compiled by numba on first use and cached.
+"""
+
+import math
+
+import numba
+import numpy as np
+
+from geodesic_toolkit._typing import FloatArray, IntArray
+
+__all__ = ["pole_normals"]
+
+POWER = 1.25
+"""How fast neighbours lose their say with distance; 1 is the ball, which a single point of a limb
+opposite can tilt."""
+
+STEPS = 30
+"""Steps of the descent, from each of six directions."""
+
+CLOSE = 12
+"""Neighbours whose elevation tells what place a point lies at."""
+
+STEEP = 0.5
+"""Sine of the elevation over a plane from which on a close neighbour puts the plane in doubt."""
+
+POINTED = 0.1
+"""Sine of the elevation below which all close neighbours lie where a point is a tip: there the air
+is all around, and the mean direction away from the neighbours is the better normal."""
+
+AGREED = 0.9
+"""Cosine of the angle within which two normals are the same plane, and the one at hand is kept."""
+
+kernel = numba.njit(cache=True, nogil=True)
+
+
+def pole_normals(points: FloatArray, neighbours: IntArray, normals: FloatArray) -> FloatArray:
+    """Return normals (N, 3) in which those that are in doubt point to the emptiest side.
+
+    Parameters
+    ----------
+    points : ndarray of shape (N, 3), float64
+        Distinct.
+    neighbours : ndarray of shape (N, k), int64
+        Nearest first.
+    normals : ndarray of shape (N, 3), float64
+        Estimates, of length 1; their sign means nothing.
+
+    Notes
+    -----
+    The constants were chosen on the vertices of eleven meshes taken as clouds. On twelve that had
+    no part in it (vertices of other meshes, random samples of surfaces) the mean error of refined
+    distances fell or stayed on ten.
+    """
+    close = points[neighbours[:, :CLOSE]] - points[:, None]
+    close /= np.linalg.norm(close, axis=2, keepdims=True)
+    doubtful = (np.abs(np.einsum("nkd,nd->nk", close, normals)) > STEEP).any(axis=1)
+    chosen = np.flatnonzero(doubtful)
+    if len(chosen) == 0:
+        return normals
+    poles = _poles(points, neighbours[chosen], chosen, normals[chosen])
+    away = -close[chosen].mean(axis=1)
+    away /= np.maximum(np.linalg.norm(away, axis=1, keepdims=True), 1e-12)
+    tip = (np.einsum("nkd,nd->nk", close[chosen], away) < -POINTED).all(axis=1)
+    poles[tip] = away[tip]
+    agreed = np.abs(np.einsum("nd,nd->n", poles, normals[chosen])) > AGREED
+    result = normals.copy()
+    result[chosen[~agreed]] = poles[~agreed]
+    return result
+
+
+@kernel  # type: ignore[untyped-decorator]
+def _poles(
+    points: FloatArray, neighbours: IntArray, chosen: IntArray, normals: FloatArray
+) -> FloatArray:
+    """Return unit vectors n that lessen the largest ``n · x / |x|^(1 + POWER)`` of the neighbours.
+
+    By steps away from the neighbour in front, which become smaller.
+    """
+    count, k = neighbours.shape
+    poles = np.empty((count, 3))
+    image = np.empty((k, 3))
+    start = np.empty((3, 3))
+    for row in range(count):
+        centre = points[chosen[row]]
+        nearest = 0.0
+        for near in range(k):
+            x = points[neighbours[row, near], 0] - centre[0]
+            y = points[neighbours[row, near], 1] - centre[1]
+            z = points[neighbours[row, near], 2] - centre[2]
+            length = math.sqrt(x * x + y * y + z * z)
+            if near == 0:
+                nearest = length
+            share = (nearest / length) ** POWER / length
+            image[near, 0], image[near, 1], image[near, 2] = x * share, y * share, z * share
+        start[0] = normals[row]
+        axis = np.zeros(3)
+        axis[np.argmin(np.abs(start[0]))] = 1.0
+        start[1] = np.cross(start[0], axis)
+        start[1] /= math.sqrt(start[1] @ start[1])
+        start[2] = np.cross(start[0], start[1])
+        least = np.inf
+        for direction in range(6):
+            sign = 1.0 if direction % 2 == 0 else -1.0
+            nx = sign * start[direction // 2, 0]
+            ny = sign * start[direction // 2, 1]
+            nz = sign * start[direction // 2, 2]
+            for step in range(STEPS + 1):
+                front, foremost = -np.inf, 0
+                for near in range(k):
+                    ahead = image[near, 0] * nx + image[near, 1] * ny + image[near, 2] * nz
+                    if ahead > front:
+                        front, foremost = ahead, near
+                if front < least:
+                    least = front
+                    poles[row, 0], poles[row, 1], poles[row, 2] = nx, ny, nz
+                gx = image[foremost, 0] - front * nx
+                gy = image[foremost, 1] - front * ny
+                gz = image[foremost, 2] - front * nz
+                slope = math.sqrt(gx * gx + gy * gy + gz * gz)
+                if slope < 1e-9:
+                    break
+                stride = 0.7 / (1 + 0.35 * step) / slope
+                nx, ny, nz = nx - stride * gx, ny - stride * gy, nz - stride * gz
+                length = math.sqrt(nx * nx + ny * ny + nz * nz)
+                nx, ny, nz = nx / length, ny / length, nz / length
+    return poles
