@@ -78,11 +78,7 @@ def compact(mesh: gt.TriangleMesh) -> gt.TriangleMesh:
 
 def spread_sources(mesh: gt.TriangleMesh, count: int) -> list[int]:
     """Return `count` sources, each the farthest from those before it."""
-    solver = gt.GeodesicSolver(mesh)
-    sources = [int(np.argmax(solver.distance(0)))]
-    while len(sources) < count:
-        sources.append(int(np.argmax(np.min(solver.distances(sources), axis=0))))
-    return sources
+    return gt.farthest_point_sampling(gt.GeodesicSolver(mesh), count).tolist()
 
 
 def exact(mesh: gt.TriangleMesh, source: int) -> np.ndarray:

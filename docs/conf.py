@@ -87,6 +87,7 @@ html_sidebars = {
     "getting_started": [],
     "mathematics": [],
     "accuracy": [],
+    "performance": [],
     "study": [],
     "changelog": [],
 }

@@ -41,30 +41,26 @@ GOLDEN = 0.6180339887498949
 
 @kernel(  # type: ignore[untyped-decorator]
     types.Tuple((types.int64, types.float64, types.float64))(
-        TABLE, FACES, types.float64, types.float64[:, ::1], types.float64[::1]
+        TABLE, FACES, types.float64[:, ::1], types.float64[::1]
     ),
     **options,
 )
 def measure_triangles(
-    vertices: FloatArray,
-    faces: IntArray,
-    added: float,
-    inverse_frames: FloatArray,
-    areas: FloatArray,
+    vertices: FloatArray, faces: IntArray, inverse_frames: FloatArray, areas: FloatArray
 ) -> tuple[int, float, float]:
-    """Write inverse frames ``(p, q, r)`` and areas of triangles whose edges are `added` longer.
+    """Write inverse frames ``(p, q, r)`` and areas of triangles in space.
 
-    As the functions of :mod:`geodesic_toolkit.geometry.triangles` do: from positions, and from
-    lengths where something is added.
+    As the functions of :mod:`geodesic_toolkit.geometry.triangles` do from positions.
 
     Returns
     -------
     proper : int
         Faces of three different vertices.
     total : float
-        Sum of all edge lengths, before anything is added.
+        Sum of all edge lengths.
     slack : float
-        The least by which two edges are longer than the third, before anything is added.
+        The least by which two edges of a face are longer than the third, over its longest; 0 where
+        a face is a single place.
     """
     proper, total, slack = 0, 0.0, math.inf
     for f in range(len(faces)):
@@ -83,21 +79,14 @@ def measure_triangles(
         ik = math.sqrt(vx * vx + vy * vy + vz * vz)
         jk = math.sqrt(wx * wx + wy * wy + wz * wz)
         total += ij + ik + jk
-        slack = min(slack, ij + ik + jk - 2 * max(ij, ik, jk))
-        if added == 0.0:
-            x, y, z = uy * vz - uz * vy, uz * vx - ux * vz, ux * vy - uy * vx
-            length, doubled = ij, math.sqrt(x * x + y * y + z * z)
-            along = (ux * vx + uy * vy + uz * vz) / ij
-        else:
-            length, ik, jk = ij + added, ik + added, jk + added
-            a, c = max(length, ik, jk), min(length, ik, jk)
-            b = max(min(length, ik), min(max(length, ik), jk))
-            product = (a + (b + c)) * (c - (a - b)) * (c + (a - b)) * (a + (b - c))
-            doubled = math.sqrt(max(product, 0.0)) / 2
-            along = (length * length + (ik - jk) * (ik + jk)) / (2 * length)
-        inverse_frames[f, 0] = 1 / length
+        longest = max(ij, ik, jk)
+        slack = min(slack, (ij + ik + jk - 2 * longest) / longest if longest > 0 else 0.0)
+        x, y, z = uy * vz - uz * vy, uz * vx - ux * vz, ux * vy - uy * vx
+        doubled = math.sqrt(x * x + y * y + z * z)
+        along = (ux * vx + uy * vy + uz * vz) / ij
+        inverse_frames[f, 0] = 1 / ij
         inverse_frames[f, 1] = -along / doubled
-        inverse_frames[f, 2] = length / doubled
+        inverse_frames[f, 2] = ij / doubled
         areas[f] = doubled / 2
     return proper, total, slack
 

@@ -25,7 +25,7 @@ from geodesic_toolkit.errors import (
 )
 from geodesic_toolkit.heat_flow import Boundary, Heat, HeatFlow, HeatReport
 from geodesic_toolkit.linear.base import Factor, LinearSolver
-from geodesic_toolkit.linear.memory import require_memory
+from geodesic_toolkit.linear.memory import array_bytes, require_memory
 from geodesic_toolkit.linear.patterns import SharedAnalysis, plus_diagonal
 from geodesic_toolkit.positivity import positive_part
 from geodesic_toolkit.refine import WavefrontSweeper
@@ -401,14 +401,18 @@ class HeatMethod:
     def _set_up(self) -> None:
         """Set what is not part of the recipe: factors to come, and their lock."""
         self._lock, self._poisson_lock = threading.Lock(), threading.Lock()
-        factorize = SharedAnalysis(self.heat_solver)
-        self._factorize_poisson = (  # both systems have one pattern, where metric and diffusion do
-            factorize
-            if self.poisson_solver == self.heat_solver
-            else SharedAnalysis(self.poisson_solver)
+        # Both systems have one pattern, where metric and diffusion do.
+        self._shares_analysis = self.poisson_solver == self.heat_solver and not self.refine
+        self._factorize_heat = SharedAnalysis(self.heat_solver, 2 if self._shares_analysis else 1)
+        self._factorize_poisson = (
+            self._factorize_heat if self._shares_analysis else SharedAnalysis(self.poisson_solver)
         )
         self._flow = HeatFlow(
-            self.diffusion, self.times, self.boundary, self.heat_solver, factorize=factorize
+            self.diffusion,
+            self.times,
+            self.boundary,
+            self.heat_solver,
+            factorize=self._factorize_heat,
         )
         self._sweeper = WavefrontSweeper(self.metric) if self.refine else None
         self._substitute = None
@@ -465,7 +469,7 @@ class HeatMethod:
         """
         other = copy.copy(self)
         other.heat_solver = other.poisson_solver = solver
-        other._set_up()
+        other._set_up()  # noqa: SLF001 - of the same class
         return other.prepare()
 
     @property
@@ -473,6 +477,20 @@ class HeatMethod:
         """Bytes of the factors made so far."""
         parts = (self._flow, self._substitute, self._poisson_factor)
         return sum(part.nbytes for part in parts if part is not None)
+
+    @property
+    def expected_bytes(self) -> float:
+        """Bytes that building was expected to take, before a number of a factor was computed.
+
+        What stands when the factors are begun (the discretization and both systems), and what they
+        take; 0 where the linear solver does not foresee that.
+        """
+        systems = [system.matrix for system in self._flow.systems()]
+        factors = self._factorize_heat.expected_bytes()
+        if factors and not self._shares_analysis and self._sweeper is None:
+            factors += self._factorize_poisson.expected_bytes()
+        poisson = 0 if self._sweeper is not None else self.metric.stiffness.data.nbytes
+        return factors + poisson + array_bytes(self.metric, self.diffusion, *systems)
 
     def __getstate__(self) -> dict[str, Any]:
         """Recipes and matrices travel; factors are made again where they arrive."""

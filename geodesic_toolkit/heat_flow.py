@@ -108,7 +108,8 @@ class HeatFlow:
     def diffuse(self, block: Sequence[SourcePoints]) -> tuple[Heat, list[HeatReport]]:
         """Return the heat of each source set, and a report on it.
 
-        Vertices whose heat is not positive take it from their neighbours.
+        Vertices whose heat is not positive take it from their neighbours, unless there are so many
+        of them that the report says harmful.
         """
         loads, log_scales, owners = self._loads(block)
         (system, *more) = self.systems()
@@ -147,11 +148,12 @@ class HeatFlow:
     def _complete_in_range(self, solution: FloatArray, k: int, points: SourcePoints) -> HeatReport:
         """Fill column k of u in place where heat should be positive and is not."""
         missing = solution[:, k] < 0
-        count = int(np.count_nonzero(missing))
-        if count:
-            filled = fill_from_neighbours(self.systems()[0].matrix, _log(solution[:, k]), missing)
+        report = HeatReport(self._reach(points), int(np.count_nonzero(missing)), 1)
+        if report.non_positive and not report.harmful:
+            log_heat = _log(solution[:, k])
+            filled = fill_from_neighbours(self.systems()[0].matrix, log_heat, missing)
             solution[missing, k] = np.exp(filled[missing])
-        return HeatReport(self._reach(points), count, 1)
+        return report
 
     def _complete(self, log_heat: FloatArray, points: SourcePoints, stages: int) -> HeatReport:
         """Fill one column of log u in place where heat should be positive and is not."""

@@ -113,7 +113,7 @@ class WavefrontSweeper:
         for vertex in vertices:
             pending[others[starts[vertex] : starts[vertex + 1]]] = True
         order = np.argsort(-log_heat)
-        tolerance = TOLERANCE * self.metric.spacing
+        tolerance = TOLERANCE * float(self.metric.scales[vertices].min())
         triangles = (starts, ends, others, shapes, self._curvature)
         heated, sweeps = np.isfinite(log_heat), 0
         while sweeps < MAX_SWEEPS or np.isinf(distance[heated]).any():

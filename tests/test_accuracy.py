@@ -5,7 +5,7 @@ import pytest
 from closed_forms import mean_relative_error, on_plane
 
 import geodesic_toolkit as gt
-from geodesic_toolkit.errors import InvalidSourceError, UnsupportedDomainError
+from geodesic_toolkit.errors import InvalidSourceError, SolverError, UnsupportedDomainError
 from geodesic_toolkit.testing import shapes
 
 # Mean relative error of plain heat in per cent, as measured (source 500, source 2000), and how
@@ -96,6 +96,87 @@ def test_exact_distance_is_a_metric():
     between = rows[:, sources]
     np.testing.assert_allclose(between, between.T, atol=1e-9)
     assert (rows[0] <= between[0, 1] + rows[1] + 1e-9).all()
+
+
+def fan(start, turn, spokes=4):
+    """Vertices on an arc of radius 1 about the origin, each at its angle."""
+    angles = start + turn * np.linspace(0, 1, spokes)
+    return np.column_stack([np.cos(angles), np.sin(angles), np.zeros(spokes)])
+
+
+def glued(mesh, *pairs):
+    """Return the mesh with the second vertex of each pair made the first."""
+    numbers = np.arange(mesh.n_vertices)
+    for first, second in pairs:
+        np.testing.assert_array_equal(mesh.vertices[first], mesh.vertices[second])
+        numbers[second] = first
+    return gt.TriangleMesh(mesh.vertices, numbers[mesh.faces])
+
+
+def test_exact_distance_passes_through_the_knot_of_a_bow_tie():
+    right, left = fan(-0.6, 1.2), fan(np.pi - 0.6, 1.2)
+    faces = [[0, i, i + 1] for i in (1, 2, 3, 5, 6, 7)]
+    faces[4] = faces[4][::-1]  # turned over: the knot does not mind
+    tie = gt.TriangleMesh(np.vstack([np.zeros((1, 3)), right, left]), faces)
+    on_right = np.linalg.norm(tie.vertices - right[1], axis=1)
+    expected = np.concatenate([[1.0], on_right[1:5], np.full(4, 2.0)])
+    np.testing.assert_allclose(gt.exact_distance(tie, 2), expected, atol=1e-12)
+    np.testing.assert_allclose(gt.exact_distance(tie, 0), [0] + 8 * [1.0], atol=1e-12)
+    inside = gt.exact_distance(tie, gt.SurfacePoint(0, (0.5, 0.25, 0.25)))
+    np.testing.assert_allclose(inside[5:], inside[0] + 1, atol=1e-12)
+
+
+def test_exact_distance_takes_the_nearer_of_two_knots_and_goes_on_from_it():
+    # Two flat squares, one upon the other, joined at two corners; a third hangs on the second's.
+    mesh = shapes.disjoint_union(*[shapes.grid(5)] * 3)
+    mesh = glued(mesh, (4, 29), (20, 45), (49, 74))
+    square, source = shapes.grid(5).vertices, 13
+    first, second = (np.linalg.norm(square - square[corner], axis=1) for corner in (4, 20))
+    own = np.linalg.norm(square - square[source], axis=1)
+    beyond = np.minimum(own[4] + first, own[20] + second)
+    last = beyond[24] + np.linalg.norm(square - square[24], axis=1)
+    expected = np.concatenate([own, beyond, last])
+    found = gt.exact_distance(mesh, source)
+    used = np.isin(np.arange(75), mesh.faces)
+    np.testing.assert_allclose(found[used], expected[used], atol=1e-9)
+    assert (found[~used] == np.inf).all()
+
+
+def test_exact_distance_between_two_balls_that_touch():
+    ball = shapes.icosphere(2)
+    moved = ball.vertices - 2 * ball.vertices[7]
+    touching = int(np.linalg.norm(moved + ball.vertices[7], axis=1).argmax())  # the antipode
+    other = gt.TriangleMesh(moved - (moved[touching] - ball.vertices[7]), ball.faces)
+    both = shapes.disjoint_union(ball, other)
+    vertices = np.array(both.vertices)
+    vertices[162 + touching] = vertices[7]
+    both = glued(gt.TriangleMesh(vertices, both.faces), (7, 162 + touching))
+    found = gt.exact_distance(both, 100)
+    alone = gt.exact_distance(ball, 100)
+    np.testing.assert_allclose(found[:162], alone, atol=1e-9)
+    beyond = np.delete(alone[7] + gt.exact_distance(ball, touching), touching)
+    np.testing.assert_allclose(np.delete(found[162:], touching), beyond, atol=1e-6)
+
+
+@pytest.mark.parametrize("name", ["jacobson__cow.obj", "meshlab__non_manif_hole.ply"])
+def test_exact_distance_on_models_whose_sheets_meet_in_vertices(shared_data, name):
+    mesh = gt.read(shared_data(name))
+    source, target = mesh.n_vertices // 2, 3
+    there, back = gt.exact_distance(mesh, source), gt.exact_distance(mesh, target)
+    assert there[target] == pytest.approx(back[source], rel=1e-6)
+    delaunay = gt.CotanLaplacian(intrinsic_delaunay=True)
+    refined = gt.geodesic_distance(mesh, source, operator=delaunay, refine=True)
+    assert mean_relative_error(refined, there) < 0.01
+
+
+@pytest.mark.parametrize(
+    ("answer", "message"),
+    [([0.0, np.nan, 1.0, 1.0], "degenerate"), ([0.0, 9.0, 1.0, 1.0], "more than the edge is long")],
+)
+def test_exact_distance_does_not_pass_on_what_is_no_distance(monkeypatch, answer, message):
+    monkeypatch.setattr("igl.exact_geodesic", lambda *_: np.array(answer))
+    with pytest.raises(SolverError, match=message):
+        gt.exact_distance(shapes.grid(2), 0)
 
 
 def test_exact_distance_refuses_what_it_cannot_measure():

@@ -284,6 +284,56 @@ def test_points_that_cannot_be_asked_for_are_refused(sphere, graph, tmp_path):
     fails(run("distance", sphere, "--source", 0, "--at", tmp_path / "none.npy"), 2, "none.npy")
 
 
+def test_a_mask_keeps_paths_out(tmp_path):
+    square = shapes.grid(7)
+    path, wall = write_off(tmp_path / "square.off", square), np.zeros(49, dtype=bool)
+    wall[3:35:7] = True  # the middle column, but for its end
+    np.save(tmp_path / "wall.npy", wall)
+    (tmp_path / "wall.txt").write_text(" ".join(map(str, np.flatnonzero(wall))))
+    expected = gt.geodesic_distance(square, [0.0, 0.0, 0.0], mask=wall)
+    for file in ("wall.npy", "wall.txt"):
+        told = ["distance", path, "--source", "0,0,0", "--mask", tmp_path / file, "--json"]
+        result = run(*told, "--output", tmp_path / "d.npy")
+        assert result.exit_code == 0, result.output
+        np.testing.assert_array_equal(np.load(tmp_path / "d.npy"), expected)
+        report = json.loads(result.stdout)
+        assert report["mask"] == str(tmp_path / file)
+        assert report["unreachable"] == wall.sum()
+    shown = run("distance", path, "--source", 0, "--mask", tmp_path / "wall.txt")
+    assert f"mask       {tmp_path / 'wall.txt'}" in shown.stdout
+
+
+def test_points_in_a_mask_are_not_reached(tmp_path):
+    square = shapes.grid(7)
+    path, wall = write_off(tmp_path / "square.off", square), tmp_path / "wall.txt"
+    wall.write_text(" ".join(map(str, range(3, 49, 7))))
+    np.save(tmp_path / "at.npy", square.vertices[[8, 10, 13]])
+    told = ["distance", path, "--source", 0, "--mask", wall, "--at", tmp_path / "at.npy"]
+    result = run(*told, "--reach", 0.01, "--output", tmp_path / "d.npy")
+    assert result.exit_code == 0, result.output
+    assert np.isfinite(np.load(tmp_path / "d.npy")).tolist() == [True, False, False]
+
+
+def test_a_mask_that_cannot_be_used_is_refused_before_the_work(sphere, tmp_path, monkeypatch):
+    monkeypatch.setattr("geodesic_toolkit.solver.GeodesicSolver.__init__", None)  # never called
+    wall = tmp_path / "wall.txt"
+    asked = ("distance", sphere, "--source", 5, "--mask", wall)
+    fails(run(*asked), 2, "wall.txt")
+    for text, status, word in [
+        ("1 2 162", 2, "none is 162"),
+        ("true false", 2, "2 booleans, where the shape has 162 vertices"),
+        ("wall", 3, "wall.txt: booleans or vertex indices must be numbers"),
+        ("4 5", 2, "vertex 5 is masked"),
+        (" ".join(map(str, range(162))), 2, "the mask leaves no face"),
+    ]:
+        wall.write_text(text)
+        fails(run(*asked), status, word)
+    table = tmp_path / "wall.csv"
+    table.write_text("4")
+    told = ("--mask", table, "--output", table)
+    fails(run("distance", sphere, "--source", 5, *told), 2, "would overwrite the input")
+
+
 def test_graphs_go_through_the_same_command(graph):
     report = json.loads(run("distance", graph, "--source", 0, "--json").stdout)
     assert report["domain"] == "Graph"

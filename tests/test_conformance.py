@@ -41,7 +41,13 @@ OPERATORS = [
     ),
 ]
 
-SOLVERS = [gt.SuperLU(), gt.CG(), gt.CG(rtol=1e-10, max_iterations=5000), gt.CG(allow_heat=True)]
+SOLVERS = [
+    gt.SuperLU(),
+    gt.Supernodal(),
+    gt.CG(),
+    gt.CG(rtol=1e-10, max_iterations=5000),
+    gt.CG(allow_heat=True),
+]
 
 
 def names(laws):
@@ -701,7 +707,8 @@ def command():
 
 
 @pytest.mark.parametrize(
-    "name", ["cotan", "operator:cotan", "geodesic-toolkit:cotan", "superlu", "solver:cg"]
+    "name",
+    ["cotan", "operator:cotan", "geodesic-toolkit:cotan", "supernodal", "superlu", "solver:cg"],
 )
 def test_the_command_shows_every_law_and_leaves_with_0(command, name):
     result = command(name)

@@ -308,8 +308,7 @@ def test_gifti_images():
         (np.zeros((4, 2)), r"an array of shape \(4, 2\) and dtype float64"),
         (np.zeros((2, 2, 3)), r"an array of shape \(2, 2, 3\)"),
         (np.zeros((4, 3), complex), r"an array of shape \(4, 3\) and dtype complex128"),
-        ([[0, 0, 0], [1]], "list"),
-        ([[[0, 0, 0], [1]], [[0, 1, 2]]], "list"),
+        ([[0, 0, 0], "abc"], "list"),
         ((1, 2), "tuple"),
         (object(), "object"),
     ],
@@ -327,7 +326,9 @@ def test_what_is_no_shape_is_refused_by_name(thing, named):
     [
         ((VERTICES, FACES + 1), "refers to vertex 42"),
         ((VERTICES, []), "no faces"),
-        ((VERTICES, [[0, 1, 2], [0, 1]]), "faces cannot be read as an array"),
+        ((VERTICES, [[0, 1, 2], [0, 1]]), "faces cannot be read as an array: row 1 has 2"),
+        ([[[0, 0, 0], [1]], [[0, 1, 2]]], "vertices cannot be read as an array: row 1 has 1"),
+        ([[0, 0, 0], [1]], "points cannot be read as an array: row 1 has 1 entries, where row 0"),
         (np.zeros((0, 3)), "no points"),
     ],
 )

@@ -63,7 +63,7 @@ def test_getting_started_runs_from_top_to_bottom(tmp_path):
     assert (tmp_path / "distance.png").exists()
 
 
-@pytest.mark.parametrize("name", ["point_clouds.md", "graphs.md"])
+@pytest.mark.parametrize("name", ["point_clouds.md", "graphs.md", "many_sources.md"])
 def test_a_guide_runs_from_top_to_bottom(name, tmp_path):
     page = (DOCS / name).read_text(encoding="utf-8")
     finished = run_python("\n".join(blocks(page, "python")), tmp_path)

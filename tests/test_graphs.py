@@ -7,7 +7,7 @@ from scipy.sparse import csr_array
 from scipy.sparse.csgraph import minimum_spanning_tree
 
 import geodesic_toolkit as gt
-from geodesic_toolkit.errors import InvalidOptionError
+from geodesic_toolkit.errors import InvalidOptionError, UnsupportedDomainError
 from geodesic_toolkit.geometry.dimension import graph_dimension
 from geodesic_toolkit.testing import shapes
 
@@ -122,6 +122,47 @@ def test_on_a_tree_of_uneven_edges_order_follows_the_path():
     distance = gt.geodesic_distance(graph, 0, operator=gt.UniformLaplacian(dim=1))
     assert np.isfinite(distance).all()
     assert distance.argmin() == 0
+
+
+@pytest.mark.parametrize("lengths", [[0.5, 1e-7, 1.0], [3e6, 1.0, 2.0], [1e-60, 1.0, 1e60]])
+def test_lengths_too_far_apart_for_floats_are_refused_by_name(lengths):
+    graph = gt.Graph(4, [[0, 1], [2, 1], [2, 3]], lengths)
+    short, long = np.argmin(lengths), np.argmax(lengths)
+    named = [f"{min(graph.edges[edge])} to {max(graph.edges[edge])}" for edge in (short, long)]
+    message = f"from vertex {named[0]} is .* that from {named[1]}, connected to it, .* merge"
+    with pytest.raises(UnsupportedDomainError, match=message):
+        gt.GeodesicSolver(graph)
+
+
+def test_lengths_a_million_times_apart_still_have_a_distance():
+    rng = np.random.default_rng(0)
+    lengths = np.where(rng.random(60) < 0.5, 1.0, 1e-6)
+    graph, exact = gt.Graph(61, bent_path(61)[0].edges, lengths), np.cumsum([0.0, *lengths])
+    distance = gt.geodesic_distance(graph, 0, operator=gt.UniformLaplacian(dim=1))
+    away = exact > 0.5
+    assert (np.abs(distance - exact)[away] / exact[away]).mean() < 0.2
+
+
+def test_lengths_of_separate_parts_may_be_as_far_apart_as_they_like():
+    rng = np.random.default_rng(1)
+    alone = gt.Graph(20, bent_path(20)[0].edges, rng.uniform(0.5, 1.5, 19))
+    for ratio in (3.0, 1e-12, 1e12):
+        both = gt.Graph(
+            41,
+            np.concatenate([alone.edges, alone.edges + 20]),
+            np.concatenate([alone.lengths, ratio * alone.lengths]),
+        )
+        found = gt.GeodesicSolver(both, operator=gt.UniformLaplacian(dim=1)).distances([4, 24])
+        expected = gt.geodesic_distance(alone, 4, operator=gt.UniformLaplacian(dim=1))
+        np.testing.assert_allclose(found[0, :20], expected, rtol=1e-9)
+        np.testing.assert_allclose(found[1, 20:40], ratio * expected, rtol=1e-9)
+        assert (found[:, 40] == np.inf).all()
+
+
+@pytest.mark.parametrize("length", [1e-200, 1e200])
+def test_lengths_without_a_square_in_floats_are_refused(length):
+    with pytest.raises(UnsupportedDomainError, match="take another unit of length"):
+        gt.GeodesicSolver(gt.Graph(3, [[0, 1], [1, 2]], [length, length]))
 
 
 @pytest.mark.parametrize(

@@ -348,6 +348,20 @@ def test_the_unit_of_length_does_not_matter(scale):
     np.testing.assert_allclose(distance, expected, rtol=1e-7, atol=1e-12 * scale)
 
 
+@pytest.mark.parametrize("refine", [False, True])
+@pytest.mark.parametrize("ratio", [1e-3, 1e-6, 1e-9, 1e6])
+def test_parts_of_any_size_beside_each_other_read_what_each_reads_alone(refine, ratio):
+    flat = gt.TriangleMesh(  # with a face without area
+        np.vstack([V, (V[F[7, 0]] + V[F[7, 1]]) / 2]), np.vstack([F, [F[7, 0], F[7, 1], N]])
+    )
+    other = gt.TriangleMesh(flat.vertices * ratio, flat.faces)
+    both = gt.GeodesicSolver(shapes.disjoint_union(MESH, other), refine=refine)
+    for part, start in ((MESH, 0), (other, N)):
+        alone = gt.geodesic_distance(part, 3, refine=refine)
+        found = both.distance(start + 3)[start : start + part.n_vertices]
+        np.testing.assert_allclose(found, alone, rtol=1e-9, atol=1e-9 * alone.max())
+
+
 def test_surveyors_coordinates_cost_their_own_rounding_alone():
     shifted = gt.geodesic_distance((V + np.array([5e6, 4e6, 300]), F), 3)
     np.testing.assert_allclose(shifted, gt.geodesic_distance(MESH, 3), rtol=1e-6, atol=1e-6)

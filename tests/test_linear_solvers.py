@@ -16,7 +16,7 @@ def heat_matrix():
     return csr_array(discretization.stiffness + np.diag(discretization.mass))
 
 
-@pytest.mark.parametrize("solver", [gt.SuperLU(), gt.CG(rtol=1e-12)], ids=repr)
+@pytest.mark.parametrize("solver", [gt.SuperLU(), gt.Supernodal(), gt.CG(rtol=1e-12)], ids=repr)
 def test_solutions_solve(solver, heat_matrix):
     load = np.random.default_rng(0).normal(size=(162, 3))
     factor = solver.factorize(heat_matrix)

@@ -8,6 +8,7 @@ from hypothesis import strategies as st
 
 import geodesic_toolkit as gt
 from geodesic_toolkit.errors import (
+    InvalidOptionError,
     InvalidSourceError,
     UnreachableError,
     UnsupportedDomainError,
@@ -145,6 +146,49 @@ def test_a_path_crosses_where_sheets_touch_in_a_vertex():
     assert path.length == pytest.approx(4 * np.sqrt(2))
 
 
+def test_a_point_in_a_mask_moves_to_where_paths_may_go():
+    mesh = shapes.grid(11)
+    solver = gt.GeodesicSolver(mesh, mask=(np.arange(121) % 11 == 5) & (np.arange(121) < 80))
+    path = gt.geodesic_path(solver, 0, mesh.vertices[5 + 11 * 3] + [0.01, 0, 0])
+    np.testing.assert_allclose(path.points[-1], mesh.vertices[6 + 11 * 3], atol=1e-9)
+
+
+@pytest.mark.parametrize("refine", [False, True])
+@pytest.mark.parametrize("kind", ["mesh", "cloud"])
+@pytest.mark.parametrize(("late", "first"), [(0.0, 440), (0.25, 440), (0.35, 0), (5.0, 0)])
+def test_the_path_leads_from_the_source_whose_offset_and_way_are_least(kind, refine, late, first):
+    mesh = shapes.grid(21)
+    cloud = gt.PointCloud(mesh.vertices, np.tile([0.0, 0.0, 1.0], (441, 1)))
+    solver = gt.GeodesicSolver(mesh if kind == "mesh" else cloud, refine=refine)
+    target = 12 + 21 * 12  # at 0.6, 0.6: 0.85 from the one corner, 0.57 from the other
+    path = gt.geodesic_path(solver, gt.OffsetSources([0, 440], [0.0, late]), target)
+    np.testing.assert_allclose(path.points[0], mesh.vertices[first], atol=1e-12)
+    way = np.linalg.norm(mesh.vertices[target] - mesh.vertices[first])
+    assert path.length == pytest.approx(way, rel=1e-6)
+
+
+def test_a_source_that_starts_too_late_is_a_target_like_any_other():
+    solver = gt.GeodesicSolver(shapes.grid(9))
+    point = gt.SurfacePoint(127, (0.2, 0.3, 0.5))
+    for place, places in (
+        (80, [0, 80]),
+        (point, [gt.SurfacePoint(0, (1.0, 0.0, 0.0)), point]),
+    ):
+        overtaken = gt.geodesic_path(solver, gt.OffsetSources(places, [0.0, 9.0]), place)
+        np.testing.assert_allclose(overtaken.points[0], [0, 0, 0], atol=1e-12)
+        assert overtaken.length > 1
+        first = gt.geodesic_path(solver, gt.OffsetSources(places, [0.0, 0.5]), place)
+        assert first.length == 0
+
+
+def test_a_path_may_start_on_a_curve():
+    mesh = shapes.grid(9)
+    side = gt.Curve(mesh.vertices[[0, 72]])
+    path = gt.geodesic_path(gt.GeodesicSolver(mesh), side, 8 + 9 * 3)
+    assert path.length == pytest.approx(1.0, rel=0.02)  # from one of its samples
+    np.testing.assert_allclose(path.points[0, 0], 0.0, atol=1e-9)
+
+
 def test_an_unreachable_target_is_refused():
     mesh = shapes.disjoint_union(shapes.grid(4), shapes.grid(3))
     with pytest.raises(UnreachableError, match="no face connects the target 20"):
@@ -160,8 +204,29 @@ def test_paths_refuse_what_they_cannot_follow():
         gt.geodesic_path(solver, 0, [1, 2])
     with pytest.raises(InvalidSourceError, match="target: vertex 16"):
         gt.geodesic_path(solver, 0, 16)
-    with pytest.raises(InvalidSourceError, match="has no offset"):
-        gt.geodesic_path(solver, gt.OffsetSources([0], [1.0]), 2)
-    cloud = gt.PointCloud(shapes.icosphere(2).vertices)
-    with pytest.raises(UnsupportedDomainError, match="a PointCloud has none that fit together"):
-        gt.geodesic_path(gt.GeodesicSolver(cloud), 0, 1)
+    with pytest.raises(InvalidSourceError, match="offsets are for sources"):
+        gt.geodesic_path(solver, 2, gt.OffsetSources([0], [1.0]))
+    masked = gt.GeodesicSolver(shapes.grid(9), mask=np.arange(81) == 40)
+    with pytest.raises(InvalidSourceError, match="source: vertex 40 is masked"):
+        gt.geodesic_path(masked, 40, 0)
+    with pytest.raises(UnreachableError, match="behind masked vertices"):
+        gt.geodesic_path(masked, 0, 40)
+    graph = gt.Graph(3, [[0, 1], [1, 2]])
+    with pytest.raises(UnsupportedDomainError, match="a Graph has none"):
+        gt.geodesic_path(gt.GeodesicSolver(graph), 0, 1)
+    with pytest.raises(InvalidOptionError, match="a path needs a GeodesicSolver, not a Triangle"):
+        gt.geodesic_path(shapes.grid(4), 0, 1)
+
+
+@pytest.mark.parametrize("operator", ["cotan", "uniform"])
+def test_a_path_leads_around_masked_vertices(operator):
+    mesh = shapes.grid(11, spacing=1.0)
+    x, y = mesh.vertices[:, 0], mesh.vertices[:, 1]
+    wall = (x == 5) & (y < 8)
+    solver = gt.GeodesicSolver(mesh, operator=operator, mask=wall)
+    path = gt.geodesic_path(solver, 0, 10)
+    corner = np.hypot(4, 8)  # faces that touch the wall do not conduct: from x = 4 to x = 6
+    assert path.length == pytest.approx(2 * corner + 2, rel=1e-9)
+    closed = gt.GeodesicSolver(mesh, operator=operator, mask=x == 5)
+    with pytest.raises(UnreachableError, match="behind masked vertices"):
+        gt.geodesic_path(closed, 0, 10)

@@ -1,6 +1,8 @@
 """Files to domains: counts of real files, every format, and files that are not what they say."""
 
 import random
+import re
+import struct
 import sys
 import warnings
 
@@ -33,6 +35,7 @@ from geodesic_toolkit.errors import (
     ReadError,
     ReadWarning,
 )
+from geodesic_toolkit.io import read_mask, read_points, read_vertices
 
 # -- the shared data set, whose table of counts is the measure ------------------------------------
 
@@ -1060,6 +1063,88 @@ def check_damaged(path, data, times):
 @pytest.mark.parametrize(("suffix", "make"), OWN, ids=[make.__name__ for _, make in OWN])
 def test_a_damaged_file_is_read_or_refused(suffix, make, tmp_path):
     check_damaged(tmp_path / f"damaged.{suffix}", make(), 60)
+
+
+@pytest.mark.parametrize("version", ["2.2", "4.0", "4.1"])
+@pytest.mark.parametrize("binary", [True, False])
+def test_node_numbers_of_gmsh_that_would_take_all_memory_are_refused(version, binary, tmp_path):
+    gmsh = pytest.importorskip("meshio.gmsh.main")
+    meshio = pytest.importorskip("meshio")
+    path = tmp_path / "o.msh"
+    gmsh.write(path, meshio.Mesh(POINTS, [("triangle", FACES)]), version, binary=binary)
+    assert gt.read(path).n_faces == 8
+    place, width = POINTS[5].tobytes(), {"4.1": "<Q"}.get(version, "<i")
+    if version == "4.1" and binary:
+        place = POINTS[0].tobytes()  # behind the last number
+    head, nodes, rest = path.read_bytes().partition(b"$Nodes")
+    if binary:
+        damaged = rest.replace(struct.pack(width, 6) + place, struct.pack(width, 2**31 - 2) + place)
+    else:
+        line = rb"(?m)^6$" if version == "4.1" else rb"(?m)^6(?= .*\..*\.)"
+        damaged = re.sub(line, b"2147483646", rest, count=1)
+    assert damaged != rest
+    path.write_bytes(head + nodes + damaged)
+    with pytest.raises(ReadError, match="node 2147483646 among 6 nodes"):
+        gt.read(path)
+
+
+@pytest.mark.parametrize("version", ["4.0", "4.1"])
+@pytest.mark.parametrize("binary", [True, False])
+def test_nodes_of_gmsh_that_are_announced_and_do_not_come_are_refused(version, binary, tmp_path):
+    gmsh = pytest.importorskip("meshio.gmsh.main")
+    meshio = pytest.importorskip("meshio")
+    path = tmp_path / "o.msh"
+    gmsh.write(path, meshio.Mesh(POINTS, [("triangle", FACES)]), version, binary=binary)
+    head, nodes, rest = path.read_bytes().partition(b"$Nodes\n")
+    six, nine = (struct.pack("<Q", 6), struct.pack("<Q", 9)) if binary else (b" 6", b" 9")
+    path.write_bytes(head + nodes + rest.replace(six, nine, 1))
+    with pytest.raises(ReadError, match="9 nodes are announced, and 6 follow"):
+        gt.read(path)
+
+
+def test_sparse_node_numbers_of_gmsh_are_read(tmp_path):
+    gmsh = pytest.importorskip("meshio.gmsh.main")
+    meshio = pytest.importorskip("meshio")
+    path = tmp_path / "o.msh"
+    gmsh.write(path, meshio.Mesh(POINTS, [("triangle", FACES)]), "2.2", binary=False)
+    text = path.read_text()
+    sparse = re.sub(r"(?m)^6 (?=.*\..*\.)", "60000 ", text, count=1)
+    sparse = re.sub(r"(?m)(^\d+ 2 2 .*)\b6\b", r"\g<1>60000", sparse)
+    path.write_text(sparse)
+    assert sparse != text
+    np.testing.assert_array_equal(gt.read(path).faces, FACES)
+
+
+@pytest.mark.parametrize(
+    ("name", "values", "read"),
+    [
+        ("points.npy", POINTS, read_points),
+        ("mask.npy", np.arange(6) > 2, lambda path: read_mask(path, 6)),
+        ("masked.npy", np.array([5, 1]), lambda path: read_mask(path, 6)),
+        ("vertices.npy", np.array([5, 1]), read_vertices),
+    ],
+)
+def test_a_damaged_array_is_read_or_refused(name, values, read, tmp_path):
+    np.save(tmp_path / name, values)
+    data, rng = (tmp_path / name).read_bytes(), random.Random(name)
+    for _ in range(150):
+        (tmp_path / name).write_bytes(damaged(data, rng))
+        try:
+            outcome = read(tmp_path / name)
+        except GeodesicError as error:
+            outcome = error
+        assert isinstance(outcome, gt.PointCloud | np.ndarray | GeodesicError)
+        assert "\n" not in str(outcome) or isinstance(outcome, np.ndarray)
+
+
+def test_a_signalling_nan_of_a_damaged_scan_is_a_missing_point(tmp_path):
+    signalling = struct.pack("<I", 0x7FA00000)
+    header = ply_header("binary_little_endian", ("vertex 6", ["float x", "float y", "float z"]))
+    data = POINTS.astype("<f4").tobytes()
+    cloud = gt.read(place(tmp_path, "c.ply", header + data[:24] + signalling + data[28:]))
+    assert cloud.present.tolist() == [True, True, False, True, True, True]
+    points = np.frombuffer(data[:24] + signalling + data[28:], "<f4").reshape(-1, 3)
+    assert gt.PointCloud(points).present.sum() == 5
 
 
 @pytest.mark.parametrize("name", WRITTEN)

@@ -8,8 +8,10 @@ import geodesic_toolkit as gt
 from geodesic_toolkit.errors import (
     InvalidOptionError,
     InvalidSourceError,
+    ReadError,
     UnsupportedDomainError,
 )
+from geodesic_toolkit.io import read_mask
 from geodesic_toolkit.masking import without
 from geodesic_toolkit.testing import shapes
 
@@ -274,3 +276,70 @@ def test_other_domains_have_no_mask():
 
     with pytest.raises(UnsupportedDomainError, match="a Line cannot be masked"):
         without(Line(), np.array([True, False]))
+
+
+# -- masks in files --------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("name", "content", "masked"),
+    [
+        ("a.npy", np.array([False, True, True, False]), [1, 2]),
+        ("a.npy", np.array([0, 1, 1, 0], dtype=np.uint8), [1, 2]),
+        ("a.npy", np.array([0.0, 1, 1, 0]), [1, 2]),
+        ("a.npy", np.array([3, 1]), [1, 3]),
+        ("a.npy", np.array([0, 1]), [0, 1]),
+        ("a.npy", np.array([], dtype=np.int64), []),
+        ("a.txt", b"0 1 # the wall\n2", [0, 1, 2]),
+        ("a.txt", b"False\nTrue\nTRUE\nfalse\n", [1, 2]),
+        ("a.csv", b"1,0,0,1", [0, 3]),
+        ("a.csv", b"2.0,2.0", [2]),
+    ],
+)
+def test_a_mask_is_booleans_or_indices(tmp_path, name, content, masked):
+    mask = read_mask(_written(tmp_path / name, content), 4)
+    assert mask.dtype == np.bool_
+    assert mask.shape == (4,)
+    assert np.flatnonzero(mask).tolist() == masked
+
+
+@pytest.mark.parametrize(
+    ("name", "content", "error", "message"),
+    [
+        ("a.npy", np.array([True, False]), InvalidOptionError, "2 booleans, where .* 4 vertices"),
+        ("a.txt", b"1 0 1", InvalidOptionError, "3 booleans, where the shape has 4 vertices"),
+        ("a.txt", b"true true", InvalidOptionError, "2 booleans"),
+        ("a.txt", b"3 4", InvalidOptionError, "4 vertices, counted from 0, and none is 4"),
+        ("a.npy", np.array([-1, 2]), InvalidOptionError, "none is -1"),
+        ("a.npy", np.array([2**64 - 1], dtype=np.uint64), ReadError, "must be smaller"),
+        ("a.npy", np.zeros((2, 2)), ReadError, "one dimension, not float64 of shape"),
+        ("a.npy", np.array(["0"]), ReadError, "one dimension, not <U1"),
+        ("a.npy", b"no array", ReadError, "a.npy: "),
+        ("a.txt", b"0.5", ReadError, "vertex indices must be whole numbers .found 0.5"),
+        ("a.txt", b"nan", ReadError, "whole numbers"),
+        ("a.txt", b"true 3", ReadError, "must be numbers .found 'true'"),
+        ("a.txt", b"# nothing", ReadError, "no numbers in the file"),
+        ("a.txt", b"1\x00", ReadError, "binary"),
+        ("a.off", b"1", ReadError, "a mask is read from .npy, .txt, .csv"),
+        ("a.txt", None, ReadError, "does not exist"),
+    ],
+)
+def test_a_file_that_is_no_mask_is_refused_by_name(tmp_path, name, content, error, message):
+    with pytest.raises(error, match=message) as caught:
+        read_mask(_written(tmp_path / name, content), 4)
+    assert name in str(caught.value)
+
+
+def test_an_archive_is_no_mask(tmp_path):
+    np.savez(tmp_path / "a.npz", np.ones(4))
+    (tmp_path / "a.npz").rename(tmp_path / "a.npy")
+    with pytest.raises(ReadError, match="an archive"):
+        read_mask(tmp_path / "a.npy", 4)
+
+
+def _written(path, content):
+    if isinstance(content, bytes):
+        path.write_bytes(content)
+    elif content is not None:
+        np.save(path, content)
+    return path

@@ -1,4 +1,4 @@
-"""The linear solver of a matrix, settled once: "auto" may change its mind, and bits depend on it."""
+"""The linear solver of a matrix, settled once: "auto" may change its mind, and the last bit too."""
 
 import copy
 from collections.abc import Mapping

@@ -7,6 +7,7 @@ positions, edge lengths of an intrinsic triangulation, a tangent plane).
 
 import numpy as np
 from scipy.sparse import coo_array, csr_array
+from scipy.sparse.csgraph import connected_components
 
 from geodesic_toolkit._kernels import worthwhile
 from geodesic_toolkit._typing import BoolArray, FloatArray, IntArray
@@ -22,15 +23,15 @@ __all__ = [
     "inverse_frames",
     "lengths_from_inverse",
     "mean_edge_length",
-    "measured_triangles",
     "mean_squared_edges",
+    "measured_triangles",
     "mollified_lengths",
     "proper_faces",
 ]
 
 
 SLACK = 1e-5
-"""What a triangle inequality must hold with, in mean edge lengths, for angles to have digits."""
+"""What a triangle inequality must hold with, in edge lengths, for angles to have digits."""
 
 
 def proper_faces(faces: IntArray) -> BoolArray:
@@ -53,8 +54,8 @@ def measured_triangles(
 ) -> tuple[IntArray, FloatArray, FloatArray, float]:
     """Return triangles of three different vertices, measured.
 
-    Where a face has no area, or nearly so, every edge of the mesh is made longer by one constant,
-    as :func:`mollified_lengths` does.
+    Where a face has no area, or nearly so, every edge of its connected part is made longer by one
+    constant, as :func:`mollified_lengths` does.
 
     Returns
     -------
@@ -64,28 +65,45 @@ def measured_triangles(
         As :func:`inverse_frames` returns them.
     areas : ndarray of shape (F,), float64
     added : float
-        What was added to every edge.
+        The most that was added to an edge.
     """
     if not worthwhile(len(vertices)):
         faces = faces[proper_faces(faces)]
         lengths = face_edge_lengths(vertices, faces)
         if not lengths.any():
             return faces[:0], np.empty((0, 3)), np.empty(0), 0.0
-        lengths, added = mollified_lengths(lengths)
-        frames = frames_from_lengths(lengths) if added else frames_from_positions(vertices, faces)
-        return faces, inverse_frames(frames), face_areas(frames), added
+        return faces, *_mollified(vertices, faces, lengths)
     from geodesic_toolkit._assembly import measure_triangles
 
     inverse, areas = np.empty(faces.shape), np.empty(len(faces))
-    proper, total, slack = measure_triangles(vertices, faces, 0.0, inverse, areas)
+    proper, total, slack = measure_triangles(vertices, faces, inverse, areas)
     if proper < len(faces):
         return measured_triangles(vertices, faces[proper_faces(faces)])
     if total == 0:
         return faces[:0], inverse[:0], areas[:0], 0.0
-    added = max(0.0, SLACK * total / (3 * len(faces)) - slack)
-    if added:
-        measure_triangles(vertices, faces, added, inverse, areas)
-    return faces, inverse, areas, added
+    if slack < SLACK:
+        return faces, *_mollified(vertices, faces, face_edge_lengths(vertices, faces))
+    return faces, inverse, areas, 0.0
+
+
+def _mollified(
+    vertices: FloatArray, faces: IntArray, lengths: FloatArray
+) -> tuple[FloatArray, FloatArray, float]:
+    """Return inverse frames and areas: from lengths in parts where something was added to them."""
+    frames = frames_from_positions(vertices, faces)
+    longer, added = mollified_lengths(lengths, _parts(faces, len(vertices)))
+    changed = added > 0
+    frames[changed] = frames_from_lengths(longer[changed])
+    return inverse_frames(frames), face_areas(frames), float(added.max())
+
+
+def _parts(faces: IntArray, n_vertices: int) -> IntArray:
+    """Return the connected part of each face, of shape (F,), numbered from 0."""
+    ends = np.concatenate([faces[:, :2], faces[:, 1:]])
+    shape = (n_vertices, n_vertices)
+    adjacency = csr_array(coo_array((np.ones(len(ends)), (ends[:, 0], ends[:, 1])), shape=shape))
+    labels = connected_components(adjacency, directed=False)[1]
+    return np.asarray(labels, dtype=np.int64)[faces[:, 0]]
 
 
 def frames_from_positions(vertices: FloatArray, faces: IntArray) -> FloatArray:
@@ -194,15 +212,37 @@ def mean_squared_edges(inverse: FloatArray) -> FloatArray:
     return np.asarray((squared + along**2 + (1 / p - along) ** 2 + 2 * height**2) / 3)
 
 
-def mollified_lengths(lengths: FloatArray, *, slack: float = SLACK) -> tuple[FloatArray, float]:
-    """Return edge lengths that form proper triangles, and what was added to every edge.
+def mollified_lengths(
+    lengths: FloatArray, part: IntArray | None = None, *, slack: float = SLACK
+) -> tuple[FloatArray, FloatArray]:
+    """Return edge lengths that form proper triangles, and what was added to those of each face.
 
-    One constant is added to all edges, the smallest that leaves every triangle inequality a slack
-    of `slack` times the mean edge length; nothing where they have it already. Zero-area faces thus
-    become thin triangles that still connect their vertices (Sharp and Crane, *A Laplacian for
-    Nonmanifold Triangle Meshes*, 2020, section 4.5, https://doi.org/10.1111/cgf.14069).
+    One constant is added to all edges of a connected part, the smallest that leaves every triangle
+    inequality a slack of `slack` times the mean edge length of the part, or the longest edge of the
+    face where that is shorter; nothing where they have it already. Zero-area faces thus become thin
+    triangles that still connect their vertices (Sharp and Crane, *A Laplacian for Nonmanifold
+    Triangle Meshes*, 2020, section 4.5, https://doi.org/10.1111/cgf.14069), while proper triangles
+    stay as they are, be they tiny beside others.
+
+    Parameters
+    ----------
+    lengths : ndarray of shape (F, 3), float64
+        The edge opposite corner i in column i.
+    part : ndarray of shape (F,), int64, optional
+        The connected part of each face; all are one unless given.
+
+    Returns
+    -------
+    lengths : ndarray of shape (F, 3), float64
+    added : ndarray of shape (F,), float64
     """
-    total = lengths.sum(axis=1, keepdims=True)
-    shortfall = (slack * lengths.mean() - (total - 2 * lengths)).max()
-    added = max(0.0, float(shortfall))
-    return lengths + added, added
+    part = np.zeros(len(lengths), dtype=np.int64) if part is None else part
+    total, longest = lengths.sum(axis=1), lengths.max(axis=1)
+    count = np.bincount(part)
+    mean = (np.bincount(part, total) / np.maximum(3 * count, 1))[part]
+    mean = np.where(mean > 0, mean, total.mean() / 3)  # a part that is a single place
+    scale = np.where(longest > 0, np.minimum(longest, mean), mean)
+    worst = np.zeros(len(count))
+    np.maximum.at(worst, part, slack * scale - (total - 2 * longest))
+    added = worst[part]
+    return lengths + added[:, None], added

@@ -59,7 +59,7 @@ def array_of(path: Path) -> NDArray[Any]:
         It is an archive of several.
     """
     with warnings.catch_warnings():
-        warnings.simplefilter("ignore", SyntaxWarning)  # of Python, on what a damaged header says
+        warnings.simplefilter("ignore")  # of NumPy and Python, on old and damaged headers
         table = np.load(path, allow_pickle=False)
     if not isinstance(table, np.ndarray):
         raise ReadError("an archive, where an .npy array is expected")
@@ -103,6 +103,8 @@ def whole_numbers(values: NDArray[Any], what: str) -> IntArray:
         good = (np.abs(values) < 2.0**53) & (values == np.floor(values))
         if not good.all():
             raise ReadError(f"{what} must be whole numbers (found {values[~good].flat[0]})")
+    elif values.dtype.kind == "u" and values.size and values.max() > np.iinfo(np.int64).max:
+        raise ReadError(f"{what} must be smaller (found {values.max()})")
     return values.astype(np.int64)
 
 

@@ -8,9 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from geodesic_toolkit._typing import BoolArray
-from geodesic_toolkit.errors import InvalidOptionError, NotEnoughMemoryError, ReadError
+from geodesic_toolkit.errors import InvalidOptionError, ReadError
 from geodesic_toolkit.io.common import array_of, floats, text_of, whole_numbers
-from geodesic_toolkit.io.reading import check_file, one_line
+from geodesic_toolkit.io.reading import check_file, named_errors
 
 __all__ = ["MASK_SUFFIXES", "read_mask"]
 
@@ -62,14 +62,8 @@ def read_mask(path: str | os.PathLike[str], n_vertices: int) -> BoolArray:
     suffix = file.suffix.lower()
     if suffix not in MASK_SUFFIXES:
         raise ReadError(f"{file}: a mask is read from {', '.join(MASK_SUFFIXES)}")
-    try:
+    with named_errors(file, "the mask"):
         values = _array(file) if suffix == ".npy" else _text(file)
-    except ReadError as error:
-        raise ReadError(f"{file}: {one_line(error)}") from error
-    except MemoryError as error:
-        raise NotEnoughMemoryError(f"{file}: the mask does not fit into memory") from error
-    except Exception as error:  # numpy.load meets garbage with whatever exception it trips it into
-        raise ReadError(f"{file}: damaged ({type(error).__name__}: {one_line(error)})") from error
     if values.dtype.kind == "b" or _no_indices(values, n_vertices):
         if len(values) != n_vertices:
             raise InvalidOptionError(
@@ -98,7 +92,7 @@ def _array(file: Path) -> NDArray[Any]:
             "a mask is an array of booleans or of vertex indices with one dimension, not "
             f"{table.dtype} of shape {table.shape}"
         )
-    return table if table.dtype.kind == "b" else _whole(table)
+    return table if table.dtype.kind == "b" else whole_numbers(table, "vertex indices")
 
 
 def _text(file: Path) -> NDArray[Any]:
@@ -110,9 +104,3 @@ def _text(file: Path) -> NDArray[Any]:
     if None not in words:
         return np.array(words, dtype=np.bool_)
     return whole_numbers(floats(tokens, "booleans or vertex indices"), "vertex indices")
-
-
-def _whole(values: NDArray[Any]) -> NDArray[np.int64]:
-    if values.dtype.kind == "u" and values.size and values.max() > np.iinfo(np.int64).max:
-        raise ReadError(f"vertex indices must be smaller (found {values.max()})")
-    return whole_numbers(values, "vertex indices")

@@ -7,10 +7,10 @@ import numpy as np
 
 from geodesic_toolkit._typing import FloatArray
 from geodesic_toolkit.domains import PointCloud, TriangleMesh
-from geodesic_toolkit.errors import InvalidDomainError, NotEnoughMemoryError, ReadError
+from geodesic_toolkit.errors import ReadError
 from geodesic_toolkit.io.columns import number_table
 from geodesic_toolkit.io.common import array_of, text_of
-from geodesic_toolkit.io.reading import check_file, one_line, read
+from geodesic_toolkit.io.reading import check_file, named_errors, read
 
 __all__ = ["read_points"]
 
@@ -52,14 +52,8 @@ def read_points(path: str | os.PathLike[str]) -> PointCloud:
     if file.suffix.lower() not in tables:
         return _vertices(file)
     check_file(file)
-    try:
+    with named_errors(file, "the table of points"):
         return PointCloud(tables[file.suffix.lower()](file))
-    except (ReadError, InvalidDomainError) as error:
-        raise ReadError(f"{file}: {one_line(error)}") from error
-    except MemoryError as error:
-        raise NotEnoughMemoryError(f"{file}: the points do not fit into memory") from error
-    except Exception as error:  # numpy.load meets garbage with whatever exception it trips it into
-        raise ReadError(f"{file}: damaged ({type(error).__name__}: {one_line(error)})") from error
 
 
 def _vertices(file: Path) -> PointCloud:

@@ -1,6 +1,8 @@
 """`read`: from a path to a domain, by the file's suffix."""
 
 import os
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 import numpy as np
@@ -15,7 +17,7 @@ from geodesic_toolkit.errors import (
     UnknownPluginError,
 )
 
-__all__ = ["check_file", "one_line", "read"]
+__all__ = ["check_file", "named_errors", "one_line", "read"]
 
 LONGEST_REASON = 300
 """Characters of a foreign error's text that a message repeats."""
@@ -88,26 +90,34 @@ def read(path: str | os.PathLike[str]) -> Domain:
     except UnknownPluginError as error:
         unknown = f"there is no reader for .{suffix}" if suffix else "it has no suffix"
         raise ReadError(f"{file}: {unknown}; can be read: {', '.join(readers)}") from error
-    try:
-        # Garbage in a column of float32 may be a NaN of the kind that signals when it is widened;
-        # domains look for what is not finite in any case.
-        with np.errstate(invalid="ignore", over="ignore"):
-            domain = reader(file)
-    except (ReadError, InvalidDomainError) as error:
-        raise ReadError(f"{file}: {one_line(error)}") from error
-    except GeodesicError:
-        raise
-    except MemoryError as error:
-        raise NotEnoughMemoryError(f"{file}: the shape does not fit into memory") from error
-    except Exception as error:  # parsers meet garbage with whatever exception it trips them into
-        raise ReadError(
-            f"{file}: damaged, or not a .{suffix} file ({type(error).__name__}: {one_line(error)})"
-        ) from error
+    with named_errors(file, "the shape"):
+        domain = reader(file)
     if not isinstance(domain, Domain):
         raise ReadError(
             f"{file}: the reader of .{suffix} returned {type(domain).__name__}, no domain"
         )
     return domain
+
+
+@contextmanager
+def named_errors(file: Path, what: str) -> Iterator[None]:
+    """Turn what goes wrong in reading a file into errors of ours that name it, on one line."""
+    try:
+        # Garbage in a column of float32 may be a NaN of the kind that signals when it is widened;
+        # whoever takes the numbers looks for what is not finite in any case.
+        with np.errstate(invalid="ignore", over="ignore"):
+            yield
+    except (ReadError, InvalidDomainError) as error:
+        raise ReadError(f"{file}: {one_line(error)}") from error
+    except GeodesicError:
+        raise
+    except MemoryError as error:
+        raise NotEnoughMemoryError(f"{file}: {what} does not fit into memory") from error
+    except Exception as error:  # parsers meet garbage with whatever exception it trips them into
+        name, reason = type(error).__name__, one_line(error)
+        raise ReadError(
+            f"{file}: damaged, or not a {file.suffix.lower()} file ({name}: {reason})"
+        ) from error
 
 
 def check_file(file: Path) -> None:

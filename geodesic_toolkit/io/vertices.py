@@ -3,12 +3,10 @@
 import os
 from pathlib import Path
 
-import numpy as np
-
 from geodesic_toolkit._typing import IntArray
 from geodesic_toolkit.errors import ReadError
-from geodesic_toolkit.io.common import integers, text_of, whole_numbers
-from geodesic_toolkit.io.reading import check_file, one_line
+from geodesic_toolkit.io.common import array_of, integers, text_of, whole_numbers
+from geodesic_toolkit.io.reading import check_file, named_errors
 
 __all__ = ["VERTEX_SUFFIXES", "read_vertices"]
 
@@ -51,16 +49,12 @@ def read_vertices(path: str | os.PathLike[str]) -> IntArray:
     suffix = file.suffix.lower()
     if suffix not in VERTEX_SUFFIXES:
         raise ReadError(f"{file}: vertices are read from {', '.join(VERTEX_SUFFIXES)}")
-    try:
+    with named_errors(file, "the list of vertices"):
         return _array(file) if suffix == ".npy" else _text(file)
-    except (ReadError, ValueError, EOFError, OSError) as error:
-        raise ReadError(f"{file}: {one_line(error)}") from error
 
 
 def _array(file: Path) -> IntArray:
-    table = np.load(file, allow_pickle=False)
-    if not isinstance(table, np.ndarray):
-        raise ReadError("an archive, where an .npy array is expected")
+    table = array_of(file)
     if table.ndim != 1 or table.dtype.kind not in "iuf" or not len(table):
         raise ReadError(
             "vertices are an array of indices with one dimension, not "

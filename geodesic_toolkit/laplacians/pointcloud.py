@@ -148,8 +148,10 @@ class PointCloudLaplacian(LaplaceOperator):
         count = len(first)
         k = self._neighbours_of(count)
         points = points[first]
-        normals, whose = self._normals(points, domain, everywhere[first])
-        soup = _soup(points, normals, k, oriented=whose == "given")
+        wanted = max(2 * k, POLE_NEIGHBOURS, NOISY_NEIGHBOURS)
+        near = nearest_neighbours(points, min(wanted, count - 1)) if count > 1 else None
+        normals, whose = self._normals(points, near, domain, everywhere[first])
+        soup = _soup(points, normals, near, k, oriented=whose == "given")
         spacing = soup.spacing * scale if soup.spacing > 0 else 1.0  # one place: there is no length
 
         representative = everywhere[first]
@@ -206,29 +208,33 @@ class PointCloudLaplacian(LaplaceOperator):
         return int(self.k)
 
     def _normals(
-        self, points: FloatArray, domain: PointCloud, representative: IntArray
+        self,
+        points: FloatArray,
+        near: IntArray | None,
+        domain: PointCloud,
+        representative: IntArray,
     ) -> tuple[FloatArray, str]:
         """Return a unit normal for every distinct point, and whose they are."""
         count = len(points)
         if domain.normals is not None:
             return domain.normals[representative], "given"
-        if count < 3:
+        if near is None or count < 3:
             return np.tile([0.0, 0.0, 1.0], (count, 1)), "none"
         noisy = _is_noisy(points)
-        k = min(NOISY_NEIGHBOURS if noisy else NORMAL_NEIGHBOURS, count - 1)
-        normals, whose = self._estimate(points, k)
+        k = NOISY_NEIGHBOURS if noisy else NORMAL_NEIGHBOURS
+        normals, whose = self._estimate(points, near[:, :k])
         if noisy:  # from noise, too, neighbours are steep
             return normals, whose
         from geodesic_toolkit.geometry.poles import pole_normals  # compiles by numba
 
-        around = nearest_neighbours(points, min(POLE_NEIGHBOURS, count - 1))
-        return pole_normals(points, around, normals), whose
+        return pole_normals(points, near[:, :POLE_NEIGHBOURS], normals), whose
 
-    def _estimate(self, points: FloatArray, k: int) -> tuple[FloatArray, str]:
+    def _estimate(self, points: FloatArray, near: IntArray) -> tuple[FloatArray, str]:
+        """Return normals from the neighbours that count, and whose they are."""
         # Open3D guesses from fewer than four points; three have one plane, whoever finds it.
         if self.normals != "pca" and len(points) > 3:
             try:
-                normals = open3d_normals(points, k)
+                normals = open3d_normals(points, near.shape[1])
             except MissingDependencyError as error:
                 if self.normals == "open3d":
                     raise
@@ -240,7 +246,7 @@ class PointCloudLaplacian(LaplaceOperator):
                 )
             else:
                 return normals, "open3d"
-        return pca_normals(points, nearest_neighbours(points, k)), "pca"
+        return pca_normals(points, near), "pca"
 
 
 def _is_noisy(points: FloatArray) -> bool:
@@ -271,15 +277,17 @@ class _Soup:
     boundary: BoolArray
 
 
-def _soup(points: FloatArray, normals: FloatArray, k: int, *, oriented: bool) -> _Soup:
+def _soup(
+    points: FloatArray, normals: FloatArray, near: IntArray | None, k: int, *, oriented: bool
+) -> _Soup:
     count = len(points)
     triangles, frames = np.empty((0, 3), dtype=np.int64), np.empty((0, 3))
     boundary = np.zeros(count, dtype=np.bool_)
     links = np.empty((0, 2), dtype=np.int64)
-    if count > 1:
+    if near is not None:
         from geodesic_toolkit.geometry.stars import delaunay_stars  # compiles by numba
 
-        neighbours = nearest_neighbours(points, min(2 * k, count - 1))
+        neighbours = np.ascontiguousarray(near[:, : 2 * k])
         triangles, frames, boundary = delaunay_stars(
             points, normals, neighbours, k=k, oriented=oriented
         )

@@ -1,9 +1,9 @@
 """The contract of a linear solver: factorise once, solve often."""
 
 import abc
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from types import MappingProxyType
-from typing import ClassVar, TypeAlias
+from typing import ClassVar, Protocol
 
 from scipy.sparse import csr_array
 
@@ -46,8 +46,16 @@ class Factor(abc.ABC):
         """Bytes that they take."""
 
 
-Factorizer: TypeAlias = Callable[[csr_array], Factor]
-"""What factorises matrices of one pattern."""
+class Factorizer(Protocol):
+    """What factorises matrices of one pattern."""
+
+    def __call__(self, matrix: csr_array) -> Factor:
+        """Return the factor of a matrix; may be called from several threads at once."""
+        ...
+
+    def expected_bytes(self, n_factors: int) -> float:
+        """Return the bytes that making so many factors at once takes; 0 where not known."""
+        ...
 
 
 class LinearSolver(abc.ABC):
@@ -103,10 +111,10 @@ class LinearSolver(abc.ABC):
         """
 
     def analyze(self, matrix: csr_array) -> Factorizer:  # noqa: ARG002 - a hook
-        """Return a function that factorises matrices with the pattern of `matrix`.
+        """Return what factorises matrices with the pattern of `matrix`.
 
         A solver that can share work between them overrides it. The heat and the Poisson system of
-        one discretization are such matrices; the function may be called from several threads.
+        one discretization are such matrices.
 
         Parameters
         ----------
@@ -115,12 +123,25 @@ class LinearSolver(abc.ABC):
 
         Returns
         -------
-        callable
-            As `factorize`.
+        Factorizer
+            Called as `factorize` is.
 
         Raises
         ------
         NotEnoughMemoryError
             The factor will not fit.
         """
-        return self.factorize
+        return _EachAnew(self)
+
+
+class _EachAnew:
+    """The factorizer of solvers that share nothing between matrices."""
+
+    def __init__(self, solver: LinearSolver) -> None:
+        self._solver = solver
+
+    def __call__(self, matrix: csr_array) -> Factor:
+        return self._solver.factorize(matrix)
+
+    def expected_bytes(self, n_factors: int) -> float:  # noqa: ARG002 - not known
+        return 0.0

@@ -7,6 +7,7 @@ from scipy.sparse import csr_array, diags_array
 
 from geodesic_toolkit._typing import FloatArray
 from geodesic_toolkit.linear.base import Factor, Factorizer, LinearSolver
+from geodesic_toolkit.linear.memory import require_memory
 
 __all__ = ["SharedAnalysis", "plus_diagonal"]
 
@@ -52,16 +53,41 @@ class SharedAnalysis:
     Parameters
     ----------
     solver : LinearSolver
+    n_factors : int
+        How many factors are to come, at the same time perhaps.
     """
 
-    def __init__(self, solver: LinearSolver) -> None:
+    def __init__(self, solver: LinearSolver, n_factors: int = 1) -> None:
         self._solver = solver
+        self._n_factors = n_factors
         self._lock = threading.Lock()
         self._factorizer: Factorizer | None = None
 
     def __call__(self, matrix: csr_array) -> Factor:
-        """Return the factor of a matrix."""
+        """Return the factor of a matrix.
+
+        Raises
+        ------
+        SolverError
+            It has none.
+        NotEnoughMemoryError
+            All that are to come would not fit together.
+        """
         with self._lock:
             if self._factorizer is None:
-                self._factorizer = self._solver.analyze(matrix)
+                factorizer = self._solver.analyze(matrix)
+                size = f"{matrix.shape[0]} unknowns with {matrix.nnz} entries"
+                needed = factorizer.expected_bytes(self._n_factors)
+                require_memory(needed, f"{self._n_factors} x factorising {size}")
+                self._factorizer = factorizer  # not before: the next call is to ask again
         return self._factorizer(matrix)
+
+    def expected_bytes(self, n_factors: int | None = None) -> float:
+        """Return the bytes that making the factors takes, all of them unless told how many.
+
+        Known from their pattern alone, once that is analysed; 0 before, and where the solver does
+        not foresee it.
+        """
+        if self._factorizer is None:
+            return 0.0
+        return self._factorizer.expected_bytes(n_factors or self._n_factors)

@@ -67,6 +67,12 @@ class Analysis:
         """Numbers that a factor stores, explicit zeros included."""
         return int(self.panels[-1])
 
+    @property
+    def nbytes(self) -> int:
+        """Bytes of the arrays, without those of the matrix."""
+        own = set(vars(self)) - {"indptr", "indices", "stack", "tallest"}
+        return sum(getattr(self, name).nbytes for name in own)
+
     def fits(self, matrix: csr_array) -> bool:
         """Return whether `matrix` has the pattern that was analysed."""
         return matrix.shape == (self.n_vertices, self.n_vertices) and all(

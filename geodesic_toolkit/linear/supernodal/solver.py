@@ -7,7 +7,7 @@ import numpy as np
 from scipy.sparse import csr_array
 
 from geodesic_toolkit.errors import SolverError
-from geodesic_toolkit.linear.base import Factorizer, LinearSolver
+from geodesic_toolkit.linear.base import LinearSolver
 from geodesic_toolkit.linear.memory import factor_bytes, require_memory
 from geodesic_toolkit.linear.supernodal.analysis import Analysis, analyze
 from geodesic_toolkit.linear.supernodal.factor import SupernodalFactor, factorize
@@ -51,28 +51,41 @@ class Supernodal(LinearSolver):
     componentwise: ClassVar[bool] = True
     references: ClassVar[tuple[str, ...]] = ("10.1137/S0895479894278952", "10.1137/1034004")
 
-    def analyze(self, matrix: csr_array) -> Factorizer:
-        """Return a function that factorises matrices with the pattern of `matrix`."""
+    def analyze(self, matrix: csr_array) -> "SupernodalFactorizer":
+        """Return what factorises matrices with the pattern of `matrix`."""
         require_memory(
             OF_LU * factor_bytes(matrix.shape[0], matrix.nnz),
             f"factorising {matrix.shape[0]} unknowns with {matrix.nnz} entries",
         )
-        pattern = _canonical(matrix)
-        analysis = analyze(pattern)
-
-        def refactorize(matrix: csr_array) -> SupernodalFactor:
-            its = _canonical(matrix)
-            if its is not pattern and not analysis.fits(its):
-                return self.factorize(its)
-            return _factorize(its, analysis)
-
-        return refactorize
+        return SupernodalFactorizer(_canonical(matrix))
 
     def factorize(self, matrix: csr_array) -> SupernodalFactor:
         """Return the Cholesky factor of a symmetric positive definite `matrix`."""
-        factor = self.analyze(matrix)(matrix)
-        assert isinstance(factor, SupernodalFactor)  # for the type checker
-        return factor
+        return self.analyze(matrix)(matrix)
+
+
+class SupernodalFactorizer:
+    """Factorises matrices of one pattern, which is analysed once.
+
+    Parameters
+    ----------
+    pattern : csr_array of shape (N, N)
+        Without repeated entries; its values are not used.
+    """
+
+    def __init__(self, pattern: csr_array) -> None:
+        self.analysis = analyze(pattern)
+
+    def expected_bytes(self, n_factors: int) -> float:
+        """Return what so many factors take, with their stacks of update matrices: exactly that."""
+        numbers = self.analysis.n_stored + self.analysis.stack + 3 * self.analysis.n_vertices
+        return self.analysis.nbytes + n_factors * 8.0 * numbers
+
+    def __call__(self, matrix: csr_array) -> SupernodalFactor:
+        """Return the Cholesky factor of `matrix`; of another pattern, after an analysis of it."""
+        its = _canonical(matrix)
+        analysis = self.analysis if self.analysis.fits(its) else analyze(its)
+        return _factorize(its, analysis)
 
 
 def _factorize(matrix: csr_array, analysis: Analysis) -> SupernodalFactor:

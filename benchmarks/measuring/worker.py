@@ -1,0 +1,152 @@
+"""The process of one library: it does what it is asked, a line of JSON in, a line of JSON out.
+
+python -m measuring.worker LIBRARY WARM-UP.npz MESH.npz
+
+Commands, each with its answer:
+
+    {"do": "build", "source": 0}       clocks of a build and of one source, and its mean distance
+    {"do": "one", "sources": [...]}    clocks a call, each source by itself
+    {"do": "each", "sources": [...]}   clocks a source, all in one call where there is one for that
+    {"do": "release"}                  forgets what was built
+    {"do": "limit"}                    the Poisson factor of this package: bytes, seconds of a solve
+    {"do": "memory", "source": 0}      most bytes held while building and solving, above the imports
+"""
+
+import ctypes
+import ctypes.util
+import gc
+import json
+import os
+import sys
+import time
+import warnings
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+
+from measuring import clocks, libraries
+from measuring.machine import reading
+
+ENOUGH = 0.2
+"""Seconds of single sources after which their mean is taken."""
+
+BLOCK = 16
+"""Right-hand sides of a solve in a block."""
+
+READ = 256 * 2**20
+"""Bytes read to measure the speed of memory: several times what a cache holds."""
+
+
+class Worker:
+    """A library, a mesh, and what was built last."""
+
+    def __init__(self, library: str, warm_up: str, mesh: str) -> None:
+        self.library = library
+        libraries.load(library)
+        libraries.warm_up(library, *_arrays(warm_up))
+        self.mesh = _arrays(mesh)
+        self.ready: libraries.Ready | None = None
+
+    def build(self, source: int) -> dict[str, Any]:
+        def work() -> np.ndarray:
+            self.ready = libraries.build(self.library, *self.mesh)
+            return self.ready.one(source)
+
+        self.release()
+        spent, distance = clocks.timed(work)
+        return {**spent, "mean": float(np.mean(distance)), "solver": self.ready.solver}
+
+    def one(self, sources: list[int]) -> dict[str, Any]:
+        assert self.ready is not None
+        calls = []
+        started = time.perf_counter()
+        for source in sources:
+            calls.append(clocks.timed(lambda s=source: self.ready.one(s))[0])
+            if time.perf_counter() - started > ENOUGH:
+                break
+        return {clock: float(np.mean([call[clock] for call in calls])) for clock in calls[0]}
+
+    def each(self, sources: list[int]) -> dict[str, Any]:
+        assert self.ready is not None
+        spent, _ = clocks.timed(lambda: self.ready.each(sources))
+        return {clock: seconds / len(sources) for clock, seconds in spent.items()}
+
+    def release(self) -> dict[str, Any]:
+        self.ready = None
+        gc.collect()
+        name = ctypes.util.find_library("c")
+        if name is not None:  # give back what the allocator keeps
+            getattr(ctypes.CDLL(name), "malloc_trim", int)(0)
+        return {}
+
+    def memory(self, source: int) -> dict[str, Any]:
+        self.release()
+        before = clocks.resident()
+        clocks.forget_peak()
+        ready = libraries.build(self.library, *self.mesh)
+        ready.one(source)
+        return {"bytes": clocks.peak_resident() - before}
+
+    def limit(self) -> dict[str, Any]:
+        """Return the bytes of the factor of the Poisson system, and the seconds of a solve."""
+        from scipy.sparse import csr_array, diags_array
+
+        import geodesic_toolkit as gt
+
+        solver = gt.GeodesicSolver(gt.TriangleMesh(*self.mesh), **libraries.options(self.library))
+        metric, recipe = solver.method.metric, solver.method.poisson_solver
+        ground = np.zeros(metric.n_vertices)
+        ground[0] = metric.stiffness.diagonal()[0]
+        matrix = csr_array(metric.stiffness + diags_array(ground))
+        factor = recipe.factorize(matrix)
+        columns = np.random.default_rng(0).standard_normal((metric.n_vertices, BLOCK))
+        columns -= columns.mean(axis=0)
+        (solve, block), speeds = zip(
+            _solves(factor.solve, columns[:, 0]), _solves(factor.solve, columns), strict=True
+        )
+        return {
+            "solver": type(recipe).__name__,
+            "bytes": factor.nbytes,
+            "factorize": clocks.timed(lambda: recipe.factorize(matrix))[0]["cpu"],
+            "solve": solve,
+            "block": block / BLOCK,
+            "bandwidth": max(speeds),
+        }
+
+
+def _solves(solve: Callable[[np.ndarray], np.ndarray], right: np.ndarray) -> tuple[float, float]:
+    """Return the median seconds of CPU of a solve, and the fastest that memory was read between.
+
+    What is read in between puts the factor out of the cache.
+    """
+    other = np.ones(READ // 8)
+    solve(right)
+    seconds, speeds = [], []
+    for _ in range(15):
+        speeds.append(reading(other))
+        seconds.append(clocks.timed(lambda: solve(right))[0]["cpu"])
+    return float(np.median(seconds)), max(speeds)
+
+
+def _arrays(path: str) -> tuple[np.ndarray, np.ndarray]:
+    with np.load(path) as file:
+        return file["vertices"], file["faces"]
+
+
+def main() -> None:
+    """Answer commands until there are no more."""
+    warnings.simplefilter("ignore")  # of shapes: known
+    answers = os.fdopen(os.dup(1), "w", encoding="utf-8")
+    clocks.go_first()
+    os.dup2(2, 1)  # what libraries print is no answer
+    worker = Worker(*sys.argv[1:])
+    print(json.dumps({}), file=answers, flush=True)
+    for line in sys.stdin:
+        command = json.loads(line)
+        answer = getattr(worker, command.pop("do"))(**command)
+        print(json.dumps(answer), file=answers, flush=True)
+
+
+if __name__ == "__main__":
+    main()

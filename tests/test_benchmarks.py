@@ -1,0 +1,124 @@
+"""The benchmarks run, and their own arithmetic is right; what they measure is not looked at."""
+
+import importlib
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+BENCHMARKS = Path(__file__).resolve().parents[1] / "benchmarks"
+
+if not BENCHMARKS.exists():
+    pytest.skip("a source distribution has no benchmarks", allow_module_level=True)
+
+
+@pytest.fixture
+def module(monkeypatch):
+    """The function that imports a module of the benchmarks."""
+    monkeypatch.syspath_prepend(BENCHMARKS)
+    return importlib.import_module
+
+
+def run_script(name, *options):
+    finished = subprocess.run(
+        [sys.executable, str(BENCHMARKS / name), *options],
+        env=dict(os.environ),
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert finished.returncode == 0, finished.stderr
+    return finished.stdout
+
+
+@pytest.mark.parametrize("n_vertices", [12, 42, 92, 3500])
+def test_a_sphere_of_about_any_size_is_closed_and_has_antipodes(module, n_vertices):
+    vertices, faces = module("measuring.shapes").sphere(n_vertices)
+    assert len(vertices) == pytest.approx(n_vertices, rel=0.1)
+    edges = np.unique(np.sort(faces[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2), axis=1), axis=0)
+    assert len(vertices) - len(edges) + len(faces) == 2
+    assert (np.bincount(faces.ravel(), minlength=len(vertices)) >= 5).all()
+    assert np.linalg.norm(vertices, axis=1) == pytest.approx(1.0)
+    assert (vertices @ vertices[0]).min() == pytest.approx(-1.0)
+    assert (np.linalg.det(vertices[faces]) > 0).all()  # counterclockwise from outside
+
+
+@pytest.mark.parametrize(("size", "count"), [("642", 642), ("3.5k", 3500), ("5M", 5_000_000)])
+def test_a_size_is_a_number_of_vertices(module, size, count):
+    assert module("measuring.shapes").count(size) == count
+
+
+def test_vertices_of_no_face_are_left_out(module):
+    vertices = np.arange(15.0).reshape(5, 3)
+    kept, faces = module("measuring.shapes").referenced(vertices, np.array([[4, 0, 2]]))
+    assert kept.tolist() == vertices[[0, 2, 4]].tolist()
+    assert faces.tolist() == [[2, 0, 1]]
+
+
+def test_an_exponent_is_that_of_the_power_law_without_failed_sizes(module):
+    rows = [{"vertices": n, "build": {"cpu": 3e-6 * n**1.2}} for n in (10, 100, 1000)]
+    growth = module("growth")
+    assert growth.fit([*rows, {"vertices": 10**6, "failure": "killed"}], "build", "cpu") == (
+        pytest.approx(1.2)
+    )
+    assert growth.fit(rows[:2], "build", "cpu") is None
+
+
+def test_a_ratio_is_that_of_the_medians_against_the_faster_library(module):
+    performance = module("performance")
+
+    def runs(*times):
+        return {"build": [{"cpu": time, "wall": time} for time in times]}
+
+    times = {"ours": runs(1, 2, 9), "potpourri3d": runs(8, 8, 9), "libigl": runs(99, 9, 1)}
+    assert performance.faster_peer(times, "build") == "potpourri3d"
+    assert performance.against_peers(times, "ours", "build") == "**4** (1-8)"
+    times["libigl"]["failure"] = times["potpourri3d"]["failure"] = "over 1 s"
+    assert performance.against_peers(times, "ours", "build") == "-"
+
+
+def test_the_errors_on_a_sphere_are_those_of_the_arc(module):
+    points = np.array([[1.0, 0, 0], [0, 1.0, 0], [-1.0, 0, 0]])
+    found = module("measuring.growing").errors(points, 0, np.pi * np.array([0, 0.55, 0.98]))
+    assert found["mean_error"] == pytest.approx((10 + 2) / 2)
+    assert found["antipode_error"] == pytest.approx(2)
+
+
+@pytest.mark.skipif(not Path("/proc/self/status").exists(), reason="memory is read from /proc")
+class TestProcesses:
+    def test_a_process_that_is_killed_ran_out_of_memory(self, module):
+        processes = module("measuring.processes")
+        process = processes.Process("measuring.growing", "mesh", "none.npz", "none.npz")
+        process._process.kill()
+        with pytest.raises(processes.NoAnswerError, match="killed, out of memory"):
+            process.answer(limit=60)
+
+    def test_a_process_that_fails_says_why(self, module):
+        processes = module("measuring.processes")
+        process = processes.Process("measuring.growing", "mesh", "none.npz", "none.npz")
+        with pytest.raises(processes.NoAnswerError, match=r"FileNotFoundError.*none\.npz"):
+            process.answer(limit=60)
+
+    def test_a_process_that_is_late_is_ended(self, module):
+        processes = module("measuring.processes")
+        process = processes.Process("measuring.growing", "mesh", "none.npz", "none.npz")
+        with pytest.raises(processes.NoAnswerError, match="over 0 s"):
+            process.answer(limit=0)
+        assert process._process.returncode is not None
+
+    def test_performance_is_measured_on_a_generated_mesh(self):
+        options = ["--generated", "--sizes", "0.6k", "--rounds", "1", "--libraries", "ours"]
+        shown = run_script("performance.py", *options, "--parts", "rounds,memory")
+        for title in ("build and one source", "a further source, alone", "peak memory"):
+            assert title in shown
+        assert "Traceback" not in shown
+
+    def test_growth_is_measured_and_drawn(self, tmp_path):
+        pytest.importorskip("matplotlib")
+        picture = tmp_path / "growth.png"
+        shown = run_script("growth.py", "--mesh", "0.6k", "--cloud", "", "--picture", str(picture))
+        assert "| mesh | 642 |" in shown
+        assert picture.stat().st_size > 10_000

@@ -1,0 +1,152 @@
+"""Shortest paths on point clouds: their length, what they run through, where they end."""
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+import geodesic_toolkit as gt
+from geodesic_toolkit.errors import InvalidSourceError, UnreachableError
+from geodesic_toolkit.testing import shapes
+
+PCA = gt.PointCloudLaplacian(normals="pca")
+
+
+def solver_of(points, **options):
+    return gt.GeodesicSolver(gt.PointCloud(points), operator=PCA, **options)
+
+
+def random_sphere(count, noise=0.0):
+    rng = np.random.default_rng(0)
+    true = rng.normal(size=(count, 3))
+    true /= np.linalg.norm(true, axis=1, keepdims=True)
+    return true * (1 + noise * rng.normal(size=(count, 1))), true
+
+
+def runs_through_triangles(solver, path):
+    """Check that both ends of each piece of a path lie in one triangle of a star."""
+    stars = {frozenset(element) for element in solver.method.metric.gradient.elements.tolist()}
+    support = [
+        set(corners[weights > 1e-9].tolist())
+        for corners, weights in zip(path.corners, path.weights, strict=True)
+    ]
+    pieces = [here | there for here, there in zip(support, support[1:], strict=False)]
+    return all(any(piece <= star for star in stars) for piece in pieces)
+
+
+@pytest.mark.parametrize("refine", [True, False])
+def test_a_path_on_a_sphere_is_as_long_as_the_great_circle(refine):
+    points, _ = random_sphere(2500)
+    solver = solver_of(points, refine=refine)
+    for target in (17, 800, 1203, 2499):
+        path = gt.geodesic_path(solver, 0, target)
+        arc = np.arccos(np.clip(points[0] @ points[target], -1, 1))
+        assert path.length == pytest.approx(arc, rel=0.005)
+        np.testing.assert_array_equal(path.points[[0, -1]], points[[0, target]])
+        assert runs_through_triangles(solver, path)
+
+
+RANDOM = np.random.default_rng(5).uniform(size=(600, 2))
+PLANE = solver_of(np.column_stack([RANDOM, np.zeros(600)]), refine=True)
+
+
+@settings(max_examples=25, deadline=None)
+@given(st.integers(0, 599), st.integers(0, 599))
+def test_a_path_on_a_plane_is_straight(source, target):
+    path = gt.geodesic_path(PLANE, source, target)
+    straight = np.linalg.norm(RANDOM[source] - RANDOM[target])
+    assert path.length == pytest.approx(straight, rel=0.005, abs=1e-12)
+    assert path.length >= straight * (1 - 1e-9)
+
+
+def test_a_path_follows_a_folded_sheet_instead_of_jumping_its_gap():
+    leg, gap, width = 30.0, 4.0, 10
+    radius = gap / 2
+    length = 2 * leg + np.pi * radius
+    s, y = np.meshgrid(
+        np.linspace(0, length, round(length) + 1), np.arange(width + 1.0), indexing="ij"
+    )
+    rng = np.random.default_rng(0)
+    s = np.clip(s + 0.5 * rng.uniform(-0.5, 0.5, s.shape), 0, length).ravel()
+    y = (y + 0.5 * rng.uniform(-0.5, 0.5, y.shape)).ravel()
+    turn = np.clip((s - leg) / radius, 0, np.pi)
+    along = np.minimum(s, leg) - np.maximum(s - leg - np.pi * radius, 0)
+    points = np.column_stack([along + radius * np.sin(turn), y, radius - radius * np.cos(turn)])
+    source, target = int(s.argmin()), int(s.argmax())
+    path = gt.geodesic_path(solver_of(points, refine=True), source, target)
+    true = np.hypot(s[target] - s[source], y[target] - y[source])
+    assert path.length == pytest.approx(true, rel=0.01)
+    assert np.linalg.norm(np.diff(path.points, axis=0), axis=1).max() < 2.5
+
+
+def test_noise_makes_a_path_longer_by_the_noise_alone():
+    points, true = random_sphere(16_000, noise=0.01)
+    path = gt.geodesic_path(solver_of(points, refine=True), 0, 500)
+    arc = np.arccos(np.clip(true[0] @ true[500], -1, 1))
+    assert 1 < path.length / arc < 1.08  # it runs through the points as they are
+    unit = path.points / np.linalg.norm(path.points, axis=1, keepdims=True)
+    smooth = np.linalg.norm(np.diff(unit, axis=0), axis=1).sum()
+    assert smooth == pytest.approx(arc, rel=0.02)
+
+
+def test_the_path_leads_from_the_nearest_source_and_targets_in_space_are_snapped():
+    grid = shapes.grid(9).vertices
+    path = gt.geodesic_path(solver_of(grid), [0, 80], [1.0, 0.88, 0.001])
+    assert path.length == pytest.approx(0.125)
+    np.testing.assert_array_equal(path.points[[0, -1]], grid[[80, 71]])
+
+
+def test_a_path_serves_as_a_curve_and_carries_values():
+    grid = shapes.grid(21).vertices
+    solver = solver_of(grid, refine=True)
+    path = gt.geodesic_path(solver, 0, 440)  # the diagonal
+    expected = np.abs(grid[:, 0] - grid[:, 1]) / np.sqrt(2)
+    np.testing.assert_allclose(solver.distance(gt.Curve(path.points)), expected, atol=0.03)
+    height = (path.weights * grid[path.corners][:, :, 0]).sum(axis=1)
+    np.testing.assert_allclose(height, path.points[:, 0], atol=1e-12)
+
+
+def test_a_path_runs_along_links_where_there_are_no_triangles():
+    along = np.random.default_rng(0).permutation(np.cumsum(np.arange(1, 60)) / 100)
+    solver = solver_of(along[:, None] * [1.0, -2.0, 2.0])
+    path = gt.geodesic_path(solver, 0, 1)
+    assert path.length == pytest.approx(3 * abs(along[0] - along[1]))
+    assert runs_through_triangles(solver, path)
+    sheet = shapes.grid(15).vertices
+    hair = np.linspace(1.07, 2, 14)[:, None] * [1.0, 0, 0]
+    solver = solver_of(np.concatenate([sheet, hair]))
+    path = gt.geodesic_path(solver, 14 * 15, 15 * 15 + 13)
+    assert path.length == pytest.approx(np.hypot(1, 1) + 1, rel=0.03)
+
+
+def test_a_path_between_duplicates_has_no_length():
+    grid = shapes.grid(5).vertices
+    path = gt.geodesic_path(solver_of(np.concatenate([grid, grid[:3]])), 1, 26)
+    assert path.length == 0
+    one = gt.geodesic_path(solver_of(grid), 3, 3)
+    assert repr(one) == "CloudPath(1 points, length 0)"
+
+
+def test_what_is_masked_or_in_another_part_is_unreachable():
+    grid = shapes.grid(12).vertices
+    apart = solver_of(np.concatenate([grid, grid + np.array([7.0, 0, 0])]))
+    with pytest.raises(UnreachableError, match="connects point 200 with a source"):
+        gt.geodesic_path(apart, 0, 200)
+    with pytest.raises(UnreachableError, match="masked"):
+        gt.geodesic_path(solver_of(grid, mask=np.arange(144) == 50), 0, 50)
+
+
+def test_a_path_leads_around_masked_points():
+    grid = shapes.grid(21).vertices
+    wall = (np.abs(grid[:, 0] - 0.5) < 0.33) & (grid[:, 1] < 0.7)
+    path = gt.geodesic_path(solver_of(grid, mask=wall, refine=True), 0, 20)
+    assert 1.9 < path.length < 2.2  # straight it would be 1
+    assert not wall[path.corners[path.weights > 0]].any()
+
+
+def test_a_path_on_a_cloud_needs_points_that_are_there():
+    solver = solver_of(np.vstack([shapes.grid(5).vertices, [[np.nan] * 3]]))
+    with pytest.raises(InvalidSourceError, match="target: point 25 of the cloud is missing"):
+        gt.geodesic_path(solver, 0, 25)
+    with pytest.raises(InvalidSourceError, match="a SurfacePoint lies on a TriangleMesh"):
+        gt.geodesic_path(solver, 0, gt.SurfacePoint(0, (1.0, 0.0, 0.0)))

@@ -1,0 +1,396 @@
+"""The command ``matrix``: what it writes, how it is interrupted and goes on, and how it ends."""
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+from concurrent.futures import ThreadPoolExecutor
+
+import numpy as np
+import pytest
+from scipy.sparse import load_npz
+from typer.testing import CliRunner
+
+import geodesic_toolkit as gt
+from geodesic_toolkit import errors
+from geodesic_toolkit.analysis import matrix as matrix_module
+from geodesic_toolkit.analysis import stores
+from geodesic_toolkit.cli import app, interrupts, progress
+from geodesic_toolkit.cli.matrix import Result, _deaf_children
+from geodesic_toolkit.io import read_vertices
+from geodesic_toolkit.testing import shapes
+
+
+def run(*arguments):
+    """Run the command in this process."""
+    return CliRunner().invoke(app, ["matrix", *map(str, arguments)])
+
+
+def fails(result, status, *words):
+    """Check an exit status, and that there is a short, clear line and nothing else."""
+    assert result.exit_code == status, result.output
+    assert result.stdout == ""
+    assert 1 <= len(result.stderr.splitlines()) <= 3
+    assert "Traceback" not in result.stderr
+    for word in words:
+        assert word in result.stderr
+
+
+def write_off(path, mesh):
+    lines = ["OFF", f"{mesh.n_vertices} {mesh.n_faces} 0"]
+    lines += [" ".join(map(repr, row)) for row in mesh.vertices.tolist()]
+    lines += [f"3 {a} {b} {c}" for a, b, c in mesh.faces.tolist()]
+    path.write_text("\n".join(lines) + "\n")
+    return path
+
+
+@pytest.fixture(autouse=True)
+def patience(monkeypatch):
+    """Keep lines of progress out of what the tests compare, on however slow a machine."""
+    monkeypatch.setattr(progress, "FIRST_PLAIN_LINE", 3600.0)
+
+
+@pytest.fixture
+def sphere(tmp_path):
+    return write_off(tmp_path / "sphere.off", shapes.icosphere(2))
+
+
+@pytest.fixture
+def solver(sphere):
+    return gt.GeodesicSolver(gt.read(sphere))
+
+
+@pytest.fixture
+def interrupted_after(monkeypatch):
+    """The function that has Ctrl-C come once so many rows are written; and that lets it be."""
+    usual = stores.FileOfRows.put
+
+    def interrupt_after(rows):
+        def put(self, task, found):
+            usual(self, task, found)
+            if rows is not None and task.stop >= rows:
+                raise KeyboardInterrupt
+
+        monkeypatch.setattr(stores.FileOfRows, "put", put)
+
+    return interrupt_after
+
+
+# -- results ---------------------------------------------------------------------------------------
+
+
+def test_all_vertices_make_a_square_matrix(sphere, solver, tmp_path):
+    result = run(sphere, "--output", tmp_path / "D.npy")
+    assert result.exit_code == 0, result.output
+    assert result.stderr == ""
+    assert "162 x 162, float64" in result.stdout
+    assert "every vertex" in result.stdout
+    np.testing.assert_array_equal(np.load(tmp_path / "D.npy"), gt.distance_matrix(solver))
+
+
+def test_float32_goes_to_a_zarr_store(sphere, solver, tmp_path):
+    zarr = pytest.importorskip("zarr")
+    result = run(sphere, "--output", tmp_path / "D.zarr", "--float32", "--symmetrize", "none")
+    assert result.exit_code == 0, result.output
+    store = zarr.open_array(tmp_path / "D.zarr", mode="r")
+    expected = gt.distance_matrix(solver, dtype="float32", symmetrize=None)
+    np.testing.assert_array_equal(store[:], expected)
+
+
+@pytest.mark.parametrize("name", ["rows.txt", "rows.csv", "rows.npy"])
+def test_sources_come_from_a_file(sphere, solver, tmp_path, name):
+    sources = tmp_path / name
+    if name.endswith(".npy"):
+        np.save(sources, np.array([5, 7, 100]))
+    else:
+        sources.write_text("vertex\n5\n7\n100\n" if name.endswith(".csv") else "5 7 # two\n100\n")
+    result = run(sphere, "--sources", sources, "--output", tmp_path / "D.npy", "--json")
+    assert result.exit_code == 0, result.output
+    found = json.loads(result.stdout)
+    assert found["sources"] == [5, 7, 100]
+    assert found["shape"] == [3, 162]
+    assert found["dtype"] == "float64"
+    assert found["outputs"] == [str(tmp_path / "D.npy")]
+    assert found["warnings"] == []
+    np.testing.assert_array_equal(np.load(tmp_path / "D.npy"), solver.distances([5, 7, 100]))
+
+
+def test_landmarks_are_spread_over_the_shape(sphere, solver, tmp_path):
+    result = run(sphere, "--landmarks", 10, "--output", tmp_path / "D.npy", "--json")
+    assert result.exit_code == 0, result.output
+    landmarks = gt.farthest_point_sampling(solver, 10)
+    assert json.loads(result.stdout)["sources"] == landmarks.tolist()
+    np.testing.assert_array_equal(np.load(tmp_path / "D.npy"), solver.distances(landmarks))
+    shown = run(sphere, "--landmarks", 10, "--output", tmp_path / "D.npy").stdout
+    assert "and 2 more (--json lists them)" in shown
+
+
+def test_max_distance_makes_a_sparse_file(sphere, solver, tmp_path):
+    result = run(sphere, "--max-distance", 0.5, "--output", tmp_path / "D.npz")
+    assert result.exit_code == 0, result.output
+    expected = gt.distance_matrix(solver, max_distance=0.5)
+    found = load_npz(tmp_path / "D.npz")
+    assert found.nnz == expected.nnz
+    assert f"{expected.nnz} entries" in result.stdout
+    np.testing.assert_array_equal(found.toarray(), expected.toarray())
+
+
+def test_options_reach_the_solver(sphere, tmp_path):
+    mask = tmp_path / "mask.txt"
+    mask.write_text("3 4 5")
+    options = ["--operator", "cotan", "--solver", "superlu", "--refine", "--mask", mask]
+    result = run(sphere, *options, "--output", tmp_path / "D.npy")
+    assert result.exit_code == 0, result.output
+    assert "refined" in result.stdout
+    masked = np.isin(np.arange(162), [3, 4, 5])
+    solver = gt.GeodesicSolver(
+        gt.read(sphere), operator="cotan", solver="superlu", refine=True, mask=masked
+    )
+    np.testing.assert_array_equal(np.load(tmp_path / "D.npy"), gt.distance_matrix(solver))
+
+
+def test_workers_write_the_same_bytes(sphere, tmp_path):
+    for count in (1, 2):
+        result = run(sphere, "--workers", count, "--output", tmp_path / f"D{count}.npy")
+        assert result.exit_code == 0, result.output
+    assert (tmp_path / "D1.npy").read_bytes() == (tmp_path / "D2.npy").read_bytes()
+
+
+# -- interrupted and resumed -----------------------------------------------------------------------
+
+
+def test_an_interrupted_run_says_how_it_goes_on_and_does(sphere, tmp_path, interrupted_after):
+    run(sphere, "--output", tmp_path / "whole.npy")
+    interrupted_after(80)
+    output = tmp_path / "D.npy"
+    result = run(sphere, "--output", output)
+    assert result.exit_code == 130
+    assert f"note: {output}.partial holds the rows so far; the same command" in result.stderr
+    assert result.stderr.splitlines()[-1] == "interrupted"
+    assert not output.exists()
+    interrupted_after(None)
+    assert run(sphere, "--output", output).exit_code == 0
+    assert output.read_bytes() == (tmp_path / "whole.npy").read_bytes()
+    assert not (tmp_path / "D.npy.partial").exists()
+
+
+def test_another_command_does_not_go_on_but_may_begin_anew(sphere, tmp_path, interrupted_after):
+    output = tmp_path / "D.npy"
+    interrupted_after(80)
+    run(sphere, "--output", output)
+    interrupted_after(None)
+    fails(run(sphere, "--refine", "--output", output), 2, "refine was False", "--restart")
+    result = run(sphere, "--refine", "--restart", "--output", output)
+    assert result.exit_code == 0, result.output
+    refined = gt.GeodesicSolver(gt.read(sphere), refine=True)
+    np.testing.assert_array_equal(np.load(output), gt.distance_matrix(refined))
+
+
+def test_an_interrupt_before_there_are_rows_promises_nothing(sphere, tmp_path, monkeypatch):
+    def interrupted(*_, **__):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(matrix_module, "distance_matrix", interrupted)
+    fails(run(sphere, "--output", tmp_path / "D.npy"), 130, "interrupted")
+
+
+@pytest.mark.skipif(os.name != "posix", reason="needs process groups")
+@pytest.mark.parametrize("workers", [1, 2])
+def test_ctrl_c_in_a_terminal_ends_all_processes_and_the_rest_can_be_had(tmp_path, workers):
+    mesh = write_off(tmp_path / "mesh.off", shapes.icosphere(4))
+    sources = tmp_path / "sources.npy"
+    np.save(sources, np.arange(320))
+    output, done = tmp_path / "D.npy", tmp_path / "D.npy.partial" / "done"
+    command = [sys.executable, "-m", "geodesic_toolkit", "matrix", mesh, "--sources", sources]
+    command = [*map(str, command), "--output", str(output), "--workers", str(workers)]
+    process = subprocess.Popen(
+        command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, start_new_session=True
+    )
+    while process.poll() is None and not (done.exists() and 1 in done.read_bytes()):
+        time.sleep(0.01)
+    os.killpg(process.pid, signal.SIGINT)  # all processes get it, as from a terminal
+    stdout, stderr = process.communicate()
+    assert process.returncode == 130, stderr
+    assert stdout == ""
+    assert "Traceback" not in stderr
+    assert "holds the rows so far" in stderr
+    assert process_group_ends(process.pid)
+    assert 0 < sum(done.read_bytes()) < len(done.read_bytes())
+    subprocess.run(command, check=True, capture_output=True)
+    solver = gt.GeodesicSolver(gt.read(mesh))
+    np.testing.assert_array_equal(np.load(output), gt.distance_matrix(solver, np.arange(320)))
+
+
+def process_group_ends(group):
+    """Whether no process of a group is left, within a while."""
+    for _ in range(1000):
+        try:
+            os.killpg(group, 0)
+        except ProcessLookupError:
+            return True
+        time.sleep(0.01)
+    return False
+
+
+def test_interrupts_are_ignored_while_processes_start_and_only_in_the_main_thread():
+    usual = signal.getsignal(signal.SIGINT)
+    with _deaf_children():
+        assert signal.getsignal(signal.SIGINT) == signal.SIG_IGN
+    assert signal.getsignal(signal.SIGINT) == usual
+
+    def elsewhere():
+        with _deaf_children():
+            return signal.getsignal(signal.SIGINT)
+
+    with ThreadPoolExecutor(1) as pool:
+        assert pool.submit(elsewhere).result() == usual
+
+
+@pytest.mark.skipif(os.name != "posix", reason="needs signals")
+def test_where_the_interrupt_does_not_come_through_the_last_words_are_said():
+    program = (
+        "import os, signal, threading, time\n"
+        "from geodesic_toolkit.cli.interrupts import last_words, prompt_interrupts\n"
+        "signal.signal(signal.SIGINT, lambda *_: None)  # as if compiled code went on\n"
+        "threading.Timer(0.3, os.kill, (os.getpid(), signal.SIGINT)).start()\n"
+        "with prompt_interrupts(), last_words('note: not all is lost'):\n"
+        "    time.sleep(30)\n"
+    )
+    result = subprocess.run(
+        [sys.executable, "-c", program], capture_output=True, text=True, check=False
+    )
+    assert result.returncode == 130
+    assert result.stderr.splitlines()[-2:] == ["note: not all is lost", "interrupted"]
+
+
+def test_last_words_are_for_their_block_only():
+    with interrupts.last_words("something"):
+        assert interrupts._last_words == ["something"]
+    assert interrupts._last_words == []
+
+
+# -- progress --------------------------------------------------------------------------------------
+
+
+def test_progress_has_a_bar_and_says_how_long_it_will_take(monkeypatch):
+    now = [100.0]
+    monkeypatch.setattr(time, "monotonic", lambda: now[0])
+    shown = progress.Progress()
+    with shown.step("computing"):
+        assert shown._bar == "computing (0 s)"
+        shown.advance(400, 1000)  # resumed
+        now[0] = 105.0
+        shown.advance(450, 1000)
+        assert shown._line == "computing: 450 of 1000 (5 s)"  # too early to tell
+        now[0] = 120.0
+        shown.advance(600, 1000)
+        assert shown._bar == f"{'━' * 14}{'─' * 10} computing: 600 of 1000 (20 s, about 40 s to go)"
+        now[0] = 1100.0
+        shown.advance(800, 1000)
+        assert shown._line == "computing: 800 of 1000 (1000 s, about 8 min to go)"
+        shown.advance(1000, 1000)
+        assert shown._line == "computing: 1000 of 1000 (1000 s)"
+    assert shown._line == "working (1000 s)"
+
+
+# -- how it ends otherwise -------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("options", "status", "words"),
+    [
+        (["--output", "D.txt"], 2, ["D.txt", "cannot write .txt"]),
+        (["--output", "D.npz"], 2, ["give max_distance"]),
+        (["--output", "D.npy", "--max-distance", "1"], 2, ["goes to a .npz"]),
+        (["--output", "D.npz", "--max-distance", "-1"], 2, ["not -1"]),
+        (["--output", "no/folder/D.npy"], 2, ["no directory"]),
+        (["--output", "D.npy", "--sources", "rows.txt", "--landmarks", "3"], 2, ["not both"]),
+        (["--output", "D.npy", "--sources", "none.txt"], 2, ["none.txt"]),
+        (["--output", "D.npy", "--sources", "far.txt"], 2, ["vertex 162"]),
+        (["--output", "D.npy", "--sources", "words.txt"], 3, ["words.txt", "vertex indices"]),
+        (["--output", "D.npy", "--sources", "sphere.off"], 3, [".npy, .txt, .csv"]),
+        (["--output", "rows.npy", "--sources", "rows.npy"], 2, ["overwrite"]),
+        (["--output", "D.npy", "--landmarks", "163"], 2, ["between 1 and the 162"]),
+        (["--output", "D.npy", "--landmarks", "0"], 2, ["--landmarks"]),
+        (["--output", "D.npy", "--workers", "0"], 2, ["--workers"]),
+        (["--output", "D.npy", "--operator", "cotann"], 2, ["cotann"]),
+        (["--output", "D.npy", "--solver", "none"], 2, ["none"]),
+        (["--output", "D.npy", "--symmetrize", "median"], 2, ["median"]),
+        ([], 2, ["--output"]),
+    ],
+)
+def test_what_is_wrong_is_said_in_a_line(sphere, tmp_path, monkeypatch, options, status, words):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "rows.txt").write_text("1 2 3")
+    (tmp_path / "far.txt").write_text("1 162")
+    (tmp_path / "words.txt").write_text("1 two")
+    np.save(tmp_path / "rows.npy", [1, 2])
+    fails(run(sphere, *options), status, *words)
+    assert not list(tmp_path.glob("*.partial"))
+
+
+def test_a_worker_that_dies_is_a_failure_that_says_so(sphere, tmp_path, monkeypatch):
+    def dead(*_, **__):
+        raise errors.SolverError("executor: a worker ended abruptly (it is gone)")
+
+    monkeypatch.setattr(matrix_module, "distance_matrix", dead)
+    result = run(sphere, "--output", tmp_path / "D.npy", "--workers", 2)
+    fails(result, 4, "ended abruptly")
+
+
+def test_a_result_names_at_most_some_of_its_sources(solver):
+    class Finished:
+        warnings: tuple = ()
+        took = "0 s"
+
+    made = Result("in", solver, np.arange(8), "out", np.zeros((8, 162)), Finished())
+    assert "vertices 0, 1, 2, 3, 4, 5, 6, 7\n" in str(made)
+
+
+# -- the file of vertices --------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("name", "content", "message"),
+    [
+        ("v.txt", b"", "is empty"),
+        ("v.txt", b"# only a comment\n", "no numbers"),
+        ("v.txt", b"1 2.5\n", "must be integers"),
+        ("v.csv", b"vertex,x\n1,0.5\n", "must be integers"),
+        ("v.txt", b"1\x002", "binary"),
+        ("v.npy", b"no array", "v.npy"),
+        ("v.dat", b"1 2", r"\.npy, \.txt, \.csv"),
+    ],
+)
+def test_a_file_that_holds_no_vertices_is_refused(tmp_path, name, content, message):
+    (tmp_path / name).write_bytes(content)
+    with pytest.raises(errors.ReadError, match=message):
+        read_vertices(tmp_path / name)
+
+
+@pytest.mark.parametrize(
+    "array", [np.zeros((2, 2), dtype=int), np.array([]), np.array([True]), np.array([0.5])]
+)
+def test_an_array_that_holds_no_vertices_is_refused(tmp_path, array):
+    np.save(tmp_path / "v.npy", array)
+    with pytest.raises(errors.ReadError, match=r"v\.npy"):
+        read_vertices(tmp_path / "v.npy")
+
+
+def test_an_archive_of_vertices_is_refused(tmp_path):
+    with (tmp_path / "v.npy").open("wb") as file:
+        np.savez(file, a=np.arange(3))
+    with pytest.raises(errors.ReadError, match="archive"):
+        read_vertices(tmp_path / "v.npy")
+
+
+def test_a_file_of_vertices_that_is_not_there_is_refused(tmp_path):
+    with pytest.raises(errors.ReadError, match="none"):
+        read_vertices(tmp_path / "none.npy")
+
+
+def test_whole_floats_are_vertices(tmp_path):
+    np.save(tmp_path / "v.npy", np.array([3.0, 5.0]))
+    np.testing.assert_array_equal(read_vertices(tmp_path / "v.npy"), [3, 5])

@@ -1,0 +1,972 @@
+"""Sparse Cholesky: orders, trees, factors and solutions against brute force and libraries."""
+
+import os
+import subprocess
+import sys
+import threading
+import tracemalloc
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import replace
+from decimal import Decimal, localcontext
+from itertools import pairwise
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from scipy.linalg import cho_factor, cho_solve
+from scipy.sparse import csr_array, diags_array, eye_array, kron, random_array
+from scipy.sparse.linalg import splu
+from scipy.spatial import cKDTree
+from threadpoolctl import threadpool_info, threadpool_limits
+
+import geodesic_toolkit as gt
+from geodesic_toolkit.errors import InvalidOptionError, NotEnoughMemoryError, SolverError
+from geodesic_toolkit.linear import memory
+from geodesic_toolkit.linear.patterns import SharedAnalysis
+from geodesic_toolkit.linear.supernodal import _elimination, _numeric, _ordering, _solve, factor
+from geodesic_toolkit.linear.supernodal.analysis import analyze
+from geodesic_toolkit.linear.supernodal.blas_threads import single_threaded_blas
+from geodesic_toolkit.testing import shapes
+
+SOLVER = gt.Supernodal()
+
+
+# -- matrices --------------------------------------------------------------------------------------
+
+
+def graph_laplacian(n, edges, weights=None):
+    """The Laplacian of a graph, with a diagonal in its pattern."""
+    i, j = np.asarray(edges, dtype=np.int64).reshape(-1, 2).T
+    w = np.ones(len(i)) if weights is None else weights
+    rows, columns = np.r_[i, j, i, j, np.arange(n)], np.r_[j, i, i, j, np.arange(n)]
+    return csr_array((np.r_[-w, -w, w, w, np.zeros(n)], (rows, columns)), shape=(n, n))
+
+
+def plus(matrix, diagonal):
+    return csr_array(matrix + diags_array(np.broadcast_to(diagonal, matrix.shape[0])))
+
+
+def path(n):
+    return graph_laplacian(n, list(pairwise(range(n))))
+
+
+def star(n):
+    return graph_laplacian(n, [(0, k) for k in range(1, n)])
+
+
+def complete(n):
+    return graph_laplacian(n, [(i, j) for i in range(n) for j in range(i)])
+
+
+def grid(n, m):
+    return csr_array(kron(path(n), eye_array(m)) + kron(eye_array(n), path(m)))
+
+
+def neighbour_graph(n, k):
+    points = np.random.default_rng(n).normal(size=(n, 3))
+    near = cKDTree(points).query(points, k + 1)[1][:, 1:]
+    pairs = np.stack([np.repeat(np.arange(n), k), near.ravel()], axis=1)
+    return graph_laplacian(n, np.unique(np.sort(pairs, axis=1), axis=0))
+
+
+def stiffness(mesh):
+    return gt.CotanLaplacian().assemble(mesh).stiffness
+
+
+def arrow(width, below):
+    """Cliques of so many vertices each, that all hang on one clique of `below` vertices.
+
+    There are so many of them that the one in the middle is not eliminated first.
+    """
+    cliques, shared = below // width + 6, np.arange(below)
+    edges = [(i, j) for i in shared for j in range(i)]
+    for c in range(cliques):
+        own = below + c * width + np.arange(width)
+        edges += [(i, j) for i in own for j in (*shared, *range(own[0], i))]
+    return graph_laplacian(below + cliques * width, edges)
+
+
+MESHES = {
+    "icosphere": lambda: stiffness(shapes.icosphere(3)),
+    "torus": lambda: stiffness(shapes.torus(40, 20)),
+    "tube": lambda: stiffness(shapes.tube(60, 12)),
+    "grid of squares": lambda: grid(30, 25),
+    "several parts": lambda: stiffness(
+        shapes.disjoint_union(shapes.icosphere(2), shapes.torus(16, 8), shapes.icosphere(1))
+    ),
+    "neighbours in space": lambda: neighbour_graph(400, 6),
+    "narrow on little": lambda: arrow(3, 20),
+    "narrow on much": lambda: arrow(3, 90),
+    "wide on little": lambda: arrow(20, 20),
+    "wide on much": lambda: arrow(20, 90),
+    "one wide block": lambda: complete(200),
+    "star": lambda: star(300),
+}
+
+
+@pytest.fixture(scope="module", params=MESHES)
+def laplacian(request):
+    return csr_array(MESHES[request.param]())
+
+
+def random_definite(rng, kind):
+    """A random symmetric positive definite matrix, of a condition that leaves ten digits."""
+    n = int(rng.integers(1, 81))
+    if kind == "M-matrix":
+        count = int(rng.integers(0, 3 * n + 1))
+        edges = rng.integers(0, n, size=(count, 2))
+        edges = edges[edges[:, 0] != edges[:, 1]]
+        laplacian = graph_laplacian(n, edges, rng.exponential(size=len(edges)))
+        return plus(laplacian, rng.uniform(0.01, 1, n))
+    root = random_array((n, n), density=min(1, 3 * rng.random() / n), rng=rng, dtype=np.float64)
+    root.data -= 0.5
+    return plus(csr_array(root @ root.T), 0.1)
+
+
+# -- graphs for hypothesis -------------------------------------------------------------------------
+
+
+@st.composite
+def graphs(draw):
+    """Symmetric patterns of all kinds; not all have a diagonal."""
+    n = draw(st.integers(0, 40))
+    vertex = st.integers(0, max(n - 1, 0))
+    edges = set(draw(st.lists(st.tuples(vertex, vertex), max_size=3 * n))) if n else set()
+    edges = {edge for edge in edges if edge[0] != edge[1]}
+    if n > 1 and draw(st.booleans()):  # a row that is full
+        hub = draw(vertex)
+        edges |= {(hub, k) for k in range(n) if k != hub}
+    if draw(st.booleans()):
+        edges |= {(k, k) for k in range(n)}
+    edges |= {(j, i) for i, j in edges}
+    rows, columns = np.array(sorted(edges), dtype=np.int64).reshape(-1, 2).T
+    return csr_array((np.ones(len(rows)), (rows, columns)), shape=(n, n))
+
+
+def ordered(matrix):
+    return _ordering.minimum_degree(matrix.indptr.astype(np.int64), matrix.indices.astype(np.int32))
+
+
+def symbolic(matrix, order):
+    """Tree and column counts for an order that is made a postorder first."""
+    indptr, indices = matrix.indptr.astype(np.int64), matrix.indices.astype(np.int32)
+
+    def inverse(permutation):
+        return np.argsort(permutation).astype(np.int32)
+
+    order = order.astype(np.int32)
+    parent = _elimination.elimination_tree(indptr, indices, order, inverse(order))
+    order = order[_elimination.postorder(parent)]
+    parent = _elimination.elimination_tree(indptr, indices, order, inverse(order))
+    starts, rows, _ = _elimination.lower_triangle(indptr, indices, order, inverse(order))
+    return order, parent, starts, rows, _elimination.column_counts(starts, rows, parent)
+
+
+def filled(matrix, order):
+    """The pattern of the factor, by elimination of a dense matrix of truth values."""
+    pattern = np.eye(len(order), dtype=bool) | (matrix.toarray() != 0)[np.ix_(order, order)]
+    for k in range(len(order)):
+        below = np.flatnonzero(pattern[k + 1 :, k]) + k + 1
+        pattern[np.ix_(below, below)] = True
+    return np.tril(pattern)
+
+
+# -- the order of elimination ----------------------------------------------------------------------
+
+
+@given(graphs())
+def test_an_order_has_every_vertex_once(matrix):
+    np.testing.assert_array_equal(np.sort(ordered(matrix)), np.arange(matrix.shape[0]))
+
+
+@pytest.mark.parametrize("n", [1, 2, 17, 500])
+@pytest.mark.parametrize("kind", [path, star, complete, lambda n: csr_array((n, n))])
+def test_special_graphs_are_ordered(kind, n):
+    np.testing.assert_array_equal(np.sort(ordered(kind(n))), np.arange(n))
+
+
+def test_the_order_is_the_same_every_time(laplacian):
+    np.testing.assert_array_equal(ordered(laplacian), ordered(laplacian.copy()))
+
+
+def test_an_order_of_a_graph_whose_fill_outgrows_the_first_lists_has_every_vertex_once():
+    n = 1500
+    edges = np.random.default_rng(0).integers(0, n, size=(5 * n, 2))  # hardly a vertex is close
+    matrix = graph_laplacian(n, edges[edges[:, 0] != edges[:, 1]])
+    order = ordered(matrix)
+    np.testing.assert_array_equal(np.sort(order), np.arange(n))
+    theirs = np.argsort(splu(plus(matrix, 1.0).tocsc(), permc_spec="MMD_AT_PLUS_A").perm_c)
+    assert symbolic(matrix, order)[-1].sum() <= 1.1 * symbolic(matrix, theirs)[-1].sum()
+
+
+@pytest.mark.parametrize("kind", [path, star])
+def test_a_tree_has_no_fill(kind):
+    counts = symbolic(kind(300), ordered(kind(300)))[-1]
+    assert counts.sum() == 300 + 299
+
+
+def test_a_full_row_goes_last():
+    n, hub = 4000, 1234  # set aside from 10 √N neighbours on
+    edges = np.r_[np.stack([np.full(n, hub), np.arange(n)], axis=1), list(pairwise(range(n)))]
+    order = ordered(graph_laplacian(n, edges[edges[:, 0] != edges[:, 1]]))
+    assert order[-1] == hub
+    np.testing.assert_array_equal(np.sort(order), np.arange(n))
+
+
+@pytest.mark.parametrize(
+    "name",
+    ["icosphere", "torus", "tube", "grid of squares", "several parts", "neighbours in space"],
+)
+def test_fill_is_about_that_of_the_minimum_degree_order_of_superlu(name):
+    system = plus(MESHES[name](), 1.0)
+    theirs = np.argsort(splu(system.tocsc(), permc_spec="MMD_AT_PLUS_A").perm_c)
+    own, other = (symbolic(system, order)[-1].sum() for order in (ordered(system), theirs))
+    assert own <= 1.1 * other
+
+
+# -- what the factor looks like --------------------------------------------------------------------
+
+
+@given(graphs(), st.randoms(use_true_random=False))
+def test_tree_and_counts_are_those_of_dense_elimination(matrix, random):
+    order = np.array(random.sample(range(matrix.shape[0]), matrix.shape[0]), dtype=np.int32)
+    order, parent, *_, counts = symbolic(matrix, order)
+    pattern = filled(matrix, order)
+    np.testing.assert_array_equal(counts, pattern.sum(axis=0))
+    for j in range(len(order)):
+        below = np.flatnonzero(pattern[j + 1 :, j])
+        assert parent[j] == (below[0] + j + 1 if len(below) else -1)
+
+
+@given(graphs())
+def test_a_postorder_has_children_first_and_subtrees_together(matrix):
+    _, parent, *_ = symbolic(matrix, ordered(matrix))
+    sizes = np.ones(len(parent), dtype=int)
+    for v, above in enumerate(parent):
+        if above >= 0:
+            assert above > v
+            sizes[above] += sizes[v]
+    for v in range(len(parent)):  # the subtree of v is v - size + 1, ..., v
+        assert (parent[v - sizes[v] + 1 : v] <= v).all()
+
+
+@given(graphs())
+def test_the_rows_of_supernodes_hold_the_factor_and_few_zeros_more(matrix):
+    its = analyze(matrix)
+    pattern = filled(matrix, its.order)
+    assert its.first[0] == 0
+    assert its.first[-1] == matrix.shape[0]
+    for s in range(len(its.above)):
+        columns = np.arange(its.first[s], its.first[s + 1])
+        rows = its.rows[its.row_starts[s] : its.row_starts[s + 1]]
+        assert (np.diff(rows) > 0).all()
+        np.testing.assert_array_equal(rows[: len(columns)], columns)
+        true = pattern[:, columns]
+        assert set(np.flatnonzero(true.any(axis=1))) <= set(rows)
+        stored = sum(len(rows) - k for k in range(len(columns)))
+        limit = _elimination.STRICT[int(np.searchsorted([4, 16, 48], len(columns)))]
+        assert stored - true.sum() <= limit * stored
+        parent = rows[len(columns)] if len(rows) > len(columns) else None
+        owner = -1 if parent is None else np.searchsorted(its.first, parent, side="right") - 1
+        assert its.above[s] == owner
+
+
+@given(graphs())
+def test_the_permuted_triangle_has_every_entry_once_and_knows_its_place(matrix):
+    matrix.data[:] = np.arange(matrix.nnz)
+    its = analyze(matrix)
+    columns = np.repeat(np.arange(matrix.shape[0]), np.diff(its.starts))
+    assert (its.lower_rows >= columns).all()
+    values = matrix.data[its.places]
+    dense = matrix.toarray()
+    np.testing.assert_array_equal(values, dense[its.order[columns], its.order[its.lower_rows]])
+    assert len(values) == np.tril(filled_places(matrix)).sum()
+
+
+def filled_places(matrix):
+    """Where a matrix has entries, zeros among them."""
+    return csr_array((np.ones(matrix.nnz), matrix.indices, matrix.indptr), matrix.shape).toarray()
+
+
+@pytest.mark.parametrize("kind", ["narrow", "wide"])
+@pytest.mark.parametrize("where", ["on little", "on much"])
+def test_plain_loops_and_the_blas_both_have_work(kind, where):
+    """The matrices of this file take every way through the numeric factorisation."""
+    its = analyze(MESHES[f"{kind} {where}"]())
+    widths, below = np.diff(its.first), np.diff(its.row_starts) - np.diff(its.first)
+    narrow, little = kind == "narrow", where == "on little"
+    assert (
+        ((widths <= _numeric.NARROW) == narrow)
+        & ((below <= _numeric.SHORT) == little)
+        & (below > 0)
+    ).any()
+
+
+# -- room ------------------------------------------------------------------------------------------
+
+
+def numeric(system, its, margin, fill):
+    """The panels, in arrays that are filled beforehand and larger than they need be."""
+    panels = np.full(its.n_stored + margin, fill)
+    stack = np.full(its.stack + margin, fill)
+    room = np.full(2 * its.n_vertices + margin, -(2**40), dtype=np.int64)
+    failed = _numeric.factorize(
+        system.data, its.starts, its.lower_rows, its.places, its.first, its.row_starts, its.rows,
+        its.above, its.panels, panels, stack, np.zeros(its.n_vertices), room,
+    )  # fmt: skip
+    return failed, panels, stack, room
+
+
+def test_what_memory_held_before_does_not_matter_and_none_is_touched_beyond(laplacian):
+    system = plus(laplacian, 0.1)
+    its = analyze(system)
+    (failed, clean, *_), (_, dirty, stack, room) = (
+        numeric(system, its, 64, fill) for fill in (0.0, np.nan)
+    )
+    assert failed == -1
+    np.testing.assert_array_equal(clean[:-64], dirty[:-64])
+    assert np.isfinite(dirty[:-64]).all()
+    assert np.isnan(dirty[-64:]).all()
+    assert np.isnan(stack[-64:]).all()
+    assert (room[-64:] == -(2**40)).all()
+
+
+def test_a_stack_of_the_stated_size_is_used_to_its_end(laplacian):
+    system = plus(laplacian, 0.1)
+    its = analyze(system)
+    _, _, stack, _ = numeric(system, its, 0, np.nan)
+    assert np.isfinite(stack[-1]) or its.stack == 1  # the last entry is on the diagonal
+
+
+@pytest.mark.parametrize("columns", [0, 1, 5, 16])
+def test_solving_needs_no_clean_room_and_no_more_than_stated(laplacian, columns):
+    system = plus(laplacian, 0.1)
+    found = SOLVER.factorize(system)
+    its, n = found.analysis, laplacian.shape[0]
+    known = (its.order, its.first, its.row_starts, its.rows, its.panels, found._panels)
+    load = np.random.default_rng(0).normal(size=(n, columns) if columns else n)
+    kernel, size = (
+        (_solve.solve_block, 16 * (n + 4)) if columns else (_solve.solve_column, n + its.tallest)
+    )
+    results = []
+    for fill in (0.0, np.nan):
+        room = np.full(size + 64, fill)
+        results.append(kernel(load, *known, room))
+        np.testing.assert_array_equal(room[size:], fill)
+    np.testing.assert_array_equal(*results)
+    np.testing.assert_allclose(system @ results[0], load, atol=1e-9 * np.abs(system).max())
+
+
+# -- factors and solutions against libraries -------------------------------------------------------
+
+
+@pytest.mark.parametrize("kind", ["M-matrix", "both signs"])
+def test_hundreds_of_random_systems_are_solved_as_by_dense_cholesky(kind):
+    for seed in range(150):
+        rng = np.random.default_rng(seed)
+        matrix = random_definite(rng, kind)
+        load = rng.normal(size=(matrix.shape[0], int(rng.integers(1, 20))))
+        exact = cho_solve(cho_factor(matrix.toarray()), load)
+        found = SOLVER.factorize(matrix)
+        np.testing.assert_allclose(found.solve(load), exact, atol=1e-11 * np.abs(exact).max())
+        first = found.solve(load[:, 0])
+        np.testing.assert_allclose(first, exact[:, 0], atol=1e-11 * np.abs(exact).max())
+
+
+@pytest.mark.parametrize("kind", ["M-matrix", "both signs"])
+def test_unknowns_in_any_units_are_solved_for(kind):
+    for seed in range(50):
+        rng = np.random.default_rng(seed)
+        matrix = random_definite(rng, kind)
+        units = 10.0 ** rng.uniform(-50, 50, matrix.shape[0])
+        load = rng.normal(size=(matrix.shape[0], 3))
+        scaled = csr_array(diags_array(units) @ matrix @ diags_array(units))
+        got = SOLVER.factorize(scaled).solve(units[:, None] * load) * units[:, None]
+        exact = cho_solve(cho_factor(matrix.toarray()), load)
+        np.testing.assert_allclose(got, exact, atol=1e-10 * np.abs(exact).max())
+
+
+@pytest.mark.parametrize("shift", [1e-3, 1.0, 1e3])
+def test_systems_of_shapes_are_solved_as_by_superlu(laplacian, shift):
+    system = plus(laplacian, shift)
+    load = np.random.default_rng(1).normal(size=(system.shape[0], 3))
+    expected = gt.SuperLU().factorize(system).solve(load)
+    got = SOLVER.factorize(system).solve(load)
+    np.testing.assert_allclose(got, expected, atol=1e-11 * np.abs(expected).max())
+
+
+def test_the_panels_hold_the_cholesky_factor(laplacian):
+    system = plus(laplacian, 0.5)
+    found = SOLVER.factorize(system)
+    its, n = found.analysis, system.shape[0]
+    lower = np.zeros((n, n))
+    for s in range(len(its.above)):
+        columns = slice(its.first[s], its.first[s + 1])
+        rows = its.rows[its.row_starts[s] : its.row_starts[s + 1]]
+        panel = found._panels[its.panels[s] : its.panels[s + 1]]
+        lower[rows, columns] = panel.reshape(-1, len(rows)).T
+    exact = np.linalg.cholesky(system.toarray()[np.ix_(its.order, its.order)])
+    np.testing.assert_allclose(np.tril(lower), exact, atol=1e-12 * np.abs(exact).max())
+    assert found.nnz == len(found._panels)
+    assert found.nbytes == 8 * found.nnz
+    assert repr(found) == f"SupernodalFactor({n} unknowns, {found.nnz} entries)"
+
+
+# -- right-hand sides ------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("columns", [1, 2, 3, 15, 16, 17, 40])
+def test_a_block_is_solved_as_its_columns_are(laplacian, columns):
+    found = SOLVER.factorize(plus(laplacian, 0.1))
+    load = np.random.default_rng(2).normal(size=(laplacian.shape[0], columns))
+    together = found.solve(load)
+    assert together.shape == load.shape
+    for k in range(columns):
+        alone = found.solve(load[:, k])
+        np.testing.assert_allclose(together[:, k], alone, atol=1e-13 * np.abs(alone).max())
+
+
+def test_a_column_does_not_depend_on_its_place_in_a_block(laplacian):
+    found = SOLVER.factorize(plus(laplacian, 0.1))
+    load = np.random.default_rng(3).normal(size=(laplacian.shape[0], 20))
+    turned = found.solve(np.roll(load, 7, axis=1))
+    np.testing.assert_array_equal(np.roll(turned, -7, axis=1), found.solve(load))
+
+
+def test_an_empty_block_has_an_empty_solution(laplacian):
+    n = laplacian.shape[0]
+    assert SOLVER.factorize(plus(laplacian, 1.0)).solve(np.empty((n, 0))).shape == (n, 0)
+
+
+@pytest.mark.parametrize("kind", ["icosphere", "several parts", "wide on much", "star"])
+def test_a_unit_vector_at_every_vertex_is_solved_as_a_full_column(kind):
+    """Zeros save work; a number too small to count, everywhere, makes all of it be done."""
+    system = plus(MESHES[kind](), 0.1)
+    found, unit = SOLVER.factorize(system), np.eye(system.shape[0])
+    full = np.where(unit == 0, 1e-250, unit)
+    by_block = found.solve(unit)
+    np.testing.assert_allclose(by_block, found.solve(full), rtol=1e-12, atol=1e-200)
+    np.testing.assert_allclose(by_block, np.linalg.inv(system.toarray()), atol=1e-11)
+    for k in range(system.shape[0]):
+        alone = found.solve(unit[k])
+        np.testing.assert_array_equal(alone, found.solve(full[k]) * (by_block[:, k] != 0))
+
+
+def test_parts_that_no_load_touches_stay_exactly_zero():
+    matrix = plus(MESHES["several parts"](), 1.0)
+    load = np.zeros(matrix.shape[0])
+    load[0] = 1.0
+    solution = SOLVER.factorize(matrix).solve(load)
+    part = shapes.icosphere(2).n_vertices
+    assert (solution[:part] != 0).all()
+    assert (solution[part:] == 0).all()
+
+
+def test_memory_order_and_type_of_a_load_do_not_matter(laplacian):
+    found = SOLVER.factorize(plus(laplacian, 1.0))
+    whole = np.random.default_rng(4).integers(-9, 9, size=(laplacian.shape[0], 8))
+    load = whole.astype(np.float64)
+    expected = found.solve(load)
+    for same in (np.asfortranarray(load), load.astype(np.float32), whole, load.tolist()):
+        np.testing.assert_array_equal(found.solve(same), expected)
+    np.testing.assert_array_equal(found.solve(load[:, ::2]), expected[:, ::2])
+    np.testing.assert_array_equal(found.solve(load[:, 3]), found.solve(load[:, 3].copy()))
+    load.flags.writeable = False
+    np.testing.assert_array_equal(found.solve(load), expected)
+
+
+# -- ways to store a matrix ------------------------------------------------------------------------
+
+
+@pytest.fixture
+def sphere_system():
+    return plus(stiffness(shapes.icosphere(2)), 0.3)
+
+
+def solution(matrix):
+    return SOLVER.factorize(matrix).solve(np.cos(np.arange(matrix.shape[0])))
+
+
+@pytest.mark.parametrize("dtype", [np.int32, np.int64])
+def test_indices_of_either_width_are_taken(sphere_system, dtype):
+    matrix = sphere_system.copy()
+    matrix.indices, matrix.indptr = matrix.indices.astype(dtype), matrix.indptr.astype(dtype)
+    np.testing.assert_array_equal(solution(matrix), solution(sphere_system))
+
+
+def test_unsorted_and_repeated_entries_are_taken_and_left_as_they_are(sphere_system):
+    coo = sphere_system.tocoo()
+    shuffle = np.random.default_rng(0).permutation(2 * coo.nnz) % coo.nnz
+    order = shuffle[np.argsort(coo.row[shuffle], kind="stable")]
+    indptr = 2 * sphere_system.indptr
+    untidy = csr_array((coo.data[order] / 2, coo.col[order], indptr), shape=coo.shape)
+    before = untidy.indices.copy()
+    np.testing.assert_array_equal(solution(untidy), solution(sphere_system))
+    np.testing.assert_array_equal(untidy.indices, before)
+
+
+def test_matrices_of_other_numbers_are_taken():
+    whole = csr_array(np.array([[4, -1, 0], [-1, 4, -1], [0, -1, 4]]))
+    for dtype in (np.int64, np.float32, np.float64):
+        np.testing.assert_allclose(
+            whole.toarray() @ solution(whole.astype(dtype)), np.cos(np.arange(3)), atol=1e-15
+        )
+
+
+def test_explicit_zeros_change_nothing(sphere_system):
+    some = np.random.default_rng(0).integers(0, sphere_system.shape[0], size=(200, 2))
+    pattern = graph_laplacian(sphere_system.shape[0], some)
+    coo, zeros = sphere_system.tocoo(), pattern.tocoo()
+    padded = csr_array(
+        (
+            np.r_[coo.data, 0 * zeros.data],
+            (np.r_[coo.row, zeros.row], np.r_[coo.col, zeros.col]),
+        ),
+        shape=coo.shape,
+    )
+    assert padded.nnz > coo.nnz
+    np.testing.assert_allclose(solution(padded), solution(sphere_system), atol=1e-12)
+
+
+def test_a_matrix_without_unknowns_has_an_empty_factor():
+    found = SOLVER.factorize(csr_array((0, 0)))
+    assert found.solve(np.empty(0)).shape == (0,)
+    assert found.solve(np.empty((0, 3))).shape == (0, 3)
+    assert found.nnz == 0
+
+
+# -- every entry, however small --------------------------------------------------------------------
+
+
+def chain_in_decimals(matrix, load):
+    """Solve a tridiagonal system in sixty digits."""
+    dense = matrix.tocsr()
+    n = len(load)
+    diagonal = [Decimal(float(x)) for x in dense.diagonal()]
+    beside = [Decimal(float(x)) for x in dense.diagonal(1)]
+    x = [Decimal(float(value)) for value in load]
+    with localcontext(prec=60):
+        for k in range(1, n):
+            ratio = beside[k - 1] / diagonal[k - 1]
+            diagonal[k] -= ratio * beside[k - 1]
+            x[k] -= ratio * x[k - 1]
+        for k in range(n - 1, -1, -1):
+            x[k] = (x[k] - (beside[k] * x[k + 1] if k + 1 < n else 0)) / diagonal[k]
+    return np.array([float(value) for value in x])
+
+
+def dense_in_long_doubles(matrix, load):
+    """Eliminate without pivoting, as is right for an M-matrix, in more digits."""
+    a, x = matrix.toarray().astype(np.longdouble), load.astype(np.longdouble)
+    n = len(x)
+    for k in range(n - 1):
+        below = a[k + 1 :, k] / a[k, k]
+        a[k + 1 :, k + 1 :] -= below[:, None] * a[k, k + 1 :]
+        x[k + 1 :] -= below * x[k]
+    for k in range(n - 1, -1, -1):
+        x[k] = (x[k] - a[k, k + 1 :] @ x[k + 1 :]) / a[k, k]
+    return x.astype(np.float64)
+
+
+@pytest.mark.parametrize(("n", "time"), [(700, 1.0), (140, 0.01), (3000, 20.0)])
+def test_heat_on_a_chain_is_right_in_every_entry_down_to_1e_300(n, time):
+    rng = np.random.default_rng(n)
+    weights = rng.uniform(0.8, 1.2, n - 1)
+    heat = plus(time * graph_laplacian(n, list(pairwise(range(n))), weights), 1.0)
+    load = np.zeros(n)
+    load[0] = 1.0
+    exact = chain_in_decimals(heat, load)
+    assert 1e-306 < exact.min() < 1e-240
+    shuffle = rng.permutation(n)
+    shuffled = csr_array(heat[shuffle][:, shuffle])
+    for system, order in ((heat, np.arange(n)), (shuffled, shuffle)):
+        found = SOLVER.factorize(system)
+        np.testing.assert_allclose(found.solve(load[order]), exact[order], rtol=1e-12)
+        block = found.solve(np.stack([load[order], 2 * load[order]], axis=1))
+        np.testing.assert_allclose(block, np.outer(exact, [1, 2])[order], rtol=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("laplacian", "time"),
+    [(grid(20, 20), 1e-7), (grid(6, 60), 2e-5), (arrow(8, 30), 1e-3)],
+    ids=["grid", "strip", "cliques"],
+)
+def test_heat_is_right_in_every_entry_on_graphs(laplacian, time):
+    """The supernodes of these are wide enough for the BLAS."""
+    heat = plus(time * laplacian, 1.0)
+    load = np.zeros(heat.shape[0])
+    load[0] = 1.0
+    exact = dense_in_long_doubles(heat, load)
+    found = SOLVER.factorize(heat)
+    np.testing.assert_allclose(found.solve(load), exact, rtol=1e-12)
+    np.testing.assert_allclose(found.solve(load[:, None] * [1, 1])[:, 1], exact, rtol=1e-12)
+
+
+def test_heat_on_a_long_tube_is_right_in_every_entry():
+    tube = gt.CotanLaplacian().assemble(shapes.tube(70, 6))
+    heat = plus(1e-3 * tube.stiffness, tube.mass)
+    load = np.zeros(heat.shape[0])
+    load[:6] = 1.0
+    exact = dense_in_long_doubles(heat, load)
+    assert 0 < exact.min() < 1e-150
+    np.testing.assert_allclose(SOLVER.factorize(heat).solve(load), exact, rtol=1e-12)
+
+
+# -- one analysis for several matrices -------------------------------------------------------------
+
+
+def test_matrices_of_one_pattern_share_an_analysis_and_lose_no_bit(laplacian):
+    first, second = plus(laplacian, 0.1), plus(2.5 * laplacian, 3.0)
+    load = np.random.default_rng(5).normal(size=(laplacian.shape[0], 2))
+    refactorize = SOLVER.analyze(first)
+    shared = [refactorize(matrix) for matrix in (second, first)]
+    assert shared[0].analysis is shared[1].analysis
+    for matrix, found in zip((second, first), shared, strict=True):
+        np.testing.assert_array_equal(found.solve(load), SOLVER.factorize(matrix).solve(load))
+
+
+def test_a_matrix_of_another_pattern_or_size_is_factorised_all_the_same(sphere_system):
+    refactorize = SOLVER.analyze(sphere_system)
+    for other in (plus(grid(9, 18), 1.0), plus(path(20), 1.0)):
+        load = np.ones(other.shape[0])
+        np.testing.assert_allclose(refactorize(other).solve(load), load, atol=1e-12)
+
+
+def test_an_untidy_matrix_of_the_pattern_shares_the_analysis(sphere_system):
+    untidy = sphere_system.copy()
+    for row in (0, 7):
+        entries = slice(untidy.indptr[row], untidy.indptr[row + 1])
+        untidy.indices[entries] = untidy.indices[entries][::-1].copy()
+        untidy.data[entries] = untidy.data[entries][::-1].copy()
+    untidy = csr_array((untidy.data, untidy.indices, untidy.indptr), shape=untidy.shape)
+    refactorize = SOLVER.analyze(sphere_system)
+    found = refactorize(untidy)
+    assert found.analysis is refactorize(sphere_system).analysis
+    load = np.cos(np.arange(162))
+    np.testing.assert_array_equal(found.solve(load), solution(sphere_system))
+
+
+def test_values_are_no_part_of_an_analysis(sphere_system):
+    hollow = csr_array(
+        (np.full(sphere_system.nnz, np.nan), sphere_system.indices, sphere_system.indptr)
+    )
+    found = SOLVER.analyze(hollow)(sphere_system)
+    np.testing.assert_allclose(sphere_system @ found.solve(np.ones(162)), np.ones(162), atol=1e-12)
+
+
+# -- threads ---------------------------------------------------------------------------------------
+
+
+def blas_threads():
+    return [pool["num_threads"] for pool in threadpool_info() if pool["user_api"] == "blas"]
+
+
+def test_two_factors_on_two_threads_are_those_of_one(laplacian):
+    systems = [plus(laplacian, shift) for shift in (0.1, 1.0)] * 3
+    alone = [SOLVER.factorize(system)._panels for system in systems]
+    with ThreadPoolExecutor(2) as pool:
+        together = list(pool.map(SOLVER.factorize, systems))
+    for expected, found in zip(alone, together, strict=True):
+        np.testing.assert_array_equal(found._panels, expected)
+
+
+def test_eight_threads_that_share_an_analysis_and_a_factor_get_the_same_bits(laplacian):
+    refactorize = SOLVER.analyze(plus(laplacian, 0.1))
+    found = refactorize(plus(laplacian, 0.1))
+    rng = np.random.default_rng(6)
+    loads = [rng.normal(size=(laplacian.shape[0], k))[:, : k or None] for k in (1, 2, 16, 17) * 4]
+    alone = [found.solve(load) for load in loads]
+    with ThreadPoolExecutor(8) as pool:
+        factors = pool.map(refactorize, [plus(laplacian, 0.1)] * 8)
+        together = list(pool.map(found.solve, loads))
+        panels = [factor._panels for factor in factors]
+    for expected, got in zip(alone, together, strict=True):
+        np.testing.assert_array_equal(got, expected)
+    for other in panels:
+        np.testing.assert_array_equal(other, found._panels)
+
+
+@pytest.fixture
+def usual():
+    """The threads of BLAS before a test; they are the same after it."""
+    before = blas_threads()
+    yield before
+    assert blas_threads() == before
+
+
+def test_blas_has_the_threads_that_a_fresh_process_gave_it():
+    """The other tests would not see threads that were lost before them."""
+    code = """
+import threading
+import numpy, scipy.linalg.cython_blas
+from scipy.sparse import eye_array
+from threadpoolctl import threadpool_info
+import geodesic_toolkit as gt
+def threads():
+    return [pool["num_threads"] for pool in threadpool_info() if pool["user_api"] == "blas"]
+def factorize():
+    gt.Supernodal().factorize(eye_array(20, format="csr"))
+usual = threads()
+factorize()
+assert threads() == usual, threads()
+other = threading.Thread(target=factorize)
+other.start()
+other.join()
+assert threads() == usual, threads()
+print(usual)
+"""
+    environment = {**os.environ, "OPENBLAS_NUM_THREADS": "2"}
+    done = subprocess.run(
+        [sys.executable, "-c", code], env=environment, capture_output=True, text=True, check=False
+    )
+    assert done.returncode == 0, done.stderr
+    assert done.stdout.startswith("[")
+
+
+def test_blas_is_kept_to_one_thread_while_a_factor_is_made(monkeypatch, sphere_system, usual):
+    seen, real = [], _numeric.factorize
+
+    def spy(*arguments):
+        seen.append(blas_threads())
+        return real(*arguments)
+
+    monkeypatch.setattr(_numeric, "factorize", spy)
+    SOLVER.factorize(sphere_system)
+    assert {count for counts in seen for count in counts} == {1}
+    assert blas_threads() == usual
+
+
+def test_blas_has_its_threads_back_after_an_error(usual):
+    with pytest.raises(SolverError):
+        SOLVER.factorize(path(10))
+    assert blas_threads() == usual
+
+
+def test_blas_has_its_threads_back_after_work_on_another_thread(sphere_system, usual):
+    with ThreadPoolExecutor(1) as pool:
+        pool.submit(SOLVER.factorize, sphere_system).result()
+        assert blas_threads() == usual
+    SOLVER.factorize(sphere_system)
+    assert blas_threads() == usual
+
+
+def test_the_last_thread_to_leave_gives_blas_its_threads_back(usual):
+    inside, leave = threading.Barrier(3, timeout=30), [threading.Event(), threading.Event()]
+
+    def stay(k):
+        with single_threaded_blas:
+            inside.wait()
+            assert leave[k].wait(30)
+
+    with ThreadPoolExecutor(2) as pool:
+        first, second = (pool.submit(stay, k) for k in range(2))
+        inside.wait()
+        assert set(blas_threads()) == {1}
+        leave[0].set()
+        first.result()
+        assert set(blas_threads()) == {1}
+        leave[1].set()
+        second.result()
+    assert blas_threads() == usual
+
+
+def test_many_threads_in_and_out_leave_blas_as_it_was(sphere_system, usual):
+    with ThreadPoolExecutor(8) as pool:
+        list(pool.map(SOLVER.factorize, [sphere_system] * 40))
+    assert blas_threads() == usual
+
+
+def test_the_limit_of_a_user_holds_and_ends_when_it_should(sphere_system, usual):
+    with threadpool_limits(1, user_api="blas"):
+        SOLVER.factorize(sphere_system)
+        assert set(blas_threads()) == {1}
+        with ThreadPoolExecutor(1) as pool:
+            pool.submit(SOLVER.factorize, sphere_system).result()
+        assert set(blas_threads()) == {1}
+    assert blas_threads() == usual
+
+
+# -- errors ----------------------------------------------------------------------------------------
+
+
+def test_an_indefinite_matrix_is_refused_with_its_vertex_and_pivot():
+    matrix = plus(path(30), 1.0).tolil()
+    matrix[17, 17] = -5.0
+    with pytest.raises(SolverError, match=r"30 unknowns is not positive definite .* vertex 17, p"):
+        SOLVER.factorize(csr_array(matrix))
+
+
+@pytest.mark.parametrize("kind", ["M-matrix", "both signs"])
+def test_what_dense_cholesky_refuses_is_refused(kind):
+    refused = 0
+    for seed in range(100):
+        rng = np.random.default_rng(seed)
+        matrix = random_definite(rng, kind)
+        smallest = np.linalg.eigvalsh(matrix.toarray())[0]
+        shift = smallest + rng.uniform(-1, 1) * 0.1
+        if abs(smallest - shift) < 1e-6:
+            continue
+        shifted = plus(matrix, -shift)
+        if smallest > shift:
+            SOLVER.factorize(shifted)
+        else:
+            refused += 1
+            with pytest.raises(SolverError, match="not positive definite"):
+                SOLVER.factorize(shifted)
+    assert refused > 20
+
+
+def test_a_laplacian_that_nothing_holds_is_refused(laplacian):
+    with pytest.raises(SolverError, match=r"stops at vertex \d+, pivot \d+ of"):
+        SOLVER.factorize(laplacian)
+
+
+def test_one_held_vertex_a_part_is_enough(laplacian):
+    from scipy.sparse.csgraph import connected_components
+
+    _, part = connected_components(laplacian)
+    held = np.unique(part, return_index=True)[1]
+    diagonal = np.zeros(laplacian.shape[0])
+    diagonal[held] = laplacian.diagonal()[held]
+    system = plus(laplacian, diagonal)
+    load = np.cos(np.arange(laplacian.shape[0]))
+    found = SOLVER.factorize(system)
+    np.testing.assert_allclose(system @ found.solve(load), load, atol=1e-9)
+
+
+@pytest.mark.parametrize("n", [1, 3, 300])
+def test_a_matrix_without_a_diagonal_is_refused(n):
+    for matrix in (csr_array((n, n)), csr_array(path(n) - diags_array(path(n).diagonal()))):
+        hollow = matrix.copy()
+        hollow.eliminate_zeros()
+        with pytest.raises(SolverError, match="not positive definite"):
+            SOLVER.factorize(hollow)
+
+
+@pytest.mark.parametrize("value", [np.nan, np.inf, -np.inf])
+def test_an_entry_that_is_not_finite_is_named(sphere_system, value):
+    matrix = sphere_system.copy()
+    matrix.data[matrix.indptr[5] + 1] = value
+    column = matrix.indices[matrix.indptr[5] + 1]
+    with pytest.raises(SolverError, match=rf"entry \(5, {column}\) is {value}"):
+        SOLVER.factorize(matrix)
+
+
+def test_elimination_that_overflows_is_refused():
+    for n in (3, 60):
+        matrix = np.full((n, n), 1e200)
+        np.fill_diagonal(matrix, 1e-200)
+        with pytest.raises(SolverError, match="not positive definite"):
+            SOLVER.factorize(csr_array(matrix))
+
+
+@pytest.mark.parametrize("shape", [(3, 5), (5, 3), (0, 2)])
+def test_a_matrix_that_is_not_square_is_refused(shape):
+    with pytest.raises(SolverError, match=rf"square matrices .* not one of \({shape[0]}, "):
+        SOLVER.factorize(csr_array(shape))
+
+
+def test_an_entry_without_a_mirror_image_is_named(sphere_system):
+    matrix = sphere_system.tolil()
+    matrix[140, 3] = 1e-3
+    with pytest.raises(SolverError, match=r"an entry \(140, 3\) and none at \(3, 140\)"):
+        SOLVER.factorize(csr_array(matrix))
+
+
+@pytest.mark.parametrize(
+    "matrix",
+    [np.tril(np.full((4, 4), 0.1)), np.triu(np.full((4, 4), 0.1)), np.roll(np.eye(4), 1, axis=0)],
+    ids=["lower", "upper", "cycle"],
+)
+def test_half_a_matrix_and_a_cycle_of_entries_are_not_symmetric(matrix):
+    with pytest.raises(SolverError, match=r"not symmetric: it has an entry \(\d, \d\) and none"):
+        SOLVER.factorize(csr_array(matrix + np.eye(4)))
+
+
+@pytest.mark.parametrize("shape", [(161,), (163,), (1, 162), (161, 2), (162, 2, 2), ()])
+def test_a_load_of_another_shape_is_refused(sphere_system, shape):
+    found = SOLVER.factorize(sphere_system)
+    with pytest.raises(InvalidOptionError, match=r"162 unknowns need .* \(162, K\), not \("):
+        found.solve(np.zeros(shape))
+
+
+@pytest.mark.parametrize("columns", [1, 4])
+def test_a_solution_that_is_not_finite_is_an_error(sphere_system, columns):
+    found = SOLVER.factorize(sphere_system)
+    load = np.zeros((162, columns))
+    load[3] = np.nan
+    with pytest.raises(SolverError, match="not finite"):
+        found.solve(load)
+    with pytest.raises(SolverError, match="not finite"):
+        SOLVER.factorize(sphere_system * 1e-300).solve(np.full((162, columns), 1e300))
+
+
+def test_a_factor_that_would_not_fit_is_not_begun(monkeypatch, sphere_system):
+    monkeypatch.setattr(memory, "available_memory", lambda: 1e3)
+    monkeypatch.setattr(memory, "CARELESS", 0)
+    with pytest.raises(NotEnoughMemoryError, match=r"factorising 162 unknowns with \d+ entries"):
+        SOLVER.analyze(sphere_system)
+    its = analyze(sphere_system)
+    with pytest.raises(NotEnoughMemoryError, match=rf"162 unknowns, with {its.n_stored} entries"):
+        factor.factorize(sphere_system, its)
+
+
+def test_two_factors_that_would_not_fit_together_are_not_begun_however_often_asked(
+    monkeypatch, sphere_system
+):
+    expected = SOLVER.analyze(sphere_system).expected_bytes(2)
+    monkeypatch.setattr(memory, "CARELESS", 0)
+    factorize = SharedAnalysis(SOLVER, n_factors=2)
+    monkeypatch.setattr(memory, "available_memory", lambda: expected - 1)
+    for _ in range(2):
+        with pytest.raises(NotEnoughMemoryError, match="2 x factorising 162 unknowns"):
+            factorize(sphere_system)
+    monkeypatch.setattr(memory, "available_memory", lambda: expected)
+    load = np.ones(162)
+    np.testing.assert_allclose(sphere_system @ factorize(sphere_system).solve(load), load)
+    assert factorize.expected_bytes() == expected
+
+
+def test_the_memory_that_a_factor_takes_is_foreseen():
+    system = plus(grid(120, 120), 1.0)
+    factorize = SOLVER.analyze(system)
+    one, two = factorize.expected_bytes(1), factorize.expected_bytes(2)
+    tracemalloc.start()
+    try:
+        found = factorize(system)
+        taken = tracemalloc.get_traced_memory()[1]
+    finally:
+        tracemalloc.stop()
+    assert taken == pytest.approx(two - one, rel=0.05)
+    assert found.nbytes < two - one
+
+
+def test_the_size_of_a_factor_does_not_overflow(monkeypatch, sphere_system):
+    """Sizes beyond 2³¹ are told as they are; nothing of them is allocated."""
+    its = analyze(sphere_system)
+    large = replace(its, panels=its.panels + 2**40)
+    monkeypatch.setattr(memory, "available_memory", lambda: 1e9)
+    with pytest.raises(NotEnoughMemoryError, match=r"8\.8e"):
+        factor.factorize(sphere_system, large)
+
+
+def test_memory_that_the_system_refuses_is_an_error(monkeypatch, sphere_system):
+    its = analyze(sphere_system)
+    huge = replace(its, panels=its.panels + 2**58)
+    monkeypatch.setattr(memory, "available_memory", lambda: np.inf)
+    with pytest.raises(NotEnoughMemoryError, match="GB of memory, which could not be had"):
+        factor.factorize(sphere_system, huge)
+
+
+@settings(max_examples=30)
+@given(graphs(), st.integers(0, 2**32 - 1))
+def test_any_pattern_made_diagonally_dominant_is_solved(pattern, seed):
+    rng = np.random.default_rng(seed)
+    half = pattern.copy()
+    half.data = rng.normal(size=half.nnz)
+    matrix = csr_array(half + half.T)
+    dominant = np.abs(matrix).sum(axis=1) + rng.uniform(0.5, 1, matrix.shape[0])
+    matrix = plus(matrix - diags_array(matrix.diagonal()), dominant)
+    load = rng.normal(size=matrix.shape[0])
+    np.testing.assert_allclose(matrix @ SOLVER.factorize(matrix).solve(load), load, atol=1e-12)
