@@ -6,12 +6,27 @@ straight front, negative for one that converges. At a source κ is infinite.
 """
 
 import math
+from typing import Any
 
 import numba
+import numpy as np
+from numba import types
+from numpy.typing import NDArray
 
-from geodesic_toolkit._typing import BoolArray, FloatArray, IntArray
+from geodesic_toolkit._corners import CORNERS
+from geodesic_toolkit._typing import BoolArray, IntArray
 
-__all__ = ["sweep"]
+__all__ = ["VERTEX", "sweep"]
+
+VERTEX = np.dtype(
+    [
+        ("distance", np.float64),
+        ("kappa", np.float64),
+        ("curvature", np.float64),
+        ("rank", np.int64),
+    ]
+)
+"""What a vertex knows: d and κ of the front there, K of the surface, and its place in the order."""
 
 DISAGREEMENT = 0.5
 """Difference of κ at the two ends of an edge, times its length, above which they did not see the
@@ -20,7 +35,12 @@ same front; the front is then taken for a circle about the source."""
 STRAIGHT = 1e-6
 """Least curvature of a front, times edge length: below it circles lose their last digits."""
 
-kernel = numba.njit(cache=True, nogil=True, error_model="numpy")
+WORD = 8
+"""Flags that are looked at together."""
+
+options = {"cache": True, "nogil": True, "error_model": "numpy"}
+kernel = numba.njit(**options)
+NUMBERS = types.Array(types.int64, 1, "C", readonly=True)
 
 
 @kernel  # type: ignore[untyped-decorator]
@@ -97,59 +117,105 @@ def _across(  # noqa: PLR0917 - kernels take no keywords
     return mean_distance + step, sign / max(radius_c, 1e-12 * edge), step
 
 
-@kernel  # type: ignore[untyped-decorator]
+@numba.njit(  # type: ignore[untyped-decorator]
+    types.int64(
+        NUMBERS,
+        NUMBERS,
+        NUMBERS,
+        CORNERS,
+        numba.from_dtype(VERTEX)[::1],
+        types.boolean[::1],
+        types.uint64[::1],
+        types.float64,
+        types.int64,
+    ),
+    **options,
+)
 def sweep(  # noqa: PLR0917 - kernels take no keywords
     order: IntArray,
     starts: IntArray,
     ends: IntArray,
-    others: IntArray,
-    shapes: FloatArray,
-    curvature: FloatArray,
-    distance: FloatArray,
-    kappa: FloatArray,
+    corners: NDArray[Any],
+    vertices: NDArray[Any],
     pending: BoolArray,
+    words: NDArray[np.uint64],
     tolerance: float,
+    returns: int,
 ) -> int:
     """Visit the pending vertices in `order` once; return how many got a better distance.
 
-    Corner p of the triangles around vertex v, ``starts[v] <= p < starts[v + 1]``, has the other
-    two vertices ``others[p] = (a, b)`` and the measures ``shapes[p] = (|va|, |vb|, |ab|, x, y)``,
-    where (x, y) is v in the plane with a at the origin and b on the first axis. The vertex takes
-    its distance from those before ``ends[v]``. `distance`, `kappa` and `pending` are changed in
-    place: whoever may gain from a vertex that improved is pending. That is whoever lies farther,
-    and across an obtuse angle also who lies nearer.
+    Vertex v takes its distance from the corners ``starts[v] <= c < ends[v]`` of
+    :func:`geodesic_toolkit._corners.gather`. Whoever may gain from a vertex that improved is
+    pending: whoever lies farther, and across an obtuse angle also who lies nearer. Where one of
+    them comes earlier in the order, the sweep returns to it at once, before what it will improve
+    spreads; but only so many times.
+
+    Parameters
+    ----------
+    order : ndarray of shape (N,), int64
+    starts, ends, corners
+        As :func:`geodesic_toolkit._corners.gather` writes them.
+    vertices : ndarray of shape (N,), VERTEX
+        Distance and κ are changed in place.
+    pending : ndarray of shape (M,), bool
+        By rank; M is a multiple of :data:`WORD`, not less than N. Changed in place.
+    words : ndarray of shape (M / WORD,), uint64
+        The same memory.
+    tolerance : float
+        Improvement below which a vertex is left as it is.
+    returns : int
     """
-    improved = 0
-    for vertex in order:
-        if not pending[vertex]:
-            continue
-        pending[vertex] = False
-        best, best_kappa = distance[vertex], kappa[vertex]
-        for p in range(starts[vertex], ends[vertex]):
-            a, b = others[p, 0], others[p, 1]
-            to_a, to_b, edge = shapes[p, 0], shapes[p, 1], shapes[p, 2]
-            d_a, d_b = distance[a], distance[b]
+    improved, rank, count = 0, 0, len(pending)
+    while True:
+        while rank % WORD and not pending[rank]:
+            rank += 1
+        if rank % WORD == 0:
+            word = rank // WORD
+            while word < len(words) and words[word] == 0:
+                word += 1
+            rank = word * WORD
+            if rank == count:
+                return improved
+            while not pending[rank]:
+                rank += 1
+        pending[rank] = False
+        v = order[rank]
+        rank += 1
+        d_v, bend_v = vertices[v].distance, vertices[v].curvature
+        best, best_kappa = d_v, vertices[v].kappa
+        for c in range(starts[v], ends[v]):
+            corner = corners[c]
+            a, b = vertices[corner.a], vertices[corner.b]
+            d_a, d_b = a.distance, b.distance
             if d_a >= best and d_b >= best:
                 continue
-            if d_a + to_a < best:
-                best = d_a + to_a
-                best_kappa = _along(kappa[a], to_a, (curvature[a] + curvature[vertex]) / 2)
-            if d_b + to_b < best:
-                best = d_b + to_b
-                best_kappa = _along(kappa[b], to_b, (curvature[b] + curvature[vertex]) / 2)
-            if not abs(d_a - d_b) < edge:  # also where one of them has not been reached
+            if d_a + corner.to_a < best:
+                best = d_a + corner.to_a
+                best_kappa = _along(a.kappa, corner.to_a, (a.curvature + bend_v) / 2)
+            if d_b + corner.to_b < best:
+                best = d_b + corner.to_b
+                best_kappa = _along(b.kappa, corner.to_b, (b.curvature + bend_v) / 2)
+            if not abs(d_a - d_b) < corner.edge:  # also where one of them has not been reached
                 continue
-            front = _on_edge(kappa[a], kappa[b], edge, (d_a + d_b) / 2)
-            through, planar, step = _across(d_a, d_b, front, edge, shapes[p, 3], shapes[p, 4])
+            front = _on_edge(a.kappa, b.kappa, corner.edge, (d_a + d_b) / 2)
+            through, planar, step = _across(d_a, d_b, front, corner.edge, corner.x, corner.y)
             if min(d_a, d_b) <= through < best:
                 best = through
-                best_kappa = planar - (curvature[a] + curvature[b] + curvature[vertex]) / 3 * step
-        if best < distance[vertex] - tolerance:
-            distance[vertex], kappa[vertex] = best, best_kappa
-            improved += 1
-            for p in range(starts[vertex], starts[vertex + 1]):
-                a, b = others[p, 0], others[p, 1]
-                a2, b2, edge2 = shapes[p, 0] ** 2, shapes[p, 1] ** 2, shapes[p, 2] ** 2
-                pending[a] |= distance[a] > best or a2 + edge2 < b2
-                pending[b] |= distance[b] > best or b2 + edge2 < a2
-    return improved
+                best_kappa = planar - (a.curvature + b.curvature + bend_v) / 3 * step
+        if not best < d_v - tolerance:
+            continue
+        vertices[v].distance, vertices[v].kappa = best, best_kappa
+        improved += 1
+        earliest = rank
+        for c in range(starts[v], starts[v + 1]):
+            corner = corners[c]
+            a, b = vertices[corner.a], vertices[corner.b]
+            if a.distance > best or corner.x < 0:
+                pending[a.rank] = True
+                earliest = min(earliest, a.rank)
+            if b.distance > best or corner.x > corner.edge:
+                pending[b.rank] = True
+                earliest = min(earliest, b.rank)
+        if earliest < rank and returns > 0:
+            rank = earliest
+            returns -= 1

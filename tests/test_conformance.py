@@ -13,6 +13,7 @@ from scipy.sparse import coo_array, csr_array, diags_array, vstack
 
 import geodesic_toolkit as gt
 from geodesic_toolkit.errors import ConformanceError, GeodesicError, InvalidOptionError
+from geodesic_toolkit.gradient import ElementGradient
 from geodesic_toolkit.testing.conformance import Measured, worst
 from geodesic_toolkit.testing.laplace_operator import OPERATOR_LAWS
 from geodesic_toolkit.testing.linear_solver import SOLVER_LAWS
@@ -170,7 +171,9 @@ def with_stiffness(change):
 
 def with_measure(factor, mass_factor):
     def tamper(given, domain):
-        gradient = replace(given.gradient, measure=factor * given.gradient.measure)
+        was = given.gradient
+        measure = factor * was.measure
+        gradient = ElementGradient(was.elements, was.coefficients, measure, was.n_vertices)
         return replace(
             given, gradient=gradient, stiffness=gradient.stiffness(), mass=mass_factor * given.mass
         )
