@@ -1,5 +1,7 @@
 """Shortest paths on point clouds: their length, what they run through, where they end."""
 
+from itertools import pairwise
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -30,7 +32,7 @@ def runs_through_triangles(solver, path):
         set(corners[weights > 1e-9].tolist())
         for corners, weights in zip(path.corners, path.weights, strict=True)
     ]
-    pieces = [here | there for here, there in zip(support, support[1:], strict=False)]
+    pieces = [here | there for here, there in pairwise(support)]
     return all(any(piece <= star for star in stars) for piece in pieces)
 
 

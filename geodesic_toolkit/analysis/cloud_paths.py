@@ -4,8 +4,10 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import connected_components
 
-from geodesic_toolkit._typing import FloatArray, IntArray
+from geodesic_toolkit._typing import BoolArray, FloatArray, IntArray
 from geodesic_toolkit.analysis.ways import best_way
 from geodesic_toolkit.discretization import Discretization
 from geodesic_toolkit.domains import PointCloud
@@ -68,7 +70,7 @@ class CloudPath:
         return f"CloudPath({len(self.corners)} points, length {self.length:.6g})"
 
 
-def path_on_cloud(
+def path_on_cloud(  # noqa: PLR0917 - what it needs, in the order of its doing
     cloud: PointCloud,
     metric: Discretization,
     distance: FloatArray,
@@ -108,10 +110,8 @@ def path_on_cloud(
             f"no triangle of the cloud connects point {start} with a source; one of them is "
             "masked, or they lie in different parts of the cloud"
         )
-    triangles, links = _elements(metric)
     conducting = np.isfinite(distance) & np.isfinite(back)
-    triangles = triangles[conducting[triangles].all(axis=1)]
-    links = links[conducting[links].all(axis=1)]
+    triangles, links = _elements(metric, conducting, start, ends)
     # A link becomes a triangle without area, whose third corner is its middle.
     count = len(distance)
     middles = count + np.arange(len(links))
@@ -130,11 +130,27 @@ def path_on_cloud(
     return _without_repeats(CloudPath(cloud, np.array(corners), np.array(weights)))
 
 
-def _elements(metric: Discretization) -> tuple[IntArray, IntArray]:
-    """Return the triangles (T, 3) and the links (L, 2) of a soup, each once."""
+def _elements(
+    metric: Discretization, conducting: BoolArray, start: int, ends: set[int]
+) -> tuple[IntArray, IntArray]:
+    """Return the triangles (T, 3) and the links (L, 2) of a soup to walk through, each once.
+
+    A triangle that is in one star alone may be a bridge over a gap or across a bend, which the
+    other stars have seen better: such ones are taken only where no others lead.
+    """
     assert isinstance(metric.gradient, ElementGradient)  # for the type checker; it was refined on
-    elements = np.unique(np.sort(metric.gradient.elements, axis=1), axis=0)
+    elements = np.sort(metric.gradient.elements, axis=1)
+    elements, stars = np.unique(
+        elements[conducting[elements].all(axis=1)], axis=0, return_counts=True
+    )
     linked = (elements[:, :2] == elements[:, 1:]).any(axis=1)
+    agreed = linked | (stars > 1)
+    pairs = elements[agreed][:, [0, 1, 1, 2]].reshape(-1, 2)
+    count = len(conducting)
+    graph = coo_array((np.ones(len(pairs)), pairs.T), shape=(count, count))
+    part = connected_components(graph, directed=False)[1]
+    if part[start] in part[list(ends)]:
+        elements, linked = elements[agreed], linked[agreed]
     return elements[~linked], elements[linked][:, [0, 2]]
 
 

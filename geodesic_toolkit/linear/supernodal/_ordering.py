@@ -37,12 +37,7 @@ _starts = types.Array(types.int64, 1, "C", readonly=True)
 _indices = types.Array(types.int32, 1, "C", readonly=True)
 
 
-@numba.njit(  # type: ignore[untyped-decorator]
-    types.int32[::1](_starts, _indices), cache=True, nogil=True, error_model="numpy"
-)
-def minimum_degree(  # noqa: PLR0912, PLR0915 - its steps share a dozen arrays
-    indptr: IntArray, indices: IndexArray
-) -> IndexArray:
+def minimum_degree(indptr: IntArray, indices: IndexArray) -> IndexArray:
     """Return the vertices of a symmetric pattern in an order of elimination with little fill.
 
     Parameters
@@ -55,12 +50,25 @@ def minimum_degree(  # noqa: PLR0912, PLR0915 - its steps share a dozen arrays
     -------
     ndarray of shape (N,), int32
     """
-    n = indptr.size - 1
-    nnz = indptr[n]
-    lists = np.empty(2 * nnz + 2 * n + 64, np.int32)
-    buffer = np.empty(8 * n + 8, np.int64)
+    n, nnz = len(indptr) - 1, len(indices)
+    # NumPy asks the system for large pages, which visits in no order need most; Numba does not.
+    lists = np.empty(2 * nnz + 2 * n + 64, dtype=np.int32)
+    buffer = np.empty(8 * n + 8, dtype=np.int64)
     aligned = -(buffer.ctypes.data // 8) % 8  # a row is a cache line
     node = buffer[aligned : aligned + 8 * n].reshape(n, 8)
+    return np.asarray(_eliminated(indptr, indices, lists, node))
+
+
+@numba.njit(  # type: ignore[untyped-decorator]
+    types.int32[::1](_starts, _indices, types.int32[::1], types.int64[:, ::1]),
+    cache=True, nogil=True, error_model="numpy",
+)  # fmt: skip
+def _eliminated(  # noqa: PLR0912, PLR0915 - its steps share a dozen arrays
+    indptr: IntArray, indices: IndexArray, lists: IndexArray, node: IntArray
+) -> IndexArray:
+    """Return the order; `lists` is room for lists of vertices, `node` for the fields of each."""
+    n = indptr.size - 1
+    nnz = indptr[n]
     head = np.full(n + 1, NONE, np.int32)
     bucket, bucket_next, hashes = (
         np.full(n, NONE, np.int32),
