@@ -36,6 +36,7 @@ FLAGS = types.Array(types.boolean, 1, "C", readonly=True)
 NUMBERS = types.Array(types.int64, 1, "C", readonly=True)
 CORNERS = types.Array(numba.from_dtype(CORNER), 1, "C", readonly=True)
 
+
 @kernel(  # type: ignore[untyped-decorator]
     types.void(
         FACES,

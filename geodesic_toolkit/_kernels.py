@@ -35,6 +35,7 @@ MODULES = (
 
 ALL_MODULES = (
     *MODULES,
+    "geodesic_toolkit._corners",
     "geodesic_toolkit._wavefront",
     "geodesic_toolkit.geometry.stars",
 )

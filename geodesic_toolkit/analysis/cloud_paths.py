@@ -7,7 +7,7 @@ import numpy as np
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
-from geodesic_toolkit._typing import BoolArray, FloatArray, IntArray
+from geodesic_toolkit._typing import FloatArray, IntArray
 from geodesic_toolkit.analysis.ways import best_way
 from geodesic_toolkit.discretization import Discretization
 from geodesic_toolkit.domains import PointCloud
@@ -20,6 +20,11 @@ __all__ = ["CloudPath", "path_on_cloud"]
 
 SAME = 1e-12
 """Share of the size of the cloud within which two points are one."""
+
+BRIDGED = 0.99
+"""Share of the refined distance below which a path has taken a bridge: a triangle of one star
+alone, over a gap or across a bend, which the other stars have seen better. Such are left out then.
+(They are not always: in noise stars differ all over, and a path around would be longer.)"""
 
 
 @dataclass(frozen=True, eq=False)
@@ -110,8 +115,25 @@ def path_on_cloud(  # noqa: PLR0917 - what it needs, in the order of its doing
             f"no triangle of the cloud connects point {start} with a source; one of them is "
             "masked, or they lie in different parts of the cloud"
         )
+    path = _through(_elements(metric), cloud, distance, back, start, ends)
+    if path.length < BRIDGED * distance[start]:
+        agreed = _elements(metric, agreed=True)
+        if _connects(agreed, distance, start, ends):
+            path = _through(agreed, cloud, distance, back, start, ends)
+    return path
+
+
+def _through(  # noqa: PLR0917 - what it needs, in the order of its doing
+    elements: tuple[IntArray, IntArray],
+    cloud: PointCloud,
+    distance: FloatArray,
+    back: FloatArray,
+    start: int,
+    ends: set[int],
+) -> CloudPath:
+    """Return the path through triangles (T, 3) and links (L, 2)."""
     conducting = np.isfinite(distance) & np.isfinite(back)
-    triangles, links = _elements(metric, conducting, start, ends)
+    triangles, links = (some[conducting[some].all(axis=1)] for some in elements)
     # A link becomes a triangle without area, whose third corner is its middle.
     count = len(distance)
     middles = count + np.arange(len(links))
@@ -130,28 +152,28 @@ def path_on_cloud(  # noqa: PLR0917 - what it needs, in the order of its doing
     return _without_repeats(CloudPath(cloud, np.array(corners), np.array(weights)))
 
 
-def _elements(
-    metric: Discretization, conducting: BoolArray, start: int, ends: set[int]
-) -> tuple[IntArray, IntArray]:
-    """Return the triangles (T, 3) and the links (L, 2) of a soup to walk through, each once.
+def _elements(metric: Discretization, *, agreed: bool = False) -> tuple[IntArray, IntArray]:
+    """Return the triangles (T, 3) and the links (L, 2) of a soup, each once.
 
-    A triangle that is in one star alone may be a bridge over a gap or across a bend, which the
-    other stars have seen better: such ones are taken only where no others lead.
+    On request without triangles that are in one star alone.
     """
     assert isinstance(metric.gradient, ElementGradient)  # for the type checker; it was refined on
-    elements = np.sort(metric.gradient.elements, axis=1)
     elements, stars = np.unique(
-        elements[conducting[elements].all(axis=1)], axis=0, return_counts=True
+        np.sort(metric.gradient.elements, axis=1), axis=0, return_counts=True
     )
     linked = (elements[:, :2] == elements[:, 1:]).any(axis=1)
-    agreed = linked | (stars > 1)
-    pairs = elements[agreed][:, [0, 1, 1, 2]].reshape(-1, 2)
-    count = len(conducting)
-    graph = coo_array((np.ones(len(pairs)), pairs.T), shape=(count, count))
+    return elements[~linked & (stars > agreed)], elements[linked][:, [0, 2]]
+
+
+def _connects(
+    elements: tuple[IntArray, IntArray], distance: FloatArray, start: int, ends: set[int]
+) -> bool:
+    """Return whether a way leads from the start to an end."""
+    triangles, links = (some[np.isfinite(distance)[some].all(axis=1)] for some in elements)
+    pairs = np.concatenate([triangles[:, :2], triangles[:, 1:], links])
+    graph = coo_array((np.ones(len(pairs)), pairs.T), shape=(len(distance), len(distance)))
     part = connected_components(graph, directed=False)[1]
-    if part[start] in part[list(ends)]:
-        elements, linked = elements[agreed], linked[agreed]
-    return elements[~linked], elements[linked][:, [0, 2]]
+    return bool(part[start] in part[list(ends)])
 
 
 def _on_the_cloud(shares: dict[int, float], links: IntArray, count: int) -> dict[int, float]:

@@ -65,8 +65,8 @@ def pole_normals(points: FloatArray, neighbours: IntArray, normals: FloatArray) 
     -----
     The constants were chosen on the vertices of eleven meshes taken as clouds. On twelve clouds
     that had no part in it (vertices of other meshes, random samples of surfaces), the mean error of
-    refined distances fell by more than a twentieth on five and rose by that on three, to at most
-    1.07 times; :data:`~geodesic_toolkit.geometry.stars.FIRM` included.
+    refined distances fell by more than a twentieth on four and rose by that on three, to at most
+    1.08 times; :data:`~geodesic_toolkit.geometry.stars.FIRM` included.
     """
     chosen = _doubtful(points, neighbours[:, :CLOSE], normals)
     if len(chosen) == 0:

@@ -34,6 +34,9 @@ Measured: sheared grids (0.13 and more) have errors of 7-60 % without flips; sca
 halves its error and a CAD model (0.15) goes from 15 % to 3 %.
 """
 
+SMALLEST = 1e-75
+"""Width of a mesh from which on the fourth power of a length is a number."""
+
 ROUNDING = 1e-9
 """The `obtuse_excess` below which there is none."""
 
@@ -128,11 +131,19 @@ class CotanLaplacian(LaplaceOperator):
         Raises
         ------
         UnsupportedDomainError
-            Another kind of domain, or a mesh without a single face of three different places.
+            Another kind of domain, a mesh without a single face of three different places, or one
+            so large or small that its measures are no numbers.
         """
         self.check_domain(domain)
         assert isinstance(domain, TriangleMesh)  # for the type checker; check_domain has raised
         count = domain.n_vertices
+        with np.errstate(over="ignore"):
+            extent = float(np.ptp(domain.vertices, axis=0).max())
+        if extent and not SMALLEST <= extent <= 1 / SMALLEST:
+            raise UnsupportedDomainError(
+                f"the mesh is {extent:.3g} wide: squares of such lengths leave double precision; "
+                "take another unit of length"
+            )
         faces, inverse, areas, added = measured_triangles(domain.vertices, domain.faces)
         if not len(faces):
             raise UnsupportedDomainError("every face of the mesh is a single place; it has no area")
