@@ -12,19 +12,11 @@ from geodesic_toolkit._typing import BoolArray, FloatArray, IntArray
 
 __all__ = ["CORNER", "CORNERS", "curvatures", "gather"]
 
-CORNER = np.dtype(
-    [
-        ("a", np.uint32),
-        ("b", np.uint32),
-        ("to_a", np.float64),
-        ("to_b", np.float64),
-        ("edge", np.float64),
-        ("x", np.float64),
-        ("y", np.float64),
-    ]
-)
-"""A triangle as one of its vertices v sees it: the other two, ``|va|``, ``|vb|`` and ``|ab|``, and
-v in the plane with a at the origin and b on the first axis. One piece of memory holds them all."""
+CORNER = np.dtype([("a", np.uint32), ("b", np.uint32), ("at", np.uint32)])
+"""A triangle as one of its vertices sees it: the other two, and the number of the corner, 3 e + c.
+
+Twelve bytes, and the edge lengths apart: what is not there need not be read, nor be written first.
+"""
 
 # One signature each, of arrays that are only read: those that may be written to fit as well.
 kernel = numba.njit
@@ -45,6 +37,7 @@ CORNERS = types.Array(numba.from_dtype(CORNER), 1, "C", readonly=True)
         types.int64[::1],
         types.int64[::1],
         numba.from_dtype(CORNER)[::1],
+        types.float64[:, ::1],
     ),
     **options,
 )
@@ -55,8 +48,9 @@ def gather(  # noqa: PLR0917 - kernels take no keywords
     starts: IntArray,
     ends: IntArray,
     corners: NDArray[Any],
+    lengths: FloatArray,
 ) -> None:
-    """Sort the corners of triangles by their vertices.
+    """Sort the corners of triangles by their vertices, and measure the edges.
 
     Vertex v has the corners ``starts[v] <= c < starts[v + 1]``, in the order of the elements, but
     where `stars` overlap its own star first, which ends before ``ends[v]``.
@@ -75,6 +69,8 @@ def gather(  # noqa: PLR0917 - kernels take no keywords
         Zeros; written.
     corners : ndarray of shape (3 E,), CORNER
         Written.
+    lengths : ndarray of shape (E, 3), float64
+        Opposite each corner; written.
     """
     n_vertices = len(ends)
     for e in range(len(elements)):
@@ -96,27 +92,22 @@ def gather(  # noqa: PLR0917 - kernels take no keywords
         at_i, at_j, at_k = math.sqrt(p * p + (q + r) ** 2), math.sqrt(p * p + q * q), abs(r)
         spanned = abs(p * r)
         if spanned > 0:
-            jk, ki, ij = at_i / spanned, at_j / spanned, at_k / spanned
+            lengths[e, 0], lengths[e, 1], lengths[e, 2] = (
+                at_i / spanned,
+                at_j / spanned,
+                at_k / spanned,
+            )
         else:
             length = 1 / max(at_i, at_j, at_k)
-            jk, ki, ij = (j != k) * length, (k != i) * length, (i != j) * length
+            lengths[e, 0] = length if j != k else 0.0
+            lengths[e, 1] = length if k != i else 0.0
+            lengths[e, 2] = length if i != j else 0.0
         foreign = stars and spanned != 0
-        for v, a, b, to_a, to_b, edge, other in (
-            (i, j, k, ij, ki, jk, False),
-            (j, k, i, jk, ij, ki, foreign),
-            (k, i, j, ki, jk, ij, foreign),
-        ):
-            if other:
-                c = free_foreign[v]
-                free_foreign[v] = c + 1
-            else:
-                c = free[v]
-                free[v] = c + 1
-            x = (edge * edge + (to_a - to_b) * (to_a + to_b)) / (2 * edge)
-            corner = corners[c]
-            corner.a, corner.b = a, b
-            corner.to_a, corner.to_b, corner.edge = to_a, to_b, edge
-            corner.x, corner.y = x, math.sqrt(max(to_a * to_a - x * x, 0.0))
+        for c, v, a, b in ((0, i, j, k), (1, j, k, i), (2, k, i, j)):
+            place = free_foreign if foreign and c > 0 else free
+            corner = corners[place[v]]
+            corner.a, corner.b, corner.at = a, b, 3 * e + c
+            place[v] += 1
 
 
 @kernel(  # type: ignore[untyped-decorator]

@@ -141,12 +141,63 @@ def _across(  # noqa: PLR0917 - kernels take no keywords
 
 @kernel  # type: ignore[untyped-decorator]
 def _least(d_a: float, d_b: float, edge: float, height: float) -> float:
-    """Return what a corner at that height above an edge gets through it at the least.
+    """Return what a corner so high above an edge gets through it at the least.
 
     The front reaches the crossing not sooner than either end less the way there, and the corner
-    not sooner than its height after that.
+    not sooner than that and its height.
     """
     return height + (d_a + d_b - edge) / 2
+
+
+@kernel  # type: ignore[untyped-decorator]
+def _nearer(  # noqa: PLR0917 - kernels take no keywords
+    best: float, kappa: float, bend: float, a: Any, b: Any, sides: tuple[float, float, float]
+) -> tuple[float, float]:
+    """Return distance and κ of a vertex of curvature `bend`, or what its triangle has better.
+
+    `a` and `b` are the records of the other two vertices, `sides` the lengths from the vertex to a,
+    to b, and between these.
+    """
+    d_a, d_b, (to_a, to_b, edge) = a.distance, b.distance, sides
+    if d_a >= best and d_b >= best:
+        return best, kappa
+    if d_a + to_a < best:
+        best, kappa = d_a + to_a, _along(a.kappa, to_a, (a.curvature + bend) / 2)
+    if d_b + to_b < best:
+        best, kappa = d_b + to_b, _along(b.kappa, to_b, (b.curvature + bend) / 2)
+    if not abs(d_a - d_b) < edge:  # also where one of them has not been reached
+        return best, kappa
+    x = (edge * edge + (to_a - to_b) * (to_a + to_b)) / (2 * edge)
+    y = math.sqrt(max(to_a * to_a - x * x, 0.0))
+    if _least(d_a, d_b, edge, y) >= best:  # which saves half of all crossings
+        return best, kappa
+    front = _on_edge(a.kappa, b.kappa, edge, (d_a + d_b) / 2)
+    through, planar, step = _across(d_a, d_b, front, edge, x, y)
+    if min(d_a, d_b) <= through < best:
+        best = through
+        kappa = planar - (a.curvature + b.curvature + bend) / 3 * step
+    return best, kappa
+
+
+@kernel  # type: ignore[untyped-decorator]
+def _sides(lengths: FloatArray, at: int) -> tuple[float, float, float]:
+    """Return the lengths from corner c of a triangle to its next, to the one after, and between."""
+    first = at - at % 3
+    return lengths[first + (at + 2) % 3], lengths[first + (at + 1) % 3], lengths[at]
+
+
+@kernel  # type: ignore[untyped-decorator]
+def _may_gain(  # noqa: PLR0917 - kernels take no keywords
+    d: float, best: float, other: float, side: float, edge: float, doubled: float, obtuse: bool
+) -> bool:
+    """Return whether a vertex at distance d may get less from one at `best`, `side` away.
+
+    That is along the side, or through the opposite edge, whose other end is at `other`, of their
+    triangle of that doubled area. At an obtuse angle it may do so although it lies nearer.
+    """
+    if d > best + side:
+        return True
+    return (d > best or obtuse) and d > _least(best, other, edge, doubled / edge)
 
 
 @numba.njit(  # type: ignore[untyped-decorator]
@@ -190,26 +241,21 @@ def sweep(  # noqa: PLR0917 - kernels take no keywords
     vertices : ndarray of shape (N,), VERTEX
         Distance and κ are changed in place.
     pending : ndarray of shape (M,), bool
-        By rank; M is a multiple of :data:`WORD`, not less than N. Changed in place.
+        By rank, and true at N, where the sweep ends; M > N is a multiple of :data:`WORD`. Changed
+        in place.
     words : ndarray of shape (M / WORD,), uint64
         The same memory.
     tolerance : float
         Improvement below which a vertex is left as it is.
     returns : int
+        How often it may go back.
     """
     improved, rank, count = 0, 0, len(order)
     while True:
-        while rank % WORD and not pending[rank]:
-            rank += 1
-        if rank % WORD == 0:
-            word = rank // WORD
-            while word < len(words) and words[word] == 0:
-                word += 1
-            if word == len(words):
-                return improved
-            rank = word * WORD
-            while not pending[rank]:
-                rank += 1
+        while not pending[rank]:
+            rank += WORD if rank % WORD == 0 and words[rank // WORD] == 0 else 1
+        if rank == count:
+            return improved
         pending[rank] = False
         v = order[rank]
         rank += 1
@@ -222,24 +268,7 @@ def sweep(  # noqa: PLR0917 - kernels take no keywords
         for c in range(starts[v], ends[v]):
             corner = corners[c]
             a, b = vertices[corner.a], vertices[corner.b]
-            d_a, d_b, edge = a.distance, b.distance, corner.edge
-            if d_a >= best and d_b >= best:
-                continue
-            if d_a + corner.to_a < best:
-                best = d_a + corner.to_a
-                kappa = _along(a.kappa, corner.to_a, (a.curvature + bend) / 2)
-            if d_b + corner.to_b < best:
-                best = d_b + corner.to_b
-                kappa = _along(b.kappa, corner.to_b, (b.curvature + bend) / 2)
-            if not abs(d_a - d_b) < edge:  # also where one of them has not been reached
-                continue
-            if _least(d_a, d_b, edge, corner.y) >= best:
-                continue
-            front = _on_edge(a.kappa, b.kappa, edge, (d_a + d_b) / 2)
-            through, planar, step = _across(d_a, d_b, front, edge, corner.x, corner.y)
-            if min(d_a, d_b) <= through < best:
-                best = through
-                kappa = planar - (a.curvature + b.curvature + bend) / 3 * step
+            best, kappa = _nearer(best, kappa, bend, corner, a, b)
         if not best < enough:
             continue
         vertices[v].distance, vertices[v].kappa = best, kappa
@@ -247,17 +276,12 @@ def sweep(  # noqa: PLR0917 - kernels take no keywords
         earliest = rank
         for c in range(starts[v], starts[v + 1]):
             corner = corners[c]
-            a, b = vertices[corner.a], vertices[corner.b]
-            to_a, to_b, edge = corner.to_a, corner.to_b, corner.edge
-            d_a, d_b, doubled = a.distance - tolerance, b.distance - tolerance, corner.y * edge
-            if (a.distance > best or corner.x < 0) and (
-                d_a > best + to_a or d_a > _least(best, b.distance, to_b, doubled / to_b)
-            ):
+            a, b, doubled = vertices[corner.a], vertices[corner.b], corner.y * corner.edge
+            to_a, to_b, d_a, d_b = corner.to_a, corner.to_b, a.distance, b.distance
+            if _may_gain(d_a - tolerance, best, d_b, to_a, to_b, doubled, corner.x < 0):
                 pending[a.rank] = True
                 earliest = min(earliest, a.rank)
-            if (b.distance > best or corner.x > edge) and (
-                d_b > best + to_b or d_b > _least(best, a.distance, to_a, doubled / to_a)
-            ):
+            if _may_gain(d_b - tolerance, best, d_a, to_b, to_a, doubled, corner.x > corner.edge):
                 pending[b.rank] = True
                 earliest = min(earliest, b.rank)
         if earliest < rank and returns > 0:

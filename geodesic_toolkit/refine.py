@@ -115,7 +115,8 @@ class WavefrontSweeper:
         nearest_last = np.argsort(-distances, kind="stable")
         distance[vertices[nearest_last]] = distances[nearest_last]
         known["kappa"][vertices[nearest_last]] = curvatures[nearest_last]
-        pending = np.zeros(-(-count // WORD) * WORD, dtype=np.bool_)
+        pending = np.zeros((count // WORD + 1) * WORD, dtype=np.bool_)
+        pending[count] = True  # where sweeps end
         for vertex in vertices:
             around = corners[starts[vertex] : starts[vertex + 1]]
             pending[rank[around["a"]]] = pending[rank[around["b"]]] = True

@@ -85,11 +85,11 @@ def geodesic_path(solver: GeodesicSolver, source: Any, target: Any) -> GeodesicP
     side of a vertex wherever that is shorter. What comes out is a geodesic of the polyhedron: no
     path close to it is shorter. Of several far apart that are almost equally long (over different
     sides of a mountain) it need not be the shortest: on scans and models it is but for a few
-    thousandths, on crumpled surfaces it can be some per cent longer.
+    thousandths, on crumpled surfaces it can be a few per cent longer.
 
     On a cloud the path runs through the triangles of the local stars in the same way; where stars
     disagree it may keep a bend that a mesh would straighten. It passes through the points as they
-    are: noise of a third of the spacing makes it some 5 % longer than the distance, which is
+    are: noise of a third of the spacing makes it 2 to 4 % longer than the distance, which is
     measured along the tangent planes.
 
     Parameters

@@ -23,7 +23,7 @@ coarse. Measured on parts of models: those of 22 to 152 vertices that are more t
 0.26 to 0.67, no other one more than 0.21."""
 
 
-def part_scales(  # noqa: PLR0913 - the triangles come in pieces
+def part_scales(
     vertices: FloatArray,
     edges: csr_array,
     parts: IntArray,

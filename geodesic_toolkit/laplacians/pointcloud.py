@@ -55,7 +55,8 @@ class PointCloudLaplacian(LaplaceOperator):
     distances, because triangles are measured along the tangent planes.
 
     Neighbours at more than 45° from the tangent plane, and those whose given normal faces the
-    other way, lie on another sheet and do not count.
+    other way, lie on another sheet and do not count; those that stand off it less count for
+    farther than they are.
 
     Parameters
     ----------
@@ -64,7 +65,8 @@ class PointCloudLaplacian(LaplaceOperator):
         it. By default 20, or all where the cloud has fewer.
     normals : {"auto", "open3d", "pca"}
         Who estimates the normals of a cloud that comes without: Open3D, our own principal
-        components, or Open3D where it can be imported. Given normals are used as they are.
+        components, or Open3D where it can be imported. Where their planes are in doubt, on thin
+        limbs and sheets, they are turned to the emptiest side. Given normals are used as they are.
 
     Raises
     ------
