@@ -92,11 +92,8 @@ def gather(  # noqa: PLR0917 - kernels take no keywords
         at_i, at_j, at_k = math.sqrt(p * p + (q + r) ** 2), math.sqrt(p * p + q * q), abs(r)
         spanned = abs(p * r)
         if spanned > 0:
-            lengths[e, 0], lengths[e, 1], lengths[e, 2] = (
-                at_i / spanned,
-                at_j / spanned,
-                at_k / spanned,
-            )
+            lengths[e, 0], lengths[e, 1] = at_i / spanned, at_j / spanned
+            lengths[e, 2] = at_k / spanned
         else:
             length = 1 / max(at_i, at_j, at_k)
             lengths[e, 0] = length if j != k else 0.0
@@ -104,10 +101,14 @@ def gather(  # noqa: PLR0917 - kernels take no keywords
             lengths[e, 2] = length if i != j else 0.0
         foreign = stars and spanned != 0
         for c, v, a, b in ((0, i, j, k), (1, j, k, i), (2, k, i, j)):
-            place = free_foreign if foreign and c > 0 else free
-            corner = corners[place[v]]
+            if foreign and c > 0:
+                place = free_foreign[v]
+                free_foreign[v] = place + 1
+            else:
+                place = free[v]
+                free[v] = place + 1
+            corner = corners[place]
             corner.a, corner.b, corner.at = a, b, 3 * e + c
-            place[v] += 1
 
 
 @kernel(  # type: ignore[untyped-decorator]

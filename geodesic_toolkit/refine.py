@@ -103,7 +103,7 @@ class WavefrontSweeper:
         """
         from geodesic_toolkit._wavefront import VERTEX, WORD, sweep  # numba: a second to import
 
-        starts, ends, corners = self._corners
+        starts, ends, corners, lengths = self._corners
         count = len(log_heat)
         order = np.argsort(-log_heat)
         known = np.zeros(count, dtype=VERTEX)
@@ -125,7 +125,8 @@ class WavefrontSweeper:
         heated, sweeps = np.isfinite(log_heat), 0
         while sweeps < MAX_SWEEPS or np.isinf(distance[heated]).any():
             sweeps += 1
-            if sweep(order, starts, ends, corners, known, *flags, tolerance, RETURNS * count):
+            triangles = (starts, ends, corners, lengths)
+            if sweep(order, *triangles, known, *flags, tolerance, RETURNS * count):
                 continue
             # Stars need not be mutual: who is heard by the reached but hears none of them itself
             # now listens to every triangle that it is part of.
@@ -137,8 +138,8 @@ class WavefrontSweeper:
         return distance.copy()
 
     @cached_property
-    def _corners(self) -> tuple[IntArray, IntArray, NDArray[Any]]:
-        """The triangles around each vertex: (starts, ends, corners), as the kernels want.
+    def _corners(self) -> tuple[IntArray, IntArray, NDArray[Any], FloatArray]:
+        """The triangles around each vertex: (starts, ends, corners, lengths) for the kernels.
 
         Where stars overlap, a vertex listens to its own star only, which comes first: the shortest
         of several slightly different measurements would be too short.
@@ -148,9 +149,11 @@ class WavefrontSweeper:
         gradient = self._triangles
         starts = np.zeros(gradient.n_vertices + 1, dtype=np.int64)
         ends = np.zeros(gradient.n_vertices, dtype=np.int64)
-        corners = np.empty(3 * len(gradient.elements), dtype=CORNER)
-        gather(gradient.elements, gradient.inverse_frames, gradient.stars, starts, ends, corners)
-        return starts, ends, corners
+        corners = np.empty(gradient.elements.size, dtype=CORNER)
+        lengths = np.empty(gradient.elements.shape)
+        triangles = (gradient.elements, gradient.inverse_frames, gradient.stars)
+        gather(*triangles, starts, ends, corners, lengths)
+        return starts, ends, corners, lengths.ravel()
 
     @property
     def _triangles(self) -> ElementGradient:
@@ -169,6 +172,6 @@ class WavefrontSweeper:
         gradient = self._triangles
         if gradient.stars:
             return np.zeros(gradient.n_vertices)
-        starts, _, corners = self._corners
+        starts, _, corners, _ = self._corners
         triangles = (gradient.elements, gradient.inverse_frames, gradient.measure)
         return np.asarray(curvatures(*triangles, starts, corners, self.metric.boundary, COARSE))

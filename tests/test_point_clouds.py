@@ -20,6 +20,7 @@ from geodesic_toolkit.errors import (
 )
 from geodesic_toolkit.geometry.neighbours import distinct_points, nearest_neighbours, normalised
 from geodesic_toolkit.geometry.normals import missing_package, open3d_normals, pca_normals
+from geodesic_toolkit.geometry.poles import pole_normals
 from geodesic_toolkit.positivity import positive_part
 from geodesic_toolkit.testing import shapes
 
@@ -89,6 +90,19 @@ def test_clouds_of_mesh_vertices_are_as_accurate_as_measured(shared_data, name):
         for source in (500, 2000)
     ]
     assert 100 * np.mean(errors) < 1.03 * MEASURED[name]
+
+
+@pytest.mark.parametrize(
+    ("name", "bound"),
+    [("igltut__horse_quad.obj", 0.007), ("igltut__3holes.off", 0.004)],
+)
+@pytest.mark.filterwarnings("ignore::geodesic_toolkit.errors.ReadWarning")  # quads
+def test_refined_distances_keep_thin_legs_apart(shared_data, name, bound):
+    mesh = gt.read(shared_data(name))  # normals by principal components alone: 3 % on the horse
+    solver = cloud_solver(mesh.vertices, refine=True)
+    for source in (500, 2000):
+        exact = gt.exact_distance(mesh, source)
+        assert mean_relative_error(solver.distance(source), exact) < bound
 
 
 def test_an_icosphere_cloud_is_as_good_as_the_mesh():
@@ -330,6 +344,27 @@ def test_open3d_and_pca_find_the_same_planes():
     by_pca = pca_normals(points, nearest_neighbours(points, 12))
     assert np.abs(np.einsum("nd,nd->n", by_open3d, by_pca)).min() > 1 - 1e-9
     assert np.abs(np.einsum("nd,nd->n", by_pca, true)).min() > 0.95
+
+
+@pytest.mark.parametrize("radius", [0.5, 0.7, 1.0])
+def test_normals_of_a_limb_as_thin_as_the_spacing_point_outwards(radius):
+    rng = np.random.default_rng(0)
+    turn, along = rng.uniform(0, 2 * np.pi, 150), rng.uniform(0, 24 / radius, 150)
+    true = np.column_stack([np.cos(turn), np.sin(turn), 0 * turn])
+    points = radius * true + along[:, None] * [0.0, 0.0, 1.0]
+    neighbours = nearest_neighbours(points, 30)
+    by_pca = pca_normals(points, neighbours[:, :12])
+    turned = pole_normals(points, neighbours, by_pca)
+    off_pca, off = (np.abs(np.einsum("nd,nd->n", normals, true)) for normals in (by_pca, turned))
+    assert off.mean() > max(off_pca.mean(), 0.8)
+    assert (off < 0.5).sum() < 0.5 * (off_pca < 0.5).sum()
+    np.testing.assert_allclose(np.linalg.norm(turned, axis=1), 1, atol=1e-12)
+
+
+def test_normals_that_are_not_in_doubt_stay_as_they_are():
+    points, true = random_sphere(3000)
+    neighbours = nearest_neighbours(points, 30)
+    np.testing.assert_array_equal(pole_normals(points, neighbours, true), true)
 
 
 def test_auto_takes_open3d_and_says_so():

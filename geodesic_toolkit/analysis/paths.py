@@ -5,11 +5,13 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
-from scipy.sparse import csr_array, vstack
+from scipy.sparse import coo_array, csr_array, vstack
+from scipy.sparse.csgraph import dijkstra
 
 from geodesic_toolkit._typing import FloatArray, IntArray
 from geodesic_toolkit.analysis.cloud_paths import CloudPath, path_on_cloud
 from geodesic_toolkit.analysis.ways import best_way
+from geodesic_toolkit.discretization import Discretization
 from geodesic_toolkit.domains import OffsetSources, PointCloud, SurfacePoint, TriangleMesh
 from geodesic_toolkit.errors import (
     InvalidOptionError,
@@ -19,7 +21,7 @@ from geodesic_toolkit.errors import (
 )
 from geodesic_toolkit.geometry.fans import Fans
 from geodesic_toolkit.geometry.insertion import Insertion, insert_points
-from geodesic_toolkit.geometry.triangles import proper_faces
+from geodesic_toolkit.geometry.triangles import edges_of_faces, proper_faces
 from geodesic_toolkit.gradient import ElementGradient
 from geodesic_toolkit.laplacians.cotan import CotanLaplacian
 from geodesic_toolkit.refine import WavefrontSweeper
@@ -31,6 +33,9 @@ __all__ = ["GeodesicPath", "geodesic_path"]
 
 SAME = 1e-12
 """Share of the size of the mesh within which two points are one."""
+
+TINY = 1e-300
+"""Length of an edge that has none."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -153,10 +158,11 @@ def geodesic_path(solver: GeodesicSolver, source: Any, target: Any) -> GeodesicP
             f"target: a path leads to one place, not to {goal.weights.shape[0]}; "
             "ask for a path to each"
         )
-    back = _refined(solver, goal)
+    metric = _with_triangles(solver)
+    back = _from_goal(metric, _positions(domain), goal)
     if sources.starts.any():
         sources = _first_to_arrive(sources, back)
-    distance = _refined(solver, sources)
+    distance = _refined(solver, metric, sources)
     if isinstance(domain, PointCloud):
         return path_on_cloud(domain, solver.method.metric, distance, back, sources, goal)
     return _path_on_mesh(domain, distance, back, sources, goal, f"target {target!r}")
@@ -208,21 +214,47 @@ def _path_on_mesh(  # noqa: PLR0917 - what it needs, in the order of its doing
     return GeodesicPath(mesh, tuple(_without_repeats(mesh, points)))
 
 
-def _refined(solver: GeodesicSolver, sources: SourcePoints) -> FloatArray:
-    """Return the refined distance, whether the solver refines or not."""
-    method, mesh = solver.method, solver.domain
-    if method.refine:
-        return method.distance(sources)
-    metric, gradient = method.metric, method.metric.gradient
-    log_heat = method.log_heat(sources)
+def _with_triangles(solver: GeodesicSolver) -> Discretization:
+    """Return the metric of a solver, or that of its mesh where the solver's has no triangles."""
+    metric, mesh = solver.method.metric, solver.passable
+    gradient = metric.gradient
     three = isinstance(gradient, ElementGradient) and gradient.elements.shape[1] == 3
     if isinstance(mesh, TriangleMesh) and not three:
-        heated = np.isfinite(log_heat)[mesh.faces].all(axis=1)
-        metric = CotanLaplacian().assemble(TriangleMesh(mesh.vertices, mesh.faces[heated]))
+        return CotanLaplacian().assemble(mesh)
+    return metric
+
+
+def _positions(domain: TriangleMesh | PointCloud) -> FloatArray:
+    return domain.points if isinstance(domain, PointCloud) else domain.vertices
+
+
+def _refined(solver: GeodesicSolver, metric: Discretization, sources: SourcePoints) -> FloatArray:
+    """Return the refined distance, whether the solver refines or not."""
+    method = solver.method
+    if method.refine:
+        return method.distance(sources)
     around = sources.weights.indices.astype(np.int64)
     return WavefrontSweeper(metric).distance(
-        log_heat, around, sources.distances, sources.curvatures
+        method.log_heat(sources), around, sources.distances, sources.curvatures
     )
+
+
+def _from_goal(metric: Discretization, positions: FloatArray, goal: SourcePoints) -> FloatArray:
+    """Return the refined distance from the goal, in the order of the ways along edges.
+
+    It only tells where else to look, and is not worth another diffusion.
+    """
+    sweeper = WavefrontSweeper(metric)  # which refuses what has no triangles
+    assert isinstance(metric.gradient, ElementGradient)  # for the type checker
+    count = len(positions)
+    edges, _ = edges_of_faces(metric.gradient.elements, count)
+    steps = positions[edges[:, 0]] - positions[edges[:, 1]]
+    lengths = np.linalg.norm(steps, axis=1)
+    lengths = np.maximum(lengths, SAME * lengths.max(initial=0.0) + TINY)  # 0 would be no edge
+    graph = csr_array(coo_array((lengths, tuple(edges.T)), shape=(count, count)))
+    around = goal.weights.indices.astype(np.int64)
+    along = dijkstra(graph, directed=False, indices=around, min_only=True)
+    return sweeper.distance(-along, around, goal.distances, goal.curvatures)
 
 
 def _surface_point(

@@ -3,11 +3,12 @@
 Invert the neighbours about the point, ``p -> p / |p|²``: circles through the point become lines, so
 that the convex hull of the images has an edge for every empty circle, which is a Delaunay triangle.
 
-The kernels are compiled by numba on first use and cached.
+The kernels are compiled by numba when they are imported for the first time, and cached.
 """
 
 import numba
 import numpy as np
+from numba import types
 
 from geodesic_toolkit._typing import BoolArray, FloatArray, IntArray
 
@@ -41,7 +42,11 @@ to drown rounding, so that the stars of a square grid agree on its diagonals."""
 CHUNK = 16384
 """Points whose stars are held in padded arrays at once."""
 
-kernel = numba.njit(cache=True, nogil=True)
+options = {"cache": True, "nogil": True}
+kernel = numba.njit(**options)
+TABLE = types.Array(types.float64, 2, "C", readonly=True)
+VALUES = types.Array(types.float64, 1, "C", readonly=True)
+NUMBERS = types.Array(types.int64, 2, "C", readonly=True)
 
 
 def delaunay_stars(
@@ -92,6 +97,8 @@ def delaunay_stars(
     K. Q. Brown, *Voronoi diagrams from convex hulls*, Information Processing Letters 9, 1979,
     https://doi.org/10.1016/0020-0190(79)90074-7
     """
+    points, normals = np.ascontiguousarray(points), np.ascontiguousarray(normals)
+    neighbours = np.ascontiguousarray(neighbours)
     count, widest = neighbours.shape
     nearest = points[neighbours[:, 0]] - points
     weights = np.einsum("nd,nd->n", nearest, nearest) * JITTER
@@ -113,7 +120,22 @@ def delaunay_stars(
     return np.concatenate(triangles), np.concatenate(frames), is_open
 
 
-@kernel  # type: ignore[untyped-decorator]
+@numba.njit(  # type: ignore[untyped-decorator]
+    types.void(
+        TABLE,
+        TABLE,
+        VALUES,
+        NUMBERS,
+        types.int64,
+        types.int64,
+        types.boolean,
+        types.int64[:, :, ::1],
+        types.float64[:, :, ::1],
+        types.int64[::1],
+        types.boolean[::1],
+    ),
+    **options,
+)
 def _stars(  # noqa: PLR0917 - kernels take no keywords
     points: FloatArray,
     normals: FloatArray,

@@ -1,0 +1,148 @@
+"""Do the kernels of refinement read triangles as the plain formulas do, and finish their sweeps?"""
+
+import numpy as np
+import pytest
+from closed_forms import mean_relative_error, on_sphere
+from scipy.sparse import coo_array, csr_array
+
+import geodesic_toolkit as gt
+from geodesic_toolkit import _wavefront, refine
+from geodesic_toolkit.refine import WavefrontSweeper
+from geodesic_toolkit.testing import shapes
+
+
+def scrambled(mesh):
+    rng = np.random.default_rng(1)
+    order = rng.permutation(mesh.n_vertices)
+    faces = np.argsort(order)[mesh.faces][rng.permutation(mesh.n_faces)]
+    return gt.TriangleMesh(mesh.vertices[order], faces[:, rng.permutation(3)])
+
+
+def many_sheets():
+    """Return five triangles with one edge in common, and a vertex of none."""
+    turn = np.arange(5.0)
+    tips = np.column_stack([0.3 * turn, np.cos(turn), np.sin(turn)])
+    faces = [[0, 1, tip] for tip in range(2, 7)]
+    return gt.TriangleMesh(np.vstack([[0, 0, 0], [1, 0, 0], tips, [9, 9, 9]]), faces)
+
+
+def curve_beside_a_sheet():
+    """Return points of a sheet, of a line that has no triangles, and one of them twice."""
+    sheet = shapes.grid(7, spacing=1.0).vertices
+    line = np.column_stack([np.arange(8.0), np.zeros(8), np.full(8, 40.0)])
+    return gt.PointCloud(np.vstack([sheet, line, sheet[:1], line[3:4]]))
+
+
+DOMAINS = {
+    "one triangle": gt.TriangleMesh([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 2]]),
+    "sphere": shapes.icosphere(2),
+    "right angles": shapes.grid(6),
+    "obtuse": shapes.grid(9, shear=2.0),
+    "scrambled": scrambled(shapes.torus(12, 7)),
+    "two parts": shapes.disjoint_union(shapes.grid(4), shapes.icosphere(1)),
+    "many sheets": many_sheets(),
+    "cloud": gt.PointCloud(shapes.icosphere(2).vertices),
+    "cloud with links and ties": curve_beside_a_sheet(),
+}
+
+
+def assembled(domain):
+    cloud = isinstance(domain, gt.PointCloud)
+    recipe = gt.PointCloudLaplacian(normals="pca") if cloud else gt.CotanLaplacian()
+    return recipe.assemble(domain)
+
+
+@pytest.fixture(params=DOMAINS)
+def sweeper(request):
+    return WavefrontSweeper(assembled(DOMAINS[request.param]))
+
+
+def plain_areas(gradient):
+    p, q = gradient.coefficients[:, :, 1], gradient.coefficients[:, :, 2]
+    with np.errstate(divide="ignore"):
+        return 0.5 / np.abs(p[:, 0] * q[:, 1] - p[:, 1] * q[:, 0])
+
+
+def test_edges_are_as_long_as_hat_functions_are_steep(sweeper):
+    gradient = sweeper.metric.gradient
+    steepness = np.linalg.norm(gradient.coefficients, axis=1)
+    areas = plain_areas(gradient)
+    segment = np.isinf(areas)
+    expected = 2 * np.where(segment, 0.0, areas)[:, None] * steepness
+    ends = gradient.elements[segment]
+    apart = ends[:, [1, 2, 0]] != ends[:, [2, 0, 1]]
+    expected[segment] = apart / steepness[segment].max(axis=1, keepdims=True)
+    lengths = sweeper._corners[3].reshape(-1, 3)
+    np.testing.assert_allclose(lengths, expected, rtol=1e-12)
+
+
+def test_corners_are_sorted_by_vertex_with_its_own_star_first(sweeper):
+    gradient = sweeper.metric.gradient
+    faces, count = gradient.elements, gradient.n_vertices
+    foreign = np.zeros(faces.shape, dtype=bool)
+    if gradient.stars:
+        foreign[np.isfinite(plain_areas(gradient)), 1:] = True
+    at = np.lexsort((foreign.ravel(), faces.ravel()))
+    total = np.bincount(faces.ravel(), minlength=count)
+    own = np.bincount(faces[~foreign], minlength=count)
+    starts, ends, corners, _ = sweeper._corners
+    np.testing.assert_array_equal(starts, np.concatenate([[0], np.cumsum(total)]))
+    np.testing.assert_array_equal(ends, starts[:-1] + np.where(own > 0, own, total))
+    np.testing.assert_array_equal(corners["at"], at)
+    np.testing.assert_array_equal(corners["a"], faces[at // 3, (at + 1) % 3])
+    np.testing.assert_array_equal(corners["b"], faces[at // 3, (at + 2) % 3])
+
+
+def test_curvature_is_the_mean_angle_defect_over_the_mean_area(sweeper):
+    gradient, count = sweeper.metric.gradient, sweeper.metric.n_vertices
+    if gradient.stars:
+        np.testing.assert_array_equal(sweeper._curvature, np.zeros(count))
+        return
+    faces, hats = gradient.elements, gradient.coefficients
+    angles, area = np.zeros(count), np.zeros(count)
+    for corner in range(3):
+        p, q = hats[:, :, (corner + 1) % 3], hats[:, :, (corner + 2) % 3]
+        across, along = p[:, 0] * q[:, 1] - p[:, 1] * q[:, 0], (p * q).sum(axis=1)
+        np.add.at(angles, faces[:, corner], np.arctan2(np.abs(across), -along))
+        np.add.at(area, faces[:, corner], gradient.measure / 3)
+    pairs = (np.repeat(faces, 3, axis=1).ravel(), np.tile(faces, (1, 3)).ravel())
+    ring = csr_array(coo_array((np.ones(len(pairs[0])), pairs), shape=(count, count)))
+    sheets = np.bincount(faces.ravel(), minlength=count) > np.diff(ring.indptr) - 1
+    defect = np.where(sweeper.metric.boundary | sheets | (area == 0), 0.0, 2 * np.pi - angles)
+    total = ring @ area
+    expected = np.divide(ring @ defect, total, out=np.zeros(count), where=total > 0)
+    expected /= 1 + np.abs(expected) * area * 2 / np.sqrt(3) / refine.COARSE
+    atol = 1e-13 / sweeper.metric.spacing**2
+    np.testing.assert_allclose(sweeper._curvature, expected, rtol=1e-12, atol=atol)
+
+
+@pytest.mark.parametrize("name", ["sphere", "obtuse", "scrambled", "many sheets", "cloud"])
+def test_after_the_sweeps_no_vertex_has_anything_to_gain(name, monkeypatch):
+    sweep, calls = _wavefront.sweep, []
+    monkeypatch.setattr(_wavefront, "sweep", lambda *args: calls.append(args) or sweep(*args))
+    gt.GeodesicSolver(DOMAINS[name], refine=True).distance(2)
+    *_, pending, _, _, _ = calls[-1]
+    assert not pending[: DOMAINS[name].n_vertices].any()
+    pending[: DOMAINS[name].n_vertices] = True  # the kernel marks who may gain; now all are asked
+    assert sweep(*calls[-1]) == 0
+
+
+@pytest.mark.parametrize("returns", [0, 1, 8])
+def test_an_order_that_says_nothing_costs_sweeps_and_not_the_distance(returns, monkeypatch):
+    monkeypatch.setattr(refine, "RETURNS", returns)
+    sphere = shapes.icosphere(3)
+    sweeper = WavefrontSweeper(assembled(sphere))
+    noise = np.random.default_rng(0).normal(size=sphere.n_vertices)
+    distance = sweeper.distance(noise, np.array([0]), np.array([0.0]))
+    assert mean_relative_error(distance, on_sphere(sphere, 0)) < 5e-3
+
+
+@pytest.mark.parametrize("count", [7, 8, 9, 16])
+def test_any_number_of_vertices_fits_the_flags(count):
+    turn = np.linspace(0, 2 * np.pi, count - 1, endpoint=False)
+    rim = np.column_stack([np.cos(turn), np.sin(turn), np.zeros(count - 1)])
+    at = np.arange(count - 1)
+    faces = np.column_stack([np.zeros_like(at), at + 1, (at + 1) % (count - 1) + 1])
+    disk = gt.TriangleMesh(np.vstack([[0.0, 0, 0], rim]), faces)
+    distance = gt.geodesic_distance(disk, 0, refine=True)
+    np.testing.assert_allclose(distance[1:], 1)
