@@ -14,6 +14,9 @@ from geodesic_toolkit.linear.supernodal.blas_threads import single_threaded_blas
 
 __all__ = ["SupernodalFactor", "factorize"]
 
+FEW = 2
+"""Columns up to which one by one is quicker than a block, which is always computed in full."""
+
 SINGULAR = 7e-15
 """Share of a diagonal entry, times √N, below which what elimination leaves of it is rounding.
 
@@ -53,9 +56,14 @@ class SupernodalFactor(Factor):
 
         its = self.analysis
         known = (its.order, its.first, its.row_starts, its.rows, its.panels, self._panels)
-        if b.ndim == 1 or b.shape[1] == 1:
+        if b.ndim == 1 or b.shape[1] <= FEW:
             room = np.empty(its.n_vertices + its.tallest)
-            return np.asarray(_solve.solve_column(b.reshape(-1), *known, room).reshape(b.shape))
+            if b.ndim == 1 or b.shape[1] == 1:
+                return np.asarray(_solve.solve_column(b.reshape(-1), *known, room)).reshape(b.shape)
+            few = np.empty_like(b)
+            for k in range(b.shape[1]):
+                few[:, k] = _solve.solve_column(b[:, k].copy(), *known, room)
+            return few
         room = np.empty(_solve.BLOCK * (its.n_vertices + 4))
         if b.shape[1] <= _solve.BLOCK:
             return np.asarray(_solve.solve_block(b, *known, room))
