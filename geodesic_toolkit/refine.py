@@ -34,7 +34,21 @@ of which the second finds nothing to do."""
 
 RETURNS = 8
 """Times, for each vertex, that a sweep may go back in its order; it does 0.1 to 0.4 times, and then
-one sweep is enough. Heat that says nothing about distance must not make it endless."""
+one sweep is enough. Heat that says nothing about distance must not make it endless.
+
+Measured at 173,000 vertices: 70 ms a source, and 230 ms without returns. Distances differ by 0.005
+edge lengths in the mean, to either side: the mean error from 100 sources on a fox of 313 vertices
+is 0.733 %, without 0.735 %; from 25 on a horse of 2,400 it is 0.193 % and 0.194 %.
+"""
+
+LARGE = 10_000
+"""Vertices from which on the first sweep goes back too; on smaller meshes it keeps to the order of
+the heat, as there is no time to gain.
+
+The battery of docs/accuracy.md has one source, of five on that fox, for which this matters: its
+mesh reads 0.44 % with such a first sweep and 0.52 % without, where a hundred sources make no
+difference.
+"""
 
 COARSE = 0.3
 """Curvature of a vertex, K h², at which it counts for half.
@@ -123,10 +137,11 @@ class WavefrontSweeper:
         flags = (pending, pending.view(np.uint64))
         tolerance = TOLERANCE * float(self.metric.scales[vertices].min())
         heated, sweeps = np.isfinite(log_heat), 0
+        returns, first = RETURNS * count, int(count < LARGE)
         while sweeps < MAX_SWEEPS or np.isinf(distance[heated]).any():
             sweeps += 1
             triangles = (starts, ends, corners, lengths)
-            if sweep(order, *triangles, known, *flags, tolerance, RETURNS * count):
+            if sweep(order, *triangles, known, *flags, tolerance, returns if sweeps > first else 0):
                 continue
             # Stars need not be mutual: who is heard by the reached but hears none of them itself
             # now listens to every triangle that it is part of.

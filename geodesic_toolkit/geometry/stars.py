@@ -120,59 +120,6 @@ def delaunay_stars(
     return np.concatenate(triangles), np.concatenate(frames), is_open
 
 
-@numba.njit(  # type: ignore[untyped-decorator]
-    types.void(
-        TABLE,
-        TABLE,
-        VALUES,
-        NUMBERS,
-        types.int64,
-        types.int64,
-        types.boolean,
-        types.int64[:, :, ::1],
-        types.float64[:, :, ::1],
-        types.int64[::1],
-        types.boolean[::1],
-    ),
-    **options,
-)
-def _stars(  # noqa: PLR0917 - kernels take no keywords
-    points: FloatArray,
-    normals: FloatArray,
-    weights: FloatArray,
-    neighbours: IntArray,
-    start: int,
-    k: int,
-    oriented: bool,
-    rims: IntArray,
-    measures: FloatArray,
-    sizes: IntArray,
-    is_open: BoolArray,
-) -> None:
-    """Fill in the stars of the points from `start` on."""
-    widest = neighbours.shape[1]
-    place = np.empty((widest, 2))
-    image = np.empty((widest, 2))
-    index = np.empty(widest, np.int64)
-    hull = np.empty(2 * widest + 2, np.int64)
-    for row in range(sizes.shape[0]):
-        centre = start + row
-        for wanted in (k, widest):
-            count, radius, all_taken = _project(
-                points, normals, weights, neighbours, centre, wanted, oriented, place, image, index
-            )
-            if count < 2:
-                break
-            corners = _hull(image, count, hull)
-            last = all_taken or wanted == widest
-            sizes[row], closed, certain = _star(
-                place, index, hull, corners, radius, last, rims[row], measures[row]
-            )
-            is_open[centre] = not closed
-            if last or (closed and certain):
-                break
-
-
 @kernel  # type: ignore[untyped-decorator]
 def _project(  # noqa: PLR0917 - kernels take no keywords
     points: FloatArray,
@@ -312,3 +259,56 @@ def _star(  # noqa: PLR0917 - kernels take no keywords
         measure[size, 2] = cross / a
         size += 1
     return size, closed, certain
+
+
+@numba.njit(  # type: ignore[untyped-decorator]
+    types.void(
+        TABLE,
+        TABLE,
+        VALUES,
+        NUMBERS,
+        types.int64,
+        types.int64,
+        types.boolean,
+        types.int64[:, :, ::1],
+        types.float64[:, :, ::1],
+        types.int64[::1],
+        types.boolean[::1],
+    ),
+    **options,
+)
+def _stars(  # noqa: PLR0917 - kernels take no keywords
+    points: FloatArray,
+    normals: FloatArray,
+    weights: FloatArray,
+    neighbours: IntArray,
+    start: int,
+    k: int,
+    oriented: bool,
+    rims: IntArray,
+    measures: FloatArray,
+    sizes: IntArray,
+    is_open: BoolArray,
+) -> None:
+    """Fill in the stars of the points from `start` on."""
+    widest = neighbours.shape[1]
+    place = np.empty((widest, 2))
+    image = np.empty((widest, 2))
+    index = np.empty(widest, np.int64)
+    hull = np.empty(2 * widest + 2, np.int64)
+    for row in range(sizes.shape[0]):
+        centre = start + row
+        for wanted in (k, widest):
+            count, radius, all_taken = _project(
+                points, normals, weights, neighbours, centre, wanted, oriented, place, image, index
+            )
+            if count < 2:
+                break
+            corners = _hull(image, count, hull)
+            last = all_taken or wanted == widest
+            sizes[row], closed, certain = _star(
+                place, index, hull, corners, radius, last, rims[row], measures[row]
+            )
+            is_open[centre] = not closed
+            if last or (closed and certain):
+                break
