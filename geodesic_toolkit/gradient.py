@@ -305,7 +305,7 @@ class ElementGradient(Gradient):
 
     def stiffness(self) -> csr_array:
         """Return ``L = Gᵀ W G``, assembled from the elements' off-diagonal entries."""
-        if self.of_planes and self._is_compiled():
+        if self.of_planes and self._is_compiled:
             return self.assembled()[0]
         size = self.elements.shape[1]
         pairs = [(i, j) for i in range(size) for j in range(i + 1, size)]
@@ -331,7 +331,7 @@ class ElementGradient(Gradient):
             Vertices of edges that one triangle has.
         """
         count = self.n_vertices
-        if self._is_compiled():
+        if self._is_compiled:
             from geodesic_toolkit._assembly import assemble
 
             rows = assemble(self.elements, self.inverse_frames, self.measure, count)
@@ -345,13 +345,18 @@ class ElementGradient(Gradient):
         boundary[edges[face_counts == 1]] = True
         return self.stiffness(), thirds, boundary
 
+    @cached_property
     def _is_compiled(self) -> bool:
-        """Return whether to use kernels: worth it, and row pointers fit their 32 bits."""
+        """Whether to use kernels: worth it, and row pointers fit their 32 bits.
+
+        Decided once, for copies in other processes too: the last bits of a result depend on it.
+        """
         entries = self.n_vertices + 6 * len(self.elements)
         return worthwhile(self.n_vertices) and entries < np.iinfo(np.int32).max
 
     def __getstate__(self) -> dict[str, Any]:
-        """Leave out what derives from the rest."""
+        """Leave out what derives from the rest, and take along how results are computed."""
+        _ = self._is_compiled
         derived = {"coefficients", "inverse_frames"} - {self._given}
         return {name: value for name, value in self.__dict__.items() if name not in derived}
 

@@ -498,7 +498,9 @@ def test_fingerprints_are_the_same_in_another_process(solver):
     program = """
         import json
         import geodesic_toolkit as gt
+        from geodesic_toolkit import _kernels
         from geodesic_toolkit.analysis.fingerprints import fingerprint_of_solver
+        _kernels.warm()
         solver = gt.GeodesicSolver(gt.testing.shapes.icosphere(2))
         print(json.dumps(fingerprint_of_solver(solver)))
     """

@@ -5,12 +5,13 @@ import signal
 import socket
 import sys
 import threading
+import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 
 from geodesic_toolkit.cli.exits import INTERRUPTED
 
-__all__ = ["last_words", "prompt_interrupts"]
+__all__ = ["last_words", "leave_soon", "prompt_interrupts"]
 
 GRACE = 1.0
 """Seconds for Python's own KeyboardInterrupt to come through and clean up."""
@@ -59,6 +60,19 @@ def prompt_interrupts() -> Iterator[None]:
         theirs.close()
         watcher.join()
         ours.close()
+
+
+def leave_soon() -> None:
+    """See to it that the interpreter ends, which waits for the threads of a pool of processes.
+
+    A process that was ended in the middle of a result leaves such a thread waiting for the rest.
+    """
+
+    def leave() -> None:
+        time.sleep(GRACE)
+        os._exit(INTERRUPTED)
+
+    threading.Thread(target=leave, daemon=True).start()
 
 
 def _leave() -> None:

@@ -14,7 +14,7 @@ from geodesic_toolkit.cli.demo import demo
 from geodesic_toolkit.cli.distance import distance
 from geodesic_toolkit.cli.doctor import doctor
 from geodesic_toolkit.cli.exits import INTERRUPTED, WRONG_USAGE, report
-from geodesic_toolkit.cli.interrupts import prompt_interrupts
+from geodesic_toolkit.cli.interrupts import leave_soon, prompt_interrupts
 from geodesic_toolkit.cli.matrix import matrix
 from geodesic_toolkit.cli.output import say, show
 from geodesic_toolkit.cli.plugins import plugins
@@ -83,5 +83,10 @@ def main() -> None:
     """Run the program."""
     if isinstance(sys.stdout, io.TextIOWrapper):  # a file may be named what the terminal cannot say
         sys.stdout.reconfigure(errors="backslashreplace")
-    with prompt_interrupts():
-        app()
+    try:
+        with prompt_interrupts():
+            app()
+    except SystemExit as leaving:
+        if leaving.code == INTERRUPTED:
+            leave_soon()
+        raise
