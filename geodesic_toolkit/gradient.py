@@ -268,7 +268,7 @@ class ElementGradient(Gradient):
 
     def descent_load(self, heat: FloatArray, *, logarithmic: bool) -> FloatArray:
         """Return ``Gᵀ W X`` with ``X = -∇u/|∇u|``, (N,) or (N, K); on triangles in one pass."""
-        if not (self.of_planes and worthwhile(self.n_vertices)):
+        if not (self.of_planes and self._is_compiled):
             return super().descent_load(heat, logarithmic=logarithmic)
         from geodesic_toolkit._descent import descent_load, descent_loads
 
