@@ -310,8 +310,13 @@ class HeatMethod:
     def _positive_flow(self) -> HeatFlow:
         with self._lock:
             if self._substitute is None:
-                diffusion = positive_part(self.diffusion)
-                self._substitute = HeatFlow(diffusion, self.times, self.boundary, self.heat_solver)
+                self._substitute = HeatFlow(
+                    positive_part(self.diffusion),
+                    self.times,
+                    self.boundary,
+                    self.heat_solver,
+                    factorize=self._factorize_heat,  # on the same edges
+                )
             return self._substitute
 
     def _complaint(self, report: HeatReport) -> str:

@@ -140,9 +140,10 @@ class HeatFlow:
 
     def _is_within_range(self, solution: FloatArray, block: Sequence[SourcePoints]) -> bool:
         """Return whether no value that heat reaches is near underflow, so that one solve is all."""
-        small = np.abs(solution) <= SETTLED
-        return not small.any() or not any(
-            (small[:, k] & self.reached(points)).any() for k, points in enumerate(block)
+        doubtful = np.flatnonzero(solution.min(axis=0) <= SETTLED)  # most columns are not
+        return not any(
+            ((np.abs(solution[:, k]) <= SETTLED) & self.reached(block[k])).any()
+            for k in doubtful.tolist()
         )
 
     def _complete_in_range(self, solution: FloatArray, k: int, points: SourcePoints) -> HeatReport:
