@@ -137,7 +137,9 @@ class WavefrontSweeper:
         flags = (pending, pending.view(np.uint64))
         tolerance = TOLERANCE * float(self.metric.scales[vertices].min())
         heated, sweeps = np.isfinite(log_heat), 0
-        returns, first = RETURNS * count, int(count < LARGE)
+        # Clouds' stars are not mutual, and returns among them can go on and on.
+        returns = 0 if self._triangles.stars else RETURNS * count
+        first = int(count < LARGE)
         while sweeps < MAX_SWEEPS or np.isinf(distance[heated]).any():
             sweeps += 1
             triangles = (starts, ends, corners, lengths)
