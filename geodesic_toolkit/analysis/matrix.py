@@ -324,6 +324,6 @@ def _store(solver: GeodesicSolver, plan: Plan, output: Path | None, *, resume: b
         check_disk(output.parent, plan.nbytes * todo, output)
         kind = FileOfRows if output.suffix.lower() == ".npy" else ZarrOfRows
         return kind(plan, unfinished)
-    except BaseException:
+    except BaseException:  # Ctrl-C too: the folder must not stay locked; it goes on at once
         unfinished.close()
         raise

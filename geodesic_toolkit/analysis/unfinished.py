@@ -109,7 +109,7 @@ class Unfinished:
                 else:
                     self._begin(request)
                 self._marks = (self.folder / DONE).open("r+b")
-            except BaseException:
+            except BaseException:  # Ctrl-C too must not leave the lock; it goes on at once
                 self._lock.close()
                 raise
 
@@ -129,7 +129,7 @@ class Unfinished:
                 self.output.replace(aside)
             try:
                 item.replace(self.output)
-            except BaseException:
+            except BaseException:  # Ctrl-C too must leave the old output whole; it goes on at once
                 if aside.exists():
                     aside.replace(self.output)
                 raise

@@ -209,7 +209,7 @@ def _processes(count: int) -> Iterator["Executor | None"]:
             for _ in range(count):  # each starts a process
                 pool.submit(int)
         yield pool
-    except BaseException:
+    except BaseException:  # Ctrl-C above all: no process may outlive the block; it goes on
         for process in multiprocessing.active_children():  # rather than wait for their tasks
             process.terminate()
         pool.shutdown(wait=False, cancel_futures=True)  # the end of the program waits for it
