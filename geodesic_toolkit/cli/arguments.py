@@ -17,6 +17,7 @@ __all__ = [
     "BoundaryChoice",
     "Input",
     "Json",
+    "Mask",
     "check_plugins",
     "check_positions",
     "check_reach",
@@ -33,6 +34,18 @@ Input = Annotated[
         metavar="INPUT",
         help="A mesh, point cloud or graph.",
         show_default=False,
+    ),
+]
+
+Mask = Annotated[
+    Path | None,
+    typer.Option(
+        exists=True,
+        dir_okay=False,
+        readable=True,
+        metavar="FILE",
+        help="Vertices that no path may cross, in an .npy, .txt or .csv file: 1 or 0 for each "
+        "vertex, or the indices of those that are masked. Their distance is inf.",
     ),
 ]
 

@@ -11,6 +11,7 @@ from geodesic_toolkit.cli.arguments import (
     BoundaryChoice,
     Input,
     Json,
+    Mask,
     check_plugins,
     check_positions,
     check_reach,
@@ -63,17 +64,7 @@ def distance(
             show_default=False,
         ),
     ] = None,
-    mask: Annotated[
-        Path | None,
-        typer.Option(
-            exists=True,
-            dir_okay=False,
-            readable=True,
-            metavar="FILE",
-            help="Vertices that no path may cross, in an .npy, .txt or .csv file: 1 or 0 for each "
-            "vertex, or the indices of those that are masked. Their distance is inf.",
-        ),
-    ] = None,
+    mask: Mask = None,
     operator: Annotated[
         str, typer.Option(metavar="NAME", help="Laplace operator; see the command plugins.")
     ] = "auto",

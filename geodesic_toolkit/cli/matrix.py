@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Annotated, Any, cast
 
 import typer
 
-from geodesic_toolkit.cli.arguments import Input, Json, check_plugins
+from geodesic_toolkit.cli.arguments import Input, Json, Mask, check_plugins
 from geodesic_toolkit.cli.interrupts import last_words
 from geodesic_toolkit.cli.output import aligned, show, show_json, versions
 from geodesic_toolkit.cli.run import Run, running
@@ -86,17 +86,7 @@ def matrix(
             show_default=False,
         ),
     ] = None,
-    mask: Annotated[
-        Path | None,
-        typer.Option(
-            exists=True,
-            dir_okay=False,
-            readable=True,
-            metavar="FILE",
-            help="Vertices that no path may cross, in an .npy, .txt or .csv file: 1 or 0 for each "
-            "vertex, or the indices of those that are masked. Their distance is inf.",
-        ),
-    ] = None,
+    mask: Mask = None,
     operator: Annotated[
         str, typer.Option(metavar="NAME", help="Laplace operator; see the command plugins.")
     ] = "auto",
