@@ -7,6 +7,7 @@ from geodesic_toolkit.domains import Domain, Graph, PointCloud, TriangleMesh
 from geodesic_toolkit.errors import InvalidOptionError, PluginLoadError, UnsupportedDomainError
 from geodesic_toolkit.laplacians.base import LaplaceOperator
 from geodesic_toolkit.linear.base import LinearSolver
+from geodesic_toolkit.linear.supernodal import Supernodal
 from geodesic_toolkit.registry import Registry
 
 __all__ = ["fast_solver", "operators", "readers", "resolve_operator", "resolve_solvers", "solvers"]
@@ -46,6 +47,9 @@ PREFERRED = {TriangleMesh: "cotan", PointCloud: "pointcloud", Graph: "uniform"}
 
 AUTO_OPTIONS: dict[str, dict[str, Any]] = {"cotan": {"intrinsic_delaunay": "auto"}}
 """Options that "auto" adds to it."""
+
+COMPACT = 20_000
+"""Unknowns from which on a factor does not stay in the processor's cache, and half of it pays."""
 
 
 def resolve_operator(choice: object, domain: Domain) -> LaplaceOperator:
@@ -108,11 +112,11 @@ def resolve_solvers(choice: object, n_unknowns: int = 0) -> tuple[LinearSolver, 
 
 def _solver(choice: object, n_unknowns: int) -> LinearSolver:
     if choice == "auto":
-        return fast_solver() if worthwhile(n_unknowns) else solvers["superlu"]()
+        return fast_solver(n_unknowns) if worthwhile(n_unknowns) else solvers["superlu"]()
     solver: LinearSolver = solvers.resolve(choice)
     return solver
 
 
-def fast_solver() -> LinearSolver:
+def fast_solver(n_unknowns: int) -> LinearSolver:
     """Return the solver that "auto" prefers once its kernels are there."""
-    return solvers["supernodal"]()
+    return Supernodal(compact=n_unknowns >= COMPACT)

@@ -139,7 +139,7 @@ class GeodesicSolver:
             poisson_solver=poisson_solver,
             refine=refine,
         ).prepare()
-        self._automatic = solver == "auto" and heat_solver != fast_solver()
+        self._automatic = solver == "auto" and heat_solver != fast_solver(metric.n_vertices)
         self._diagnosis: Diagnosis | None = None
         self._coarse: BoolArray | None = None
         self._lock = threading.Lock()
@@ -295,7 +295,7 @@ class GeodesicSolver:
             return
         with self._lock:
             if self._automatic:
-                self.method = self.method.with_solver(fast_solver())
+                self.method = self.method.with_solver(fast_solver(self.domain.n_vertices))
                 self._automatic = False
 
     def _locate(self, sources: Any, name: str = "sources") -> SourcePoints:

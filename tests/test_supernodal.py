@@ -309,11 +309,12 @@ def test_plain_loops_and_the_blas_both_have_work(kind, where):
 def numeric(system, its, margin, fill):
     """The panels, in arrays that are filled beforehand and larger than they need be."""
     panels = np.full(its.n_stored + margin, fill)
+    nothing = np.empty(0, dtype=np.uint32), np.empty(0)  # no halves, no front
     stack = np.full(its.stack + margin, fill)
     room = np.full(2 * its.n_vertices + margin, -(2**40), dtype=np.int64)
     failed = _numeric.factorize(
         system.data, its.starts, its.lower_rows, its.places, its.first, its.row_starts, its.rows,
-        its.above, its.panels, panels, stack, np.zeros(its.n_vertices), room,
+        its.above, its.panels, panels, *nothing, stack, np.zeros(its.n_vertices), room,
     )  # fmt: skip
     return failed, panels, stack, room
 

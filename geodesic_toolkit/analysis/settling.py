@@ -3,13 +3,20 @@
 import copy
 from collections.abc import Mapping
 
-from geodesic_toolkit.catalog import solvers
+from geodesic_toolkit.linear.base import LinearSolver
+from geodesic_toolkit.linear.superlu import SuperLU
+from geodesic_toolkit.linear.supernodal import Supernodal
 from geodesic_toolkit.solver import GeodesicSolver
 
 __all__ = ["as_begun", "settled"]
 
-INTERCHANGEABLE = ("superlu", "supernodal")
-"""Between which "auto" chooses, by what is compiled at the time; distances agree to rounding."""
+
+def _interchangeable() -> list[LinearSolver]:
+    """Return those between which "auto" chooses, by size and by what is compiled at the time.
+
+    Distances agree to the rounding of a compact factor.
+    """
+    return [SuperLU(), Supernodal(), Supernodal(compact=True)]
 
 
 def settled(solver: GeodesicSolver, n_sources: int) -> GeodesicSolver:
@@ -38,11 +45,11 @@ def as_begun(solver: GeodesicSolver, then: Mapping[str, str]) -> GeodesicSolver:
         The same one where its linear solver is no matter of choice: a difference is then one of
         the request.
     """
-    known = {repr(solvers[name]()): name for name in INTERCHANGEABLE}
+    known = {repr(candidate): candidate for candidate in _interchangeable()}
     before = {then.get("heat solver", ""), then.get("Poisson solver", "")}
     now = {repr(solver.method.heat_solver), repr(solver.method.poisson_solver)}
     if before == now or len(before) > 1 or not (before | now) <= known.keys():
         return solver
     changed = copy.copy(solver)
-    changed.method = solver.method.with_solver(solvers[known[before.pop()]]())
+    changed.method = solver.method.with_solver(known[before.pop()])
     return changed

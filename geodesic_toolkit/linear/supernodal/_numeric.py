@@ -16,9 +16,11 @@ import math
 import numba
 import numpy as np
 from numba import types
+from numpy.typing import NDArray
 
 from geodesic_toolkit._typing import FloatArray, IndexArray, IntArray
 from geodesic_toolkit.linear.supernodal import _blas
+from geodesic_toolkit.linear.supernodal._entries import keep
 from geodesic_toolkit.linear.supernodal._pointers import Pointer, address, pointer, shifted
 
 __all__ = ["factorize"]
@@ -95,11 +97,12 @@ def _eliminate(panel: Pointer, update: Pointer, height: int, width: int, fresh: 
 @numba.njit(  # type: ignore[untyped-decorator]
     types.int64(
         _values, _int64, _int32, _int64, _int32, _int64, _int32, _int32, _int64,
+        types.float64[::1], types.uint32[::1],
         types.float64[::1], types.float64[::1], types.float64[::1], types.int64[::1],
     ),
     cache=True, nogil=True, error_model="numpy",
 )  # fmt: skip
-def factorize(  # noqa: PLR0912, PLR0917 - one sweep; kernels take no keywords
+def factorize(  # noqa: PLR0912, PLR0915, PLR0917 - one sweep; kernels take no keywords
     data: FloatArray,
     starts: IntArray,
     lower_rows: IndexArray,
@@ -110,6 +113,8 @@ def factorize(  # noqa: PLR0912, PLR0917 - one sweep; kernels take no keywords
     above: IndexArray,
     panels: IntArray,
     factor: FloatArray,
+    halves: NDArray[np.uint32],
+    front: FloatArray,
     stack: FloatArray,
     pivots: FloatArray,
     room: IntArray,
@@ -122,8 +127,10 @@ def factorize(  # noqa: PLR0912, PLR0917 - one sweep; kernels take no keywords
         The values of the matrix.
     starts, lower_rows, places, first, row_starts, rows, above, panels : ndarray
         Fields of the analysis.
-    factor : ndarray
-        Receives the panels.
+    factor, halves : ndarray
+        One of them receives the panels, or their upper halves; the other one is empty.
+    front : ndarray
+        Room for the largest panel, if only halves of them are kept.
     stack : ndarray
         Room for update matrices.
     pivots : ndarray of shape (N,)
@@ -133,14 +140,17 @@ def factorize(  # noqa: PLR0912, PLR0917 - one sweep; kernels take no keywords
     n_supernodes = above.size
     waiting, waiting_at = np.empty(n_supernodes, np.int32), np.empty(n_supernodes, np.int64)
     n_waiting, top = 0, np.int64(0)
-    own_panels, updates, row = pointer(factor), pointer(stack), pointer(rows)
+    kept, updates, row = pointer(halves), pointer(stack), pointer(rows)
+    by_halves = halves.size > 0
+    own_panels = pointer(front if by_halves else factor)
     local, child_rows = pointer(room), pointer(room[pivots.size :])
     memory = _blas.arguments()
     for s in range(n_supernodes):
         start, begin = row_starts[s], np.int64(first[s])
         height, width = row_starts[s + 1] - start, first[s + 1] - begin
         below = height - width
-        panel, update = shifted(own_panels, panels[s]), shifted(updates, top)
+        panel = shifted(own_panels, 0 if by_halves else panels[s])
+        update = shifted(updates, top)
 
         # -- the front: entries of A, and what the children leave ----------------------------------
         for k in range(height):  # the place of a row in this front
@@ -187,6 +197,9 @@ def factorize(  # noqa: PLR0912, PLR0917 - one sweep; kernels take no keywords
                 _blas.minus_gram(memory, rest, height, below, width, address(update), fresh)
         for j in range(width):
             pivots[begin + j] = panel[j * height + j] ** 2 / pivots[begin + j]
+        if by_halves:
+            for k in range(height * width):
+                keep(kept, panels[s] + k, panel[k])
 
         # -- the update matrix takes the place of the children's on the stack ----------------------
         if base != top:

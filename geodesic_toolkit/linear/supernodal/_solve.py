@@ -11,6 +11,7 @@ import numpy as np
 from numba import types
 
 from geodesic_toolkit._typing import FloatArray, IndexArray, IntArray
+from geodesic_toolkit.linear.supernodal._entries import entry
 from geodesic_toolkit.linear.supernodal._pointers import Pointer, pointer
 from geodesic_toolkit.linear.supernodal._rows import BLOCK, four_minus, minus_four, minus_one
 
@@ -19,8 +20,10 @@ __all__ = ["BLOCK", "solve_block", "solve_column"]
 _int64 = types.Array(types.int64, 1, "C", readonly=True)
 _int32 = types.Array(types.int32, 1, "C", readonly=True)
 _values = types.Array(types.float64, 1, "C", readonly=True)
+_halves = types.Array(types.uint32, 1, "C", readonly=True)
 _block = types.Array(types.float64, 2, "C", readonly=True)
 _symbolic = (_int32, _int32, _int64, _int32, _int64)
+_room = types.float64[::1]
 
 # Sums may be reordered, which is how they are vectorised; infinities and NaN keep their meaning.
 kernel = numba.njit(
@@ -42,8 +45,8 @@ def _minus_columns(  # noqa: PLR0917 - kernels take no keywords
     x0, x1, x2, x3 = values
     second, third, fourth = start + height, start + 2 * height, start + 3 * height
     for k in range(count):
-        target[begin + k] -= (factor[start + k] * x0 + factor[second + k] * x1) + (
-            factor[third + k] * x2 + factor[fourth + k] * x3
+        target[begin + k] -= (entry(factor, start + k) * x0 + entry(factor, second + k) * x1) + (
+            entry(factor, third + k) * x2 + entry(factor, fourth + k) * x3
         )
 
 
@@ -52,7 +55,7 @@ def _minus_column(  # noqa: PLR0917 - kernels take no keywords
     target: Pointer, begin: int, count: int, factor: Pointer, start: int, value: float
 ) -> None:
     for k in range(count):
-        target[begin + k] -= factor[start + k] * value
+        target[begin + k] -= entry(factor, start + k) * value
 
 
 @kernel  # type: ignore[untyped-decorator]
@@ -64,10 +67,10 @@ def _dot_columns(  # noqa: PLR0917 - kernels take no keywords
     t0 = t1 = t2 = t3 = 0.0
     for k in range(count):
         value = x[begin + k]
-        t0 += factor[start + k] * value
-        t1 += factor[second + k] * value
-        t2 += factor[third + k] * value
-        t3 += factor[fourth + k] * value
+        t0 += entry(factor, start + k) * value
+        t1 += entry(factor, second + k) * value
+        t2 += entry(factor, third + k) * value
+        t3 += entry(factor, fourth + k) * value
     return t0, t1, t2, t3
 
 
@@ -75,7 +78,7 @@ def _dot_columns(  # noqa: PLR0917 - kernels take no keywords
 def _dot_column(x: Pointer, begin: int, count: int, factor: Pointer, start: int) -> float:
     total = 0.0
     for k in range(count):
-        total += factor[start + k] * x[begin + k]
+        total += entry(factor, start + k) * x[begin + k]
     return total
 
 
@@ -98,11 +101,18 @@ def _forward(  # noqa: PLR0917 - kernels take no keywords
     while c + 4 <= width:
         p, j = panel + c * height + c, begin + c
         q, r, s = p + height, p + 2 * height, p + 3 * height
-        x0 = x[j] / factor[p]
-        x1 = (x[j + 1] - factor[p + 1] * x0) / factor[q + 1]
-        x2 = (x[j + 2] - factor[p + 2] * x0 - factor[q + 2] * x1) / factor[r + 2]
-        x3 = x[j + 3] - factor[p + 3] * x0 - factor[q + 3] * x1 - factor[r + 3] * x2
-        x3 /= factor[s + 3]
+        x0 = x[j] / entry(factor, p)
+        x1 = (x[j + 1] - entry(factor, p + 1) * x0) / entry(factor, q + 1)
+        x2 = (x[j + 2] - entry(factor, p + 2) * x0 - entry(factor, q + 2) * x1) / entry(
+            factor, r + 2
+        )
+        x3 = (
+            x[j + 3]
+            - entry(factor, p + 3) * x0
+            - entry(factor, q + 3) * x1
+            - entry(factor, r + 3) * x2
+        )
+        x3 /= entry(factor, s + 3)
         x[j], x[j + 1], x[j + 2], x[j + 3] = x0, x1, x2, x3
         values = (x0, x1, x2, x3)
         _minus_columns(x, j + 4, width - c - 4, factor, p + 4, height, values)
@@ -110,7 +120,7 @@ def _forward(  # noqa: PLR0917 - kernels take no keywords
         c += 4
     while c < width:
         p, j = panel + c * height + c, begin + c
-        x0 = x[j] / factor[p]
+        x0 = x[j] / entry(factor, p)
         x[j] = x0
         _minus_column(x, j + 1, width - c - 1, factor, p + 1, x0)
         _minus_column(below, 0, rest, factor, p + width - c, x0)
@@ -136,21 +146,30 @@ def _backward(  # noqa: PLR0917 - kernels take no keywords
         q, r, s = p + height, p + 2 * height, p + 3 * height
         t0, t1, t2, t3 = _dot_columns(below, 0, rest, factor, p + width - c, height)
         u0, u1, u2, u3 = _dot_columns(x, j + 4, width - c - 4, factor, p + 4, height)
-        x3 = (x[j + 3] - t3 - u3) / factor[s + 3]
-        x2 = (x[j + 2] - t2 - u2 - factor[r + 3] * x3) / factor[r + 2]
-        x1 = (x[j + 1] - t1 - u1 - factor[q + 2] * x2 - factor[q + 3] * x3) / factor[q + 1]
-        x0 = x[j] - t0 - u0 - factor[p + 1] * x1 - factor[p + 2] * x2 - factor[p + 3] * x3
-        x[j], x[j + 1], x[j + 2], x[j + 3] = x0 / factor[p], x1, x2, x3
+        x3 = (x[j + 3] - t3 - u3) / entry(factor, s + 3)
+        x2 = (x[j + 2] - t2 - u2 - entry(factor, r + 3) * x3) / entry(factor, r + 2)
+        x1 = (x[j + 1] - t1 - u1 - entry(factor, q + 2) * x2 - entry(factor, q + 3) * x3) / entry(
+            factor, q + 1
+        )
+        x0 = (
+            x[j]
+            - t0
+            - u0
+            - entry(factor, p + 1) * x1
+            - entry(factor, p + 2) * x2
+            - entry(factor, p + 3) * x3
+        )
+        x[j], x[j + 1], x[j + 2], x[j + 3] = x0 / entry(factor, p), x1, x2, x3
     while c > 0:
         c -= 1
         p, j = panel + c * height + c, begin + c
         total = _dot_column(below, 0, rest, factor, p + width - c)
         total += _dot_column(x, j + 1, width - c - 1, factor, p + 1)
-        x[j] = (x[j] - total) / factor[p]
+        x[j] = (x[j] - total) / entry(factor, p)
 
 
 @numba.njit(  # type: ignore[untyped-decorator]
-    types.float64[::1](_values, *_symbolic, _values, types.float64[::1]),
+    [types.float64[::1](_values, *_symbolic, factor, _room) for factor in (_values, _halves)],
     cache=True, nogil=True, error_model="numpy",
 )  # fmt: skip
 def solve_column(  # noqa: PLR0917 - kernels take no keywords
@@ -225,28 +244,36 @@ def _forward_block(  # noqa: PLR0917 - kernels take no keywords
         q, r, s = p + height, p + 2 * height, p + 3 * height
         j = np.int64(row[start + c]) * BLOCK
         for k in range(BLOCK):
-            x0 = x[j + k] / factor[p]
-            x1 = (x[j + BLOCK + k] - factor[p + 1] * x0) / factor[q + 1]
-            x2 = x[j + 2 * BLOCK + k] - factor[p + 2] * x0 - factor[q + 2] * x1
-            x2 /= factor[r + 2]
-            x3 = x[j + 3 * BLOCK + k] - factor[p + 3] * x0 - factor[q + 3] * x1
-            x3 = (x3 - factor[r + 3] * x2) / factor[s + 3]
+            x0 = x[j + k] / entry(factor, p)
+            x1 = (x[j + BLOCK + k] - entry(factor, p + 1) * x0) / entry(factor, q + 1)
+            x2 = x[j + 2 * BLOCK + k] - entry(factor, p + 2) * x0 - entry(factor, q + 2) * x1
+            x2 /= entry(factor, r + 2)
+            x3 = x[j + 3 * BLOCK + k] - entry(factor, p + 3) * x0 - entry(factor, q + 3) * x1
+            x3 = (x3 - entry(factor, r + 3) * x2) / entry(factor, s + 3)
             head[k], head[BLOCK + k], head[2 * BLOCK + k], head[3 * BLOCK + k] = x0, x1, x2, x3
         for k in range(4 * BLOCK):
             x[j + k] = head[k]
         for i in range(4, height - c):
             target = np.int64(row[start + c + i]) * BLOCK
-            minus_four(x, target, head, factor[p + i], factor[q + i], factor[r + i], factor[s + i])
+            minus_four(
+                x,
+                target,
+                head,
+                entry(factor, p + i),
+                entry(factor, q + i),
+                entry(factor, r + i),
+                entry(factor, s + i),
+            )
         c += 4
     while c < width:
         p = panel + c * height + c
         j = np.int64(row[start + c]) * BLOCK
         for k in range(BLOCK):
-            head[k] = x[j + k] / factor[p]
+            head[k] = x[j + k] / entry(factor, p)
         for k in range(BLOCK):
             x[j + k] = head[k]
         for i in range(1, height - c):
-            minus_one(x, np.int64(row[start + c + i]) * BLOCK, head, 0, factor[p + i])
+            minus_one(x, np.int64(row[start + c + i]) * BLOCK, head, 0, entry(factor, p + i))
         c += 1
 
 
@@ -272,14 +299,27 @@ def _backward_block(  # noqa: PLR0917 - kernels take no keywords
             head[k] = x[j + k]
         for i in range(4, height - c):
             known = np.int64(row[start + c + i]) * BLOCK
-            four_minus(head, x, known, factor[p + i], factor[q + i], factor[r + i], factor[s + i])
+            four_minus(
+                head,
+                x,
+                known,
+                entry(factor, p + i),
+                entry(factor, q + i),
+                entry(factor, r + i),
+                entry(factor, s + i),
+            )
         for k in range(BLOCK):
-            x3 = head[3 * BLOCK + k] / factor[s + 3]
-            x2 = (head[2 * BLOCK + k] - factor[r + 3] * x3) / factor[r + 2]
-            x1 = head[BLOCK + k] - factor[q + 2] * x2 - factor[q + 3] * x3
-            x1 /= factor[q + 1]
-            x0 = head[k] - factor[p + 1] * x1 - factor[p + 2] * x2 - factor[p + 3] * x3
-            x[j + k], x[j + BLOCK + k] = x0 / factor[p], x1
+            x3 = head[3 * BLOCK + k] / entry(factor, s + 3)
+            x2 = (head[2 * BLOCK + k] - entry(factor, r + 3) * x3) / entry(factor, r + 2)
+            x1 = head[BLOCK + k] - entry(factor, q + 2) * x2 - entry(factor, q + 3) * x3
+            x1 /= entry(factor, q + 1)
+            x0 = (
+                head[k]
+                - entry(factor, p + 1) * x1
+                - entry(factor, p + 2) * x2
+                - entry(factor, p + 3) * x3
+            )
+            x[j + k], x[j + BLOCK + k] = x0 / entry(factor, p), x1
             x[j + 2 * BLOCK + k], x[j + 3 * BLOCK + k] = x2, x3
     while c > 0:
         c -= 1
@@ -288,13 +328,13 @@ def _backward_block(  # noqa: PLR0917 - kernels take no keywords
         for k in range(BLOCK):
             head[k] = x[j + k]
         for i in range(1, height - c):
-            minus_one(head, 0, x, np.int64(row[start + c + i]) * BLOCK, factor[p + i])
+            minus_one(head, 0, x, np.int64(row[start + c + i]) * BLOCK, entry(factor, p + i))
         for k in range(BLOCK):
-            x[j + k] = head[k] / factor[p]
+            x[j + k] = head[k] / entry(factor, p)
 
 
 @numba.njit(  # type: ignore[untyped-decorator]
-    types.float64[:, ::1](_block, *_symbolic, _values, types.float64[::1]),
+    [types.float64[:, ::1](_block, *_symbolic, factor, _room) for factor in (_values, _halves)],
     cache=True, nogil=True, error_model="numpy",
 )  # fmt: skip
 def solve_block(  # noqa: PLR0917 - kernels take no keywords

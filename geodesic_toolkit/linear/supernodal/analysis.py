@@ -40,6 +40,8 @@ class Analysis:
         Numbers on the stack of update matrices, at the most.
     tallest : int
         Rows of the tallest supernode.
+    largest : int
+        Numbers in the largest panel.
     """
 
     indptr: IndexArray | IntArray
@@ -56,6 +58,7 @@ class Analysis:
     panels: IntArray
     stack: int
     tallest: int
+    largest: int
 
     @property
     def n_vertices(self) -> int:
@@ -70,8 +73,14 @@ class Analysis:
     @property
     def nbytes(self) -> int:
         """Bytes of the arrays, without those of the matrix."""
-        own = set(vars(self)) - {"indptr", "indices", "stack", "tallest"}
+        own = set(vars(self)) - {"indptr", "indices", "stack", "tallest", "largest"}
         return sum(getattr(self, name).nbytes for name in own)
+
+    def factor_bytes(self, *, halves: bool) -> float:
+        """Return what making a factor takes, of whole numbers or of their upper halves."""
+        if halves:
+            return 4.0 * self.n_stored + 8.0 * (self.stack + self.largest)
+        return 8.0 * (self.n_stored + self.stack)
 
     def fits(self, matrix: csr_array) -> bool:
         """Return whether `matrix` has the pattern that was analysed."""
@@ -112,6 +121,7 @@ def analyze(matrix: csr_array) -> Analysis:
     first = _elimination.supernodes(parent, counts, _elimination.STRICT)
     row_starts, rows, above = _elimination.supernode_rows(starts, lower_rows, parent, counts, first)
     heights = np.diff(row_starts)
+    sizes = heights * np.diff(first)
     return Analysis(
         indptr=matrix.indptr,
         indices=matrix.indices,
@@ -124,9 +134,10 @@ def analyze(matrix: csr_array) -> Analysis:
         row_starts=row_starts,
         rows=rows,
         above=above,
-        panels=np.concatenate([[0], np.cumsum(heights * np.diff(first))]),
+        panels=np.concatenate([[0], np.cumsum(sizes)]),
         stack=int(_elimination.stack_peak(first, row_starts, above)),
         tallest=int(heights.max(initial=0)),
+        largest=int(sizes.max(initial=0)),
     )
 
 

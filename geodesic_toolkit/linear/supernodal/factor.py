@@ -1,8 +1,10 @@
 """The numeric half of a factorisation."""
 
 import math
+from typing import TypeAlias
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.sparse import csr_array
 
 from geodesic_toolkit._typing import FloatArray
@@ -26,10 +28,14 @@ at the most; with one vertex held 1e-5 and more.
 """
 
 
+Panels: TypeAlias = FloatArray | NDArray[np.uint32]
+"""Numbers, or the upper halves of numbers."""
+
+
 class SupernodalFactor(Factor):
     """The panels of a Cholesky factor; solving changes nothing in it."""
 
-    def __init__(self, analysis: Analysis, panels: FloatArray) -> None:
+    def __init__(self, analysis: Analysis, panels: Panels) -> None:
         self.analysis = analysis
         self._panels = panels
 
@@ -87,8 +93,15 @@ class SupernodalFactor(Factor):
         return f"SupernodalFactor({self.analysis.n_vertices} unknowns, {self.nnz} entries)"
 
 
-def factorize(matrix: csr_array, analysis: Analysis) -> SupernodalFactor:
+def factorize(matrix: csr_array, analysis: Analysis, *, halves: bool = False) -> SupernodalFactor:
     """Return the Cholesky factor of `matrix`, whose pattern has been analysed.
+
+    Parameters
+    ----------
+    matrix : csr_array of shape (N, N)
+    analysis : Analysis
+    halves : bool
+        Keep the upper half of each number only.
 
     Raises
     ------
@@ -102,10 +115,13 @@ def factorize(matrix: csr_array, analysis: Analysis) -> SupernodalFactor:
 
     n = analysis.n_vertices
     work = f"the Cholesky factor of {n} unknowns, with {analysis.n_stored} entries,"
-    needed = 8.0 * (analysis.n_stored + analysis.stack)
+    needed = analysis.factor_bytes(halves=halves)
     require_memory(needed, work)
     try:
-        panels, stack = np.empty(analysis.n_stored), np.empty(analysis.stack)
+        panels = np.empty(0 if halves else analysis.n_stored)
+        upper_halves = np.empty(analysis.n_stored if halves else 0, dtype=np.uint32)
+        front = np.empty(analysis.largest if halves else 0)
+        stack = np.empty(analysis.stack)
     except MemoryError as error:  # a limit of this process, or a system that does not say
         raise NotEnoughMemoryError(
             f"{work} needs about {needed / 1e9:.3g} GB of memory, which could not be had"
@@ -123,6 +139,8 @@ def factorize(matrix: csr_array, analysis: Analysis) -> SupernodalFactor:
             analysis.above,
             analysis.panels,
             panels,
+            upper_halves,
+            front,
             stack,
             pivots,
             np.empty(2 * n, dtype=np.int64),
@@ -133,4 +151,4 @@ def factorize(matrix: csr_array, analysis: Analysis) -> SupernodalFactor:
             f"the matrix of {n} unknowns is not positive definite to working precision: "
             f"elimination stops at vertex {analysis.order[column]}, pivot {column + 1} of {n}"
         )
-    return SupernodalFactor(analysis, panels)
+    return SupernodalFactor(analysis, upper_halves if halves else panels)

@@ -6,10 +6,10 @@ from typing import ClassVar, final
 import numpy as np
 from scipy.sparse import csr_array
 
-from geodesic_toolkit.errors import SolverError
+from geodesic_toolkit.errors import InvalidOptionError, SolverError
 from geodesic_toolkit.linear.base import LinearSolver
 from geodesic_toolkit.linear.memory import factor_bytes, require_memory
-from geodesic_toolkit.linear.supernodal.analysis import Analysis, analyze
+from geodesic_toolkit.linear.supernodal.analysis import analyze
 from geodesic_toolkit.linear.supernodal.factor import SupernodalFactor, factorize
 
 __all__ = ["Supernodal"]
@@ -20,6 +20,10 @@ OF_LU = 1 / 3
 The analysis knows how many there are; this is to refuse at once what is hopeless.
 """
 
+TOLERANCE = 1e-4
+"""Error from which on a compact factor is not used. Measured on meshes and grids of up to 560,000
+vertices: 1e-6 to 7e-6."""
+
 
 @final
 @dataclass(frozen=True, kw_only=True)
@@ -29,6 +33,14 @@ class Supernodal(LinearSolver):
     The pattern is analysed once for all matrices that share it, and no step holds Python's lock.
     On an M-matrix every step adds numbers of one sign: each entry of the solution is accurate
     relative to itself. Its kernels are compiled by Numba on first use on a machine.
+
+    Parameters
+    ----------
+    compact : bool
+        Keep the upper half of each number of a factor: its sign, its whole range and six digits.
+        Half the memory, and solves that wait for memory are up to twice as fast; a solution is off
+        by about 1e-6 of its largest value, and each value of heat by about 1e-6 of itself. A factor
+        is tried before it is used, and kept in full where that does not hold.
 
     References
     ----------
@@ -48,8 +60,14 @@ class Supernodal(LinearSolver):
     array([2., 1.])
     """
 
+    compact: bool = False
+
     componentwise: ClassVar[bool] = True
     references: ClassVar[tuple[str, ...]] = ("10.1137/S0895479894278952", "10.1137/1034004")
+
+    def __post_init__(self) -> None:
+        if not isinstance(self.compact, bool | np.bool_):
+            raise InvalidOptionError(f"compact must be True or False, not {self.compact!r}")
 
     def analyze(self, matrix: csr_array) -> "SupernodalFactorizer":
         """Return what factorises matrices with the pattern of `matrix`."""
@@ -57,7 +75,7 @@ class Supernodal(LinearSolver):
             OF_LU * factor_bytes(matrix.shape[0], matrix.nnz),
             f"factorising {matrix.shape[0]} unknowns with {matrix.nnz} entries",
         )
-        return SupernodalFactorizer(_canonical(matrix))
+        return SupernodalFactorizer(_canonical(matrix), compact=bool(self.compact))
 
     def factorize(self, matrix: csr_array) -> SupernodalFactor:
         """Return the Cholesky factor of a symmetric positive definite `matrix`."""
@@ -71,24 +89,46 @@ class SupernodalFactorizer:
     ----------
     pattern : csr_array of shape (N, N)
         Without repeated entries; its values are not used.
+    compact : bool
+        Keep the upper half of each number only, where that will do.
     """
 
-    def __init__(self, pattern: csr_array) -> None:
+    def __init__(self, pattern: csr_array, *, compact: bool = False) -> None:
         self.analysis = analyze(pattern)
+        self.compact = compact
 
     def expected_bytes(self, n_factors: int) -> float:
         """Return what so many factors take, with their stacks of update matrices: exactly that."""
-        numbers = self.analysis.n_stored + self.analysis.stack + 3 * self.analysis.n_vertices
-        return self.analysis.nbytes + n_factors * 8.0 * numbers
+        one = self.analysis.factor_bytes(halves=self.compact) + 24.0 * self.analysis.n_vertices
+        return self.analysis.nbytes + n_factors * one
 
     def __call__(self, matrix: csr_array) -> SupernodalFactor:
         """Return the Cholesky factor of `matrix`; of another pattern, after an analysis of it."""
         its = _canonical(matrix)
         analysis = self.analysis if self.analysis.fits(its) else analyze(its)
-        return _factorize(its, analysis)
+        _require_finite(its)
+        if self.compact:
+            factor = factorize(its, analysis, halves=True)
+            if _is_accurate(factor, its):
+                return factor
+        return factorize(its, analysis)
 
 
-def _factorize(matrix: csr_array, analysis: Analysis) -> SupernodalFactor:
+def _is_accurate(factor: SupernodalFactor, matrix: csr_array) -> bool:
+    """Return whether a factor gives back the constant vector.
+
+    That is nearly in the null space of a Laplacian, so its equations are those that errors of the
+    factor hurt most.
+    """
+    ones = np.ones(matrix.shape[0])
+    try:
+        error = np.abs(factor.solve(matrix @ ones) - ones).max(initial=0.0)
+    except SolverError:  # the sums overflow, which is for the full factor to report
+        return False
+    return bool(error <= TOLERANCE)
+
+
+def _require_finite(matrix: csr_array) -> None:
     finite = np.isfinite(matrix.data)
     if not finite.all():
         entry = int(np.argmin(finite))
@@ -97,7 +137,6 @@ def _factorize(matrix: csr_array, analysis: Analysis) -> SupernodalFactor:
             f"the matrix is not finite: entry ({row}, {matrix.indices[entry]}) is "
             f"{matrix.data[entry]}"
         )
-    return factorize(matrix, analysis)
 
 
 def _canonical(matrix: csr_array) -> csr_array:
