@@ -42,6 +42,11 @@ class Supernodal(LinearSolver):
         by about 1e-6 of its largest value, and each value of heat by about 1e-6 of itself. A factor
         is tried before it is used, and kept in full where that does not hold.
 
+    Raises
+    ------
+    InvalidOptionError
+        `compact` is neither.
+
     References
     ----------
     P. R. Amestoy, T. A. Davis, I. S. Duff, *An Approximate Minimum Degree Ordering Algorithm*,
