@@ -135,7 +135,13 @@ class HeatFlow:
         if len(owners) > len(block):
             parts = [_merged(part + log_scales, owners) for part in parts]
         log_heat = parts[0] if len(parts) == 1 else np.logaddexp(*parts) - np.log(2)
-        reports = [self._complete(log_heat[:, k], block[k], stages) for k in range(len(block))]
+        unset = log_heat.min(axis=0, initial=np.inf) == -np.inf  # most columns are whole
+        reports = [
+            self._complete(log_heat[:, k], block[k], stages)
+            if unset[k]
+            else HeatReport(self._reach(block[k]), 0, stages)
+            for k in range(len(block))
+        ]
         return Heat(log_heat, logarithmic=True), reports
 
     def _is_within_range(self, solution: FloatArray, block: Sequence[SourcePoints]) -> bool:

@@ -7,13 +7,16 @@ from the source. Its logarithm need not.
 import numpy as np
 from scipy.sparse import csr_array
 
-from geodesic_toolkit._typing import BoolArray, FloatArray
+from geodesic_toolkit._typing import BoolArray, FloatArray, IndexArray, IntArray
 from geodesic_toolkit.linear.base import Factor
 
 __all__ = ["SETTLED", "fill_from_neighbours", "log_solve"]
 
 SETTLED = 1e-200
 """Smallest scaled value taken as it is; the 1e-108 below it still resolve its neighbours."""
+
+ROWS = 4096
+"""Rows worked on at once: what comes in between stays in cache, and takes no fresh memory."""
 
 
 def log_solve(
@@ -61,37 +64,69 @@ def log_solve(
     scaled_rhs = right_hand_side
     for stage in range(1, n_vertices + 2):  # each stage settles a vertex at least
         scaled = factor.solve(scaled_rhs) if stage > 1 or solution is None else solution
-        done = settled[:, columns]
-        new = ~done & (np.abs(scaled) > SETTLED)
-        with np.errstate(divide="ignore", invalid="ignore"):
-            log_new = np.log(scaled) + log_scale[columns]
-        log_solution[:, columns] = np.where(new & (scaled > 0), log_new, log_solution[:, columns])
-        done |= new
-        settled[:, columns] = done
-        open_columns = new.any(axis=0) & ~done.all(axis=0)
-        if not open_columns.any():
+        is_open = _settle(scaled, log_scale, columns, log_solution, settled)
+        if not is_open.any():
             return log_solution, stage
-        columns, scaled, done = (
-            columns[open_columns],
-            scaled[:, open_columns],
-            done[:, open_columns],
-        )
-        scaled_rhs = _interface(matrix, scaled, done)
-        largest = np.abs(scaled_rhs).max(axis=0)
+        columns, scaled = columns[is_open], scaled[:, is_open]
+        rows, loads = _interface(matrix, scaled, settled[:, columns])
+        largest = np.abs(loads).max(axis=0, initial=0.0)
         connected = largest > 0
         if not connected.any():
             return log_solution, stage
         columns, largest = columns[connected], largest[connected]
-        scaled_rhs = scaled_rhs[:, connected] / largest
+        scaled_rhs = np.zeros((n_vertices, len(columns)))
+        scaled_rhs[rows] = loads[:, connected] / largest
         log_scale[columns] += np.log(largest)
     return log_solution, n_vertices + 1  # pragma: no cover - every stage settles a vertex
 
 
-def _interface(matrix: csr_array, solution: FloatArray, near: BoolArray) -> FloatArray:
-    """Return A w for w = (0, u_far), from the interface of near and far alone."""
-    near_part = np.where(near, solution, 0.0)
-    far_part = np.where(near, 0.0, solution)
-    return np.where(near, matrix @ far_part, -(matrix @ near_part))
+def _settle(
+    scaled: FloatArray,
+    log_scale: FloatArray,
+    columns: IntArray,
+    log_solution: FloatArray,
+    settled: BoolArray,
+) -> BoolArray:
+    """Take the logarithms of what has not sunk below the threshold, into some `columns` of (N, K).
+
+    Returns which of these columns made progress and are not done yet.
+    """
+    progress = np.zeros(len(columns), dtype=np.bool_)
+    done = np.ones(len(columns), dtype=np.bool_)
+    for start in range(0, len(scaled), ROWS):
+        rows = slice(start, start + ROWS)
+        part, before, logs = scaled[rows], settled[rows, columns], log_solution[rows, columns]
+        new = ~before & (np.abs(part) > SETTLED)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            log_solution[rows, columns] = np.where(
+                new & (part > 0), np.log(part) + log_scale[columns], logs
+            )
+        after = before | new
+        settled[rows, columns] = after
+        progress |= new.any(axis=0)
+        done &= after.all(axis=0)
+    return progress & ~done
+
+
+def _interface(
+    matrix: csr_array, solution: FloatArray, near: BoolArray
+) -> tuple[IndexArray, FloatArray]:
+    """Return the rows where A w is not zero for w = (0, u_far), and what it is there, per column.
+
+    These are the rows on either side of the interface of near and far.
+    """
+    n_vertices = len(near)
+    row = np.repeat(np.arange(n_vertices, dtype=np.int32), np.diff(matrix.indptr))
+    sides = np.packbits(near, axis=1)  # eight columns are compared at once
+    crossing = np.zeros(matrix.nnz, dtype=np.bool_)
+    for side in np.ascontiguousarray(sides.T):
+        crossing |= side[row] != side[matrix.indices]
+    i, j, a = row[crossing], matrix.indices[crossing], matrix.data[crossing]
+    inside = near[i]
+    terms = np.where(inside != near[j], a[:, None] * solution[j], 0.0)
+    terms[~inside] *= -1
+    rows, starts = np.unique(i, return_index=True)
+    return rows, np.add.reduceat(terms, starts, axis=0) if len(rows) else terms
 
 
 def fill_from_neighbours(

@@ -14,6 +14,7 @@ from geodesic_toolkit._typing import FloatArray, IndexArray, IntArray
 from geodesic_toolkit.linear.supernodal._entries import entry
 from geodesic_toolkit.linear.supernodal._pointers import Pointer, pointer
 from geodesic_toolkit.linear.supernodal._rows import BLOCK, four_minus, minus_four, minus_one
+from geodesic_toolkit.linear.supernodal.analysis import Panels
 
 __all__ = ["BLOCK", "solve_block", "solve_column"]
 
@@ -169,7 +170,7 @@ def _backward(  # noqa: PLR0917 - kernels take no keywords
 
 
 @numba.njit(  # type: ignore[untyped-decorator]
-    [types.float64[::1](_values, *_symbolic, factor, _room) for factor in (_values, _halves)],
+    [types.void(_values, *_symbolic, factor, _room, _room) for factor in (_values, _halves)],
     cache=True, nogil=True, error_model="numpy",
 )  # fmt: skip
 def solve_column(  # noqa: PLR0917 - kernels take no keywords
@@ -179,10 +180,11 @@ def solve_column(  # noqa: PLR0917 - kernels take no keywords
     row_starts: IntArray,
     rows: IndexArray,
     panels: IntArray,
-    panel_values: FloatArray,
+    panel_values: Panels,
     room: FloatArray,
-) -> FloatArray:
-    """Return x with ``A x = b``.
+    solution: FloatArray,
+) -> None:
+    """Write x with ``A x = b`` to `solution`.
 
     Parameters
     ----------
@@ -193,6 +195,7 @@ def solve_column(  # noqa: PLR0917 - kernels take no keywords
         The factor.
     room : ndarray of shape (N + T,)
         To work in, T being the height of the tallest supernode.
+    solution : ndarray of shape (N,)
     """
     n, n_supernodes = order.size, first.size - 1
     x, below = pointer(room), pointer(room[n:])
@@ -217,10 +220,8 @@ def solve_column(  # noqa: PLR0917 - kernels take no keywords
         for k in range(height - width):
             below[k] = x[row[start + width + k]]
         _backward(x, begin, width, factor, panels[s], height, below)
-    solution = np.empty(n)
     for j in range(n):
         solution[order[j]] = x[j]
-    return solution
 
 
 @kernel  # type: ignore[untyped-decorator]
@@ -334,7 +335,10 @@ def _backward_block(  # noqa: PLR0917 - kernels take no keywords
 
 
 @numba.njit(  # type: ignore[untyped-decorator]
-    [types.float64[:, ::1](_block, *_symbolic, factor, _room) for factor in (_values, _halves)],
+    [
+        types.void(_block, *_symbolic, factor, _room, types.float64[:, ::1])
+        for factor in (_values, _halves)
+    ],
     cache=True, nogil=True, error_model="numpy",
 )  # fmt: skip
 def solve_block(  # noqa: PLR0917 - kernels take no keywords
@@ -344,10 +348,11 @@ def solve_block(  # noqa: PLR0917 - kernels take no keywords
     row_starts: IntArray,
     rows: IndexArray,
     panels: IntArray,
-    panel_values: FloatArray,
+    panel_values: Panels,
     room: FloatArray,
-) -> FloatArray:
-    """Return X with ``A X = B`` for up to `BLOCK` columns at once.
+    solution: FloatArray,
+) -> None:
+    """Write X with ``A X = B`` to `solution`, for up to `BLOCK` columns at once.
 
     The block is always full inside, so that its loops are unrolled; missing columns are zero.
     Parameters as for `solve_column`, but `room` has ``BLOCK * (N + 4)`` numbers.
@@ -373,9 +378,7 @@ def solve_block(  # noqa: PLR0917 - kernels take no keywords
         start, width = row_starts[s], np.int64(first[s + 1] - first[s])
         height = row_starts[s + 1] - start
         _backward_block(x, head, width, height, factor, panels[s], row, start)
-    solution = np.empty((n, n_columns))
     for j in range(n):
         target = solution[order[j]]
         for k in range(n_columns):
             target[k] = x[j * BLOCK + k]
-    return solution

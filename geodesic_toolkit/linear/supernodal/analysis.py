@@ -1,15 +1,19 @@
 """The symbolic half of a factorisation: everything that the pattern alone decides."""
 
 from dataclasses import dataclass
-from typing import final
+from typing import TypeAlias, final
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.sparse import csr_array
 
-from geodesic_toolkit._typing import IndexArray, IntArray
+from geodesic_toolkit._typing import FloatArray, IndexArray, IntArray
 from geodesic_toolkit.errors import SolverError
 
-__all__ = ["Analysis", "analyze"]
+__all__ = ["Analysis", "Panels", "analyze"]
+
+Panels: TypeAlias = FloatArray | NDArray[np.uint32]
+"""The dense blocks of a factor, one after the other: numbers, or the upper halves of numbers."""
 
 
 @final

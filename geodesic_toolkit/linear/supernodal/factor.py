@@ -1,17 +1,15 @@
 """The numeric half of a factorisation."""
 
 import math
-from typing import TypeAlias
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.sparse import csr_array
 
 from geodesic_toolkit._typing import FloatArray
 from geodesic_toolkit.errors import InvalidOptionError, NotEnoughMemoryError, SolverError
 from geodesic_toolkit.linear.base import Factor
 from geodesic_toolkit.linear.memory import require_memory
-from geodesic_toolkit.linear.supernodal.analysis import Analysis
+from geodesic_toolkit.linear.supernodal.analysis import Analysis, Panels
 from geodesic_toolkit.linear.supernodal.blas_threads import single_threaded_blas
 
 __all__ = ["SupernodalFactor", "factorize"]
@@ -26,10 +24,6 @@ Rounding errors add up as the steps of a random walk do. Of Laplacians of grids,
 neighbour graphs of 3,000 to 100,000 vertices, which should leave nothing, a fifth of this was left
 at the most; with one vertex held 1e-5 and more.
 """
-
-
-Panels: TypeAlias = FloatArray | NDArray[np.uint32]
-"""Numbers, or the upper halves of numbers."""
 
 
 class SupernodalFactor(Factor):
@@ -62,21 +56,27 @@ class SupernodalFactor(Factor):
 
         its = self.analysis
         known = (its.order, its.first, its.row_starts, its.rows, its.panels, self._panels)
+        # Arrays of NumPy's, also in kernels: it asks the system for large pages, Numba does not.
+        solution = np.empty_like(b)
         if b.ndim == 1 or b.shape[1] <= FEW:
             room = np.empty(its.n_vertices + its.tallest)
             if b.ndim == 1 or b.shape[1] == 1:
-                return np.asarray(_solve.solve_column(b.reshape(-1), *known, room)).reshape(b.shape)
-            few = np.empty_like(b)
+                _solve.solve_column(b.reshape(-1), *known, room, solution.reshape(-1))
+                return solution
             for k in range(b.shape[1]):
-                few[:, k] = _solve.solve_column(b[:, k].copy(), *known, room)
-            return few
+                column = np.empty(its.n_vertices)
+                _solve.solve_column(b[:, k].copy(), *known, room, column)
+                solution[:, k] = column
+            return solution
         room = np.empty(_solve.BLOCK * (its.n_vertices + 4))
         if b.shape[1] <= _solve.BLOCK:
-            return np.asarray(_solve.solve_block(b, *known, room))
-        solution = np.empty_like(b)
+            _solve.solve_block(b, *known, room, solution)
+            return solution
         for start in range(0, b.shape[1], _solve.BLOCK):
-            block = slice(start, start + _solve.BLOCK)
-            solution[:, block] = _solve.solve_block(b[:, block].copy(), *known, room)
+            block = b[:, start : start + _solve.BLOCK].copy()
+            columns = np.empty_like(block)
+            _solve.solve_block(block, *known, room, columns)
+            solution[:, start : start + _solve.BLOCK] = columns
         return solution
 
     @property
