@@ -234,7 +234,7 @@ class HeatMethod:
         """Write the distances from one block of source sets, (K, N): the paper's three steps."""
         heat, worst = self._diffuse(block)
         if self._sweeper is not None:
-            distances[:] = self._sweep(heat.log(), block)
+            self._sweep(heat.log(), block, distances)
             return worst
         values = heat.values[:, 0] if len(block) == 1 else heat.values
         load = self.metric.gradient.descent_load(values, logarithmic=heat.logarithmic)
@@ -361,7 +361,7 @@ class HeatMethod:
         distances[:] = potential.T
         for k, points in enumerate(block):
             row = distances[k]
-            above = points.weights @ potential[:, k] - points.offsets - points.starts
+            above = points.readings(potential[:, k])
             home = points.components(self.metric)
             first = points.first_to_start(home)  # others may be overtaken before they start
             parts = [0] if self._in_one_piece else np.unique(home).tolist()
@@ -382,21 +382,24 @@ class HeatMethod:
 
     # -- instead of steps 2 and 3 --------------------------------------------------------------
 
-    def _sweep(self, log_heat: FloatArray, block: Sequence[SourcePoints]) -> FloatArray:
-        """Return (K, N) refined distances; the sweeps of a block share the processors."""
+    def _sweep(
+        self, log_heat: FloatArray, block: Sequence[SourcePoints], distances: FloatArray
+    ) -> None:
+        """Write refined distances, (K, N); the sweeps of a block share the processors."""
         assert self._sweeper is not None
         sweeper = self._sweeper.prepare()
 
-        def column(k: int) -> FloatArray:
+        def fill(k: int) -> None:
             points = block[k]
             vertices = points.weights.indices.astype(np.int64)
-            distances = points.distances + points.starts[points.rows]
-            return sweeper.distance(log_heat[:, k], vertices, distances, points.curvatures)
+            known = points.distances + points.starts[points.rows]
+            distances[k] = sweeper.distance(log_heat[:, k], vertices, known, points.curvatures)
 
         if len(block) == 1:
-            return column(0)[None]
+            fill(0)
+            return
         with ThreadPoolExecutor(min(len(block), PROCESSORS)) as pool:
-            return np.array(list(pool.map(column, range(len(block)))))
+            list(pool.map(fill, range(len(block))))
 
     # -- sources -------------------------------------------------------------------------------
 

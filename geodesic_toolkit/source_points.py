@@ -58,12 +58,13 @@ class SourcePoints:
         """The (nnz,) point that each weight belongs to."""
         return np.repeat(np.arange(self.weights.shape[0]), np.diff(self.weights.indptr))
 
-    @property
-    def offsets(self) -> FloatArray:
-        """The (P,) distances of the points from their vertices, in the weighted mean."""
-        rows = self.rows
-        sums = np.bincount(rows, self.weights.data * self.distances, self.weights.shape[0])
-        return np.asarray(sums, dtype=np.float64)
+    def readings(self, values: FloatArray) -> FloatArray:
+        """Return what values at the vertices, (N,), are in the points, less what they begin with.
+
+        That is their weighted mean, less how far the vertices are from the point, and its start.
+        """
+        above = self.weights.data * (values[self.weights.indices] - self.distances)
+        return np.bincount(self.rows, above, self.weights.shape[0]) - self.starts
 
     @property
     def radial(self) -> bool:
@@ -81,8 +82,21 @@ class SourcePoints:
         np.minimum.at(least, components, self.starts)
         return np.asarray(self.starts == least[components])
 
-    def loads(self, components: IntArray, decay: float) -> list[tuple[IntArray, FloatArray, float]]:
-        """Return right-hand sides δ, each with the logarithm of what to scale its heat by.
+    def load(self) -> tuple[IntArray, FloatArray, float]:
+        """Return a unit of heat for each point, shared by the vertices around it.
+
+        Returns
+        -------
+        vertices, strengths, log_scale
+            What to add where, with repeated vertices; the logarithm of what to scale its heat by.
+        """
+        vertices = np.asarray(self.weights.indices, dtype=np.int64)
+        return vertices, np.asarray(self.weights.data, dtype=np.float64), 0.0
+
+    def delayed_loads(
+        self, components: IntArray, decay: FloatArray
+    ) -> list[tuple[IntArray, FloatArray, float]]:
+        """Return such loads for points that start later than others.
 
         Heat falls exponentially: a source that starts later is weaker by that. One load serves
         unless starts differ by so much that floats would underflow.
@@ -93,16 +107,8 @@ class SourcePoints:
             The connected component that each point lies in; they do not hear of one another.
         decay : ndarray of shape (P,), float64
             Powers of e by which heat falls in a unit of length there.
-
-        Returns
-        -------
-        list of (vertices, strengths, log_scale)
-            What to add where, with repeated vertices.
         """
-        vertices = np.asarray(self.weights.indices, dtype=np.int64)
-        weights = np.asarray(self.weights.data, dtype=np.float64)
-        if not self.starts.any():
-            return [(vertices, weights, 0.0)]
+        vertices, weights, _ = self.load()
         least = np.full(components.max() + 1, np.inf)
         np.minimum.at(least, components, self.starts)
         delay = (self.starts - least[components]) * decay
