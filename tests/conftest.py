@@ -4,8 +4,13 @@ from pathlib import Path
 
 import pytest
 from hypothesis import HealthCheck, settings
+from sample_files import write_off
 
 from geodesic_toolkit import _kernels
+from geodesic_toolkit.testing import shapes
+
+# Helpers that check something say what they found, as tests do.
+pytest.register_assert_rewrite("browser", "command_line")
 
 # No test looks at the clock: a busy machine is slow to begin with, and that is no failure.
 settings.register_profile("calm", deadline=None, suppress_health_check=[HealthCheck.too_slow])
@@ -30,3 +35,31 @@ def shared_file(name: str) -> Path:
 def shared_data():
     """The function from a file name of the shared data set to its path; skips where absent."""
     return shared_file
+
+
+@pytest.fixture
+def sphere_file(tmp_path):
+    """A file with a sphere of 162 vertices."""
+    return write_off(tmp_path / "sphere.off", shapes.icosphere(2))
+
+
+@pytest.fixture
+def graph_file(tmp_path):
+    """A file with a path of two edges, of lengths 1 and 2."""
+    path = tmp_path / "path.edges"
+    path.write_text("0 1 1.0\n1 2 2.0\n")
+    return path
+
+
+@pytest.fixture
+def register():
+    """The function that registers a plugin for the time of a test."""
+    registered = []
+
+    def register(registry, name, plugin):
+        registry.register(name, plugin)
+        registered.append((registry, name))
+
+    yield register
+    for registry, name in registered:
+        registry.unregister(name)

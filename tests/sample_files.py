@@ -1,4 +1,4 @@
-"""The same octahedron in every format that is read, as bytes, made without the code under test."""
+"""Files to read: an octahedron in every format, as bytes, made without the code under test."""
 
 import io
 import struct
@@ -21,9 +21,15 @@ def rows(table, separator=" "):
     return "\n".join(separator.join(map(repr, row)) for row in np.asarray(table).tolist()) + "\n"
 
 
-def off():
-    faces = np.column_stack([np.full(len(FACES), 3), FACES])
-    return f"OFF\n6 8 0\n{rows(POINTS)}{rows(faces)}".encode()
+def off(points=POINTS, faces=FACES):
+    polygons = np.column_stack([np.full(len(faces), 3), faces])
+    return f"OFF\n{len(points)} {len(faces)} 0\n{rows(points)}{rows(polygons)}".encode()
+
+
+def write_off(path, mesh):
+    """Write a mesh, and give its path."""
+    path.write_bytes(off(mesh.vertices, mesh.faces))
+    return path
 
 
 def obj():

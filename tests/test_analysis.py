@@ -4,14 +4,13 @@ import json
 
 import numpy as np
 import pytest
+from command_line import run
 from scipy.stats import spearmanr
-from typer.testing import CliRunner
 
 import geodesic_toolkit as gt
 from geodesic_toolkit.analysis.comparison import Comparison, compare
 from geodesic_toolkit.analysis.residual import mean_eikonal_residual
 from geodesic_toolkit.analysis.variants import Variant, variants_for
-from geodesic_toolkit.cli import app
 from geodesic_toolkit.errors import InvalidOptionError, UnsupportedDomainError
 from geodesic_toolkit.testing import shapes
 
@@ -28,8 +27,8 @@ def test_the_distance_from_a_line_has_no_residual():
 
 
 def test_a_path_graph_has_no_residual_inside():
-    graph = gt.Graph(9, [[i, i + 1] for i in range(8)], np.full(8, 0.5))
-    solver = gt.GeodesicSolver(graph, operator=gt.UniformLaplacian(dim=1))
+    graph_file = gt.Graph(9, [[i, i + 1] for i in range(8)], np.full(8, 0.5))
+    solver = gt.GeodesicSolver(graph_file, operator=gt.UniformLaplacian(dim=1))
     residual = gt.eikonal_residual(solver, np.arange(9) * 0.5)
     assert residual.shape == (8,)
     assert residual.max() < 1e-9
@@ -133,8 +132,8 @@ def test_where_exact_is_dear_the_reference_is_refined():
 
 
 def test_graphs_and_clouds_are_compared_too():
-    graph = gt.Graph(20, [[i, i + 1] for i in range(19)])
-    comparison = compare(graph, 0)
+    graph_file = gt.Graph(20, [[i, i + 1] for i in range(19)])
+    comparison = compare(graph_file, 0)
     assert comparison.reference_name == "shortest way along edges"
     np.testing.assert_allclose(comparison.reference, np.arange(20))
     cloud = compare(gt.PointCloud(shapes.icosphere(2).vertices), [0.0, 0.0, 2.0])
@@ -152,23 +151,8 @@ def test_progress_is_told():
 # -- the command ---------------------------------------------------------------------------------
 
 
-@pytest.fixture
-def sphere(tmp_path):
-    mesh = shapes.icosphere(2)
-    lines = ["OFF", f"{mesh.n_vertices} {mesh.n_faces} 0"]
-    lines += [" ".join(map(repr, row)) for row in mesh.vertices.tolist()]
-    lines += [f"3 {a} {b} {c}" for a, b, c in mesh.faces.tolist()]
-    path = tmp_path / "sphere.off"
-    path.write_text("\n".join(lines) + "\n")
-    return path
-
-
-def run(*arguments):
-    return CliRunner().invoke(app, [str(argument) for argument in arguments])
-
-
-def test_compare_prints_a_table(sphere):
-    result = run("compare", sphere, "--source", 0)
+def test_compare_prints_a_table(sphere_file):
+    result = run("compare", sphere_file, "--source", 0)
     assert result.exit_code == 0, result.output
     lines = result.stdout.splitlines()
     assert lines[0].startswith("WAY")
@@ -176,8 +160,8 @@ def test_compare_prints_a_table(sphere):
     assert "against  exact polyhedral distance" in result.stdout
 
 
-def test_compare_prints_one_json_object(sphere):
-    result = run("compare", sphere, "--source", "0,0,2", "--json")
+def test_compare_prints_one_json_object(sphere_file):
+    result = run("compare", sphere_file, "--source", "0,0,2", "--json")
     report = json.loads(result.stdout)
     assert report["reference"] == "exact polyhedral distance"
     ways = {way["name"]: way for way in report["ways"]}
@@ -186,19 +170,19 @@ def test_compare_prints_one_json_object(sphere):
     assert {"build", "per_source", "factor_bytes", "asymmetry"} <= set(ways["auto"])
 
 
-def test_compare_draws_the_error(sphere, tmp_path):
+def test_compare_draws_the_error(sphere_file, tmp_path):
     pytest.importorskip("pyvista")
     picture = tmp_path / "error.png"
-    result = run("compare", sphere, "--source", 0, "--picture", picture, "--of", "uniform")
+    result = run("compare", sphere_file, "--source", 0, "--picture", picture, "--of", "uniform")
     assert result.exit_code == 0, result.output
     assert picture.read_bytes().startswith(b"\x89PNG")
     assert str(picture) in result.stdout
 
 
-def test_compare_refuses_a_way_that_there_is_not(sphere, tmp_path):
+def test_compare_refuses_a_way_that_there_is_not(sphere_file, tmp_path):
     pytest.importorskip("pyvista")
     picture = tmp_path / "error.png"
-    result = run("compare", sphere, "--source", 0, "--picture", picture, "--of", "fastest")
+    result = run("compare", sphere_file, "--source", 0, "--picture", picture, "--of", "fastest")
     assert result.exit_code == 2
     assert "under the name 'fastest'" in result.stderr
     assert not picture.exists()

@@ -7,59 +7,30 @@ import subprocess
 import sys
 import time
 from concurrent.futures import ThreadPoolExecutor
+from functools import partial
 
+import command_line
 import numpy as np
 import pytest
+from command_line import fails
+from sample_files import write_off
 from scipy.sparse import load_npz
-from typer.testing import CliRunner
 
 import geodesic_toolkit as gt
 from geodesic_toolkit import errors
 from geodesic_toolkit.analysis import matrix as matrix_module
 from geodesic_toolkit.analysis import stores
-from geodesic_toolkit.cli import app, interrupts, progress
+from geodesic_toolkit.cli import interrupts
 from geodesic_toolkit.cli.matrix import Result, _deaf_children
 from geodesic_toolkit.io import read_vertices
 from geodesic_toolkit.testing import shapes
 
-
-def run(*arguments):
-    """Run the command in this process."""
-    return CliRunner().invoke(app, ["matrix", *map(str, arguments)])
-
-
-def fails(result, status, *words):
-    """Check an exit status, and that there is a short, clear line and nothing else."""
-    assert result.exit_code == status, result.output
-    assert result.stdout == ""
-    assert 1 <= len(result.stderr.splitlines()) <= 3
-    assert "Traceback" not in result.stderr
-    for word in words:
-        assert word in result.stderr
-
-
-def write_off(path, mesh):
-    lines = ["OFF", f"{mesh.n_vertices} {mesh.n_faces} 0"]
-    lines += [" ".join(map(repr, row)) for row in mesh.vertices.tolist()]
-    lines += [f"3 {a} {b} {c}" for a, b, c in mesh.faces.tolist()]
-    path.write_text("\n".join(lines) + "\n")
-    return path
-
-
-@pytest.fixture(autouse=True)
-def patience(monkeypatch):
-    """Keep lines of progress out of what the tests compare, on however slow a machine."""
-    monkeypatch.setattr(progress, "FIRST_PLAIN_LINE", 3600.0)
+run = partial(command_line.run, "matrix")
 
 
 @pytest.fixture
-def sphere(tmp_path):
-    return write_off(tmp_path / "sphere.off", shapes.icosphere(2))
-
-
-@pytest.fixture
-def solver(sphere):
-    return gt.GeodesicSolver(gt.read(sphere))
+def solver(sphere_file):
+    return gt.GeodesicSolver(gt.read(sphere_file))
 
 
 @pytest.fixture
@@ -81,8 +52,8 @@ def interrupted_after(monkeypatch):
 # -- results ---------------------------------------------------------------------------------------
 
 
-def test_all_vertices_make_a_square_matrix(sphere, solver, tmp_path):
-    result = run(sphere, "--output", tmp_path / "D.npy")
+def test_all_vertices_make_a_square_matrix(sphere_file, solver, tmp_path):
+    result = run(sphere_file, "--output", tmp_path / "D.npy")
     assert result.exit_code == 0, result.output
     assert result.stderr == ""
     assert "162 x 162, float64" in result.stdout
@@ -90,9 +61,9 @@ def test_all_vertices_make_a_square_matrix(sphere, solver, tmp_path):
     np.testing.assert_array_equal(np.load(tmp_path / "D.npy"), gt.distance_matrix(solver))
 
 
-def test_float32_goes_to_a_zarr_store(sphere, solver, tmp_path):
+def test_float32_goes_to_a_zarr_store(sphere_file, solver, tmp_path):
     zarr = pytest.importorskip("zarr")
-    result = run(sphere, "--output", tmp_path / "D.zarr", "--float32", "--symmetrize", "none")
+    result = run(sphere_file, "--output", tmp_path / "D.zarr", "--float32", "--symmetrize", "none")
     assert result.exit_code == 0, result.output
     store = zarr.open_array(tmp_path / "D.zarr", mode="r")
     expected = gt.distance_matrix(solver, dtype="float32", symmetrize=None)
@@ -100,13 +71,13 @@ def test_float32_goes_to_a_zarr_store(sphere, solver, tmp_path):
 
 
 @pytest.mark.parametrize("name", ["rows.txt", "rows.csv", "rows.npy"])
-def test_sources_come_from_a_file(sphere, solver, tmp_path, name):
+def test_sources_come_from_a_file(sphere_file, solver, tmp_path, name):
     sources = tmp_path / name
     if name.endswith(".npy"):
         np.save(sources, np.array([5, 7, 100]))
     else:
         sources.write_text("vertex\n5\n7\n100\n" if name.endswith(".csv") else "5 7 # two\n100\n")
-    result = run(sphere, "--sources", sources, "--output", tmp_path / "D.npy", "--json")
+    result = run(sphere_file, "--sources", sources, "--output", tmp_path / "D.npy", "--json")
     assert result.exit_code == 0, result.output
     found = json.loads(result.stdout)
     assert found["sources"] == [5, 7, 100]
@@ -117,18 +88,18 @@ def test_sources_come_from_a_file(sphere, solver, tmp_path, name):
     np.testing.assert_array_equal(np.load(tmp_path / "D.npy"), solver.distances([5, 7, 100]))
 
 
-def test_landmarks_are_spread_over_the_shape(sphere, solver, tmp_path):
-    result = run(sphere, "--landmarks", 10, "--output", tmp_path / "D.npy", "--json")
+def test_landmarks_are_spread_over_the_shape(sphere_file, solver, tmp_path):
+    result = run(sphere_file, "--landmarks", 10, "--output", tmp_path / "D.npy", "--json")
     assert result.exit_code == 0, result.output
     landmarks = gt.farthest_point_sampling(solver, 10)
     assert json.loads(result.stdout)["sources"] == landmarks.tolist()
     np.testing.assert_array_equal(np.load(tmp_path / "D.npy"), solver.distances(landmarks))
-    shown = run(sphere, "--landmarks", 10, "--output", tmp_path / "D.npy").stdout
+    shown = run(sphere_file, "--landmarks", 10, "--output", tmp_path / "D.npy").stdout
     assert "and 2 more (--json lists them)" in shown
 
 
-def test_max_distance_makes_a_sparse_file(sphere, solver, tmp_path):
-    result = run(sphere, "--max-distance", 0.5, "--output", tmp_path / "D.npz")
+def test_max_distance_makes_a_sparse_file(sphere_file, solver, tmp_path):
+    result = run(sphere_file, "--max-distance", 0.5, "--output", tmp_path / "D.npz")
     assert result.exit_code == 0, result.output
     expected = gt.distance_matrix(solver, max_distance=0.5)
     found = load_npz(tmp_path / "D.npz")
@@ -137,23 +108,23 @@ def test_max_distance_makes_a_sparse_file(sphere, solver, tmp_path):
     np.testing.assert_array_equal(found.toarray(), expected.toarray())
 
 
-def test_options_reach_the_solver(sphere, tmp_path):
+def test_options_reach_the_solver(sphere_file, tmp_path):
     mask = tmp_path / "mask.txt"
     mask.write_text("3 4 5")
     options = ["--operator", "cotan", "--solver", "superlu", "--refine", "--mask", mask]
-    result = run(sphere, *options, "--output", tmp_path / "D.npy")
+    result = run(sphere_file, *options, "--output", tmp_path / "D.npy")
     assert result.exit_code == 0, result.output
     assert "refined" in result.stdout
     masked = np.isin(np.arange(162), [3, 4, 5])
     solver = gt.GeodesicSolver(
-        gt.read(sphere), operator="cotan", solver="superlu", refine=True, mask=masked
+        gt.read(sphere_file), operator="cotan", solver="superlu", refine=True, mask=masked
     )
     np.testing.assert_array_equal(np.load(tmp_path / "D.npy"), gt.distance_matrix(solver))
 
 
-def test_workers_write_the_same_bytes(sphere, tmp_path):
+def test_workers_write_the_same_bytes(sphere_file, tmp_path):
     for count in (1, 2):
-        result = run(sphere, "--workers", count, "--output", tmp_path / f"D{count}.npy")
+        result = run(sphere_file, "--workers", count, "--output", tmp_path / f"D{count}.npy")
         assert result.exit_code == 0, result.output
     assert (tmp_path / "D1.npy").read_bytes() == (tmp_path / "D2.npy").read_bytes()
 
@@ -161,39 +132,41 @@ def test_workers_write_the_same_bytes(sphere, tmp_path):
 # -- interrupted and resumed -----------------------------------------------------------------------
 
 
-def test_an_interrupted_run_says_how_it_goes_on_and_does(sphere, tmp_path, interrupted_after):
-    run(sphere, "--output", tmp_path / "whole.npy")
+def test_an_interrupted_run_says_how_it_goes_on_and_does(sphere_file, tmp_path, interrupted_after):
+    run(sphere_file, "--output", tmp_path / "whole.npy")
     interrupted_after(80)
     output = tmp_path / "D.npy"
-    result = run(sphere, "--output", output)
+    result = run(sphere_file, "--output", output)
     assert result.exit_code == 130
     assert f"note: {output}.partial holds the rows so far; the same command" in result.stderr
     assert result.stderr.splitlines()[-1] == "interrupted"
     assert not output.exists()
     interrupted_after(None)
-    assert run(sphere, "--output", output).exit_code == 0
+    assert run(sphere_file, "--output", output).exit_code == 0
     assert output.read_bytes() == (tmp_path / "whole.npy").read_bytes()
     assert not (tmp_path / "D.npy.partial").exists()
 
 
-def test_another_command_does_not_go_on_but_may_begin_anew(sphere, tmp_path, interrupted_after):
+def test_another_command_does_not_go_on_but_may_begin_anew(
+    sphere_file, tmp_path, interrupted_after
+):
     output = tmp_path / "D.npy"
     interrupted_after(80)
-    run(sphere, "--output", output)
+    run(sphere_file, "--output", output)
     interrupted_after(None)
-    fails(run(sphere, "--refine", "--output", output), 2, "refine was False", "--restart")
-    result = run(sphere, "--refine", "--restart", "--output", output)
+    fails(run(sphere_file, "--refine", "--output", output), 2, "refine was False", "--restart")
+    result = run(sphere_file, "--refine", "--restart", "--output", output)
     assert result.exit_code == 0, result.output
-    refined = gt.GeodesicSolver(gt.read(sphere), refine=True)
+    refined = gt.GeodesicSolver(gt.read(sphere_file), refine=True)
     np.testing.assert_array_equal(np.load(output), gt.distance_matrix(refined))
 
 
-def test_an_interrupt_before_there_are_rows_promises_nothing(sphere, tmp_path, monkeypatch):
+def test_an_interrupt_before_there_are_rows_promises_nothing(sphere_file, tmp_path, monkeypatch):
     def interrupted(*_, **__):
         raise KeyboardInterrupt
 
     monkeypatch.setattr(matrix_module, "distance_matrix", interrupted)
-    fails(run(sphere, "--output", tmp_path / "D.npy"), 130, "interrupted")
+    fails(run(sphere_file, "--output", tmp_path / "D.npy"), 130, "interrupted")
 
 
 @pytest.mark.skipif(os.name != "posix", reason="needs process groups")
@@ -273,30 +246,6 @@ def test_last_words_are_for_their_block_only():
     assert interrupts._last_words == []
 
 
-# -- progress --------------------------------------------------------------------------------------
-
-
-def test_progress_has_a_bar_and_says_how_long_it_will_take(monkeypatch):
-    now = [100.0]
-    monkeypatch.setattr(time, "monotonic", lambda: now[0])
-    shown = progress.Progress()
-    with shown.step("computing"):
-        assert shown._bar == "computing (0 s)"
-        shown.advance(400, 1000)  # resumed
-        now[0] = 105.0
-        shown.advance(450, 1000)
-        assert shown._line == "computing: 450 of 1000 (5 s)"  # too early to tell
-        now[0] = 120.0
-        shown.advance(600, 1000)
-        assert shown._bar == f"{'━' * 14}{'─' * 10} computing: 600 of 1000 (20 s, about 40 s to go)"
-        now[0] = 1100.0
-        shown.advance(800, 1000)
-        assert shown._line == "computing: 800 of 1000 (1000 s, about 8 min to go)"
-        shown.advance(1000, 1000)
-        assert shown._line == "computing: 1000 of 1000 (1000 s)"
-    assert shown._line == "working (1000 s)"
-
-
 # -- how it ends otherwise -------------------------------------------------------------------------
 
 
@@ -323,22 +272,24 @@ def test_progress_has_a_bar_and_says_how_long_it_will_take(monkeypatch):
         ([], 2, ["--output"]),
     ],
 )
-def test_what_is_wrong_is_said_in_a_line(sphere, tmp_path, monkeypatch, options, status, words):
+def test_what_is_wrong_is_said_in_a_line(
+    sphere_file, tmp_path, monkeypatch, options, status, words
+):
     monkeypatch.chdir(tmp_path)
     (tmp_path / "rows.txt").write_text("1 2 3")
     (tmp_path / "far.txt").write_text("1 162")
     (tmp_path / "words.txt").write_text("1 two")
     np.save(tmp_path / "rows.npy", [1, 2])
-    fails(run(sphere, *options), status, *words)
+    fails(run(sphere_file, *options), status, *words)
     assert not list(tmp_path.glob("*.partial"))
 
 
-def test_a_worker_that_dies_is_a_failure_that_says_so(sphere, tmp_path, monkeypatch):
+def test_a_worker_that_dies_is_a_failure_that_says_so(sphere_file, tmp_path, monkeypatch):
     def dead(*_, **__):
         raise errors.SolverError("executor: a worker ended abruptly (it is gone)")
 
     monkeypatch.setattr(matrix_module, "distance_matrix", dead)
-    result = run(sphere, "--output", tmp_path / "D.npy", "--workers", 2)
+    result = run(sphere_file, "--output", tmp_path / "D.npy", "--workers", 2)
     fails(result, 4, "ended abruptly")
 
 

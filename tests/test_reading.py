@@ -5,6 +5,7 @@ import re
 import struct
 import sys
 import warnings
+from functools import partial
 
 import numpy as np
 import pytest
@@ -983,14 +984,9 @@ def test_a_missing_package_is_named_with_its_extra(suffix, module, tmp_path, mon
 
 
 @pytest.fixture
-def reader():
+def reader(register):
     """Registers a reader of .shape files, which the test gives."""
-
-    def register(function):
-        gt.readers.register("shape", function)
-
-    yield register
-    gt.readers.unregister("shape")
+    return partial(register, gt.readers, "shape")
 
 
 def test_a_reader_may_be_registered(reader, tmp_path):

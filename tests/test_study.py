@@ -5,11 +5,11 @@ import re
 
 import numpy as np
 import pytest
-from typer.testing import CliRunner
+from command_line import run as run_program
+from sample_files import write_off
 
 import geodesic_toolkit as gt
 from geodesic_toolkit import study
-from geodesic_toolkit.cli import app
 from geodesic_toolkit.errors import (
     InvalidSourceError,
     MissingDependencyError,
@@ -271,12 +271,9 @@ def written(drawing, small_sizes, tmp_path_factory):
     """The command, on two spheres."""
     folder = tmp_path_factory.mktemp("study")
     mesh = shapes.disjoint_union(shapes.icosphere(2), shapes.icosphere(1))
-    lines = ["OFF", f"{mesh.n_vertices} {mesh.n_faces} 0"]
-    lines += [" ".join(map(repr, row)) for row in mesh.vertices.tolist()]
-    lines += [f"3 {a} {b} {c}" for a, b, c in mesh.faces.tolist()]
-    (folder / "spheres.off").write_text("\n".join(lines) + "\n")
-    arguments = ["study", str(folder / "spheres.off"), "--out", str(folder / "out")]
-    return CliRunner().invoke(app, [*arguments, "--sources", "5"]), folder / "out"
+    path = write_off(folder / "spheres.off", mesh)
+    out = folder / "out"
+    return run_program("study", path, "--out", out, "--sources", "5"), out
 
 
 def test_the_command_writes_figures_tables_and_conclusions(written):
@@ -307,7 +304,7 @@ def test_the_report_shows_every_figure_and_the_page_needs_no_network(written):
 
 def test_a_list_of_sources_that_is_none_is_wrong_usage(tmp_path):
     (tmp_path / "m.off").write_text("OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n")
-    result = CliRunner().invoke(app, ["study", str(tmp_path / "m.off"), "--sources", "1,x"])
+    result = run_program("study", tmp_path / "m.off", "--sources", "1,x")
     assert result.exit_code == 2
     assert "--sources 1,x" in result.stderr
 
