@@ -1,11 +1,5 @@
-"""Discrete gradients, each with its normalisation and its adjoint.
+"""Gradients on elements: triangles, tetrahedra, polygons, cells."""
 
-The divergence never stands alone: it is the adjoint of the gradient, so that every discretization
-keeps the identity ``L = Gᵀ W G`` on which the heat method rests.
-"""
-
-import abc
-import math
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any, final
@@ -14,88 +8,15 @@ import numpy as np
 from scipy.sparse import coo_array, csr_array
 
 from geodesic_toolkit._checks import check_finite, check_range, coerce
-from geodesic_toolkit._frozen import FrozenArrays, freeze
+from geodesic_toolkit._frozen import freeze
 from geodesic_toolkit._kernels import worthwhile
 from geodesic_toolkit._typing import BoolArray, FloatArray, IntArray
 from geodesic_toolkit.errors import InvalidDiscretizationError
-from geodesic_toolkit.geometry.triangles import (
-    edges_of_faces,
-    hat_gradients_from_inverse,
-)
+from geodesic_toolkit.geometry.triangles import edges_of_faces, hat_gradients_from_inverse
+from geodesic_toolkit.gradient.base import Gradient, as_columns
+from geodesic_toolkit.gradient.graph_laplacian import graph_laplacian
 
-__all__ = ["EdgeGradient", "ElementGradient", "Gradient"]
-
-
-class Gradient(FrozenArrays, abc.ABC):
-    """A discrete gradient ∇, its normalisation, and its adjoint.
-
-    A field is what the gradient of a function lives in: an array whose leading axes enumerate the
-    rows of `matrix` in order, with one more axis at the end when it holds K fields at once.
-    """
-
-    @property
-    @abc.abstractmethod
-    def n_vertices(self) -> int:
-        """Number N of vertices."""
-
-    @abc.abstractmethod
-    def unit(self, log_heat: FloatArray) -> FloatArray:
-        """Return ``∇u/|∇u|`` from ``log u``; zero where the gradient is.
-
-        Parameters
-        ----------
-        log_heat : ndarray of shape (N,) or (N, K)
-            Logarithm of the heat; ``-inf`` where there is none.
-        """
-
-    @abc.abstractmethod
-    def adjoint(self, field: FloatArray) -> FloatArray:
-        """Return ``Gᵀ W x``, of shape (N,) or (N, K): *minus* the integrated divergence of `field`.
-
-        It is the right-hand side that goes with the positive semidefinite stiffness ``L = -Δ``:
-        ``L φ = Gᵀ W x`` is the least-squares solution of ``∇φ = x``.
-
-        Parameters
-        ----------
-        field : ndarray
-            A field, with one more axis at the end when it holds K fields at once.
-        """
-
-    def descent_load(self, heat: FloatArray, *, logarithmic: bool) -> FloatArray:
-        """Return ``Gᵀ W X`` with ``X = -∇u/|∇u|``: the right-hand side of ``L φ = Gᵀ W X``.
-
-        It is *minus* the integrated divergence of X, as L is -Δ; zero where there is no gradient.
-
-        Parameters
-        ----------
-        heat : ndarray of shape (N,) or (N, K)
-            The heat u, not negative and not below 1e-300 where it matters, or its logarithm, with
-            ``-inf`` where there is none.
-        logarithmic : bool
-            Which of the two.
-
-        Returns
-        -------
-        ndarray of shape (N,) or (N, K), float64
-        """
-        if not logarithmic:
-            cold = heat <= 0
-            heat = np.log(heat, out=np.full(heat.shape, -np.inf), where=~cold)
-        return -self.adjoint(self.unit(heat))
-
-    @property
-    @abc.abstractmethod
-    def matrix(self) -> csr_array:
-        """The sparse matrix G of shape (R, N), derived on request."""
-
-    @property
-    @abc.abstractmethod
-    def weights(self) -> FloatArray:
-        """The diagonal of W, of shape (R,): what each row of `matrix` weighs in an integral."""
-
-    @abc.abstractmethod
-    def stiffness(self) -> csr_array:
-        """Return ``L = Gᵀ W G``, positive semidefinite, symmetric to the bit, with ``L 1 = 0``."""
+__all__ = ["ElementGradient"]
 
 
 @final
@@ -282,7 +203,7 @@ class ElementGradient(Gradient):
         """Return ``Gᵀ W x`` of a field of shape (E, dim) or (E, dim, K)."""
         weighted = self.coefficients * self.measure[:, None, None]
         corners = self.elements.ravel()
-        columns = _as_columns(field, 2)
+        columns = as_columns(field, 2)
         result = np.empty((self.n_vertices, columns.shape[2]))
         for k in range(columns.shape[2]):
             pull = np.einsum("edm,ed->em", weighted, columns[:, :, k])
@@ -316,7 +237,7 @@ class ElementGradient(Gradient):
         tails = np.concatenate([self.elements[:, i] for i, _ in pairs])
         heads = np.concatenate([self.elements[:, j] for _, j in pairs])
         entries = np.tile(self.measure, len(pairs)) * np.concatenate(products)
-        return _laplacian(-entries, tails, heads, self.n_vertices)
+        return graph_laplacian(-entries, tails, heads, self.n_vertices)
 
     def assembled(self) -> tuple[csr_array, FloatArray, BoolArray]:
         """Return what triangles add up to, by one compiled pass where that is worth it.
@@ -390,155 +311,3 @@ def _check(gradient: ElementGradient, metric: FloatArray) -> None:
         )
     for array in (gradient.elements, metric, gradient.measure):
         freeze(array)
-
-
-@final
-@dataclass(frozen=True, eq=False, repr=False)
-class EdgeGradient(Gradient):
-    """Gradients that are differences along edges, for graphs and any Laplacian of weights >= 0.
-
-    ``(Gu)_e = u_j - u_i`` for the edge e = (i, j), and ``L = Gᵀ W G`` is the graph Laplacian
-    ``D - W``. The length of a gradient is pooled at the vertices, by the carré du champ
-    ``|∇u|²_i = (1 / 2 m_i) Σ_j w_ij (u_j - u_i)²``, and an edge divides by the mean of its two
-    ends: normalising each edge by itself would give the taxicab distance.
-
-    Parameters
-    ----------
-    edges : ndarray of shape (E, 2), int64
-    edge_weights : ndarray of shape (E,), float64
-        Non-negative. They set the scale of distance together with `measure`.
-    measure : ndarray of shape (N,), float64
-        The mass of every vertex, non-negative.
-
-    Raises
-    ------
-    InvalidDiscretizationError
-        Shapes that do not fit, indices out of range, values that are not finite or negative.
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> from geodesic_toolkit.gradient import EdgeGradient
-    >>> path = EdgeGradient(np.array([[0, 1], [1, 2]]), np.ones(2), np.array([0.5, 1.0, 0.5]))
-    >>> path.unit(np.array([0.0, -1.0, -2.0]))
-    array([-1., -1.])
-    """
-
-    edges: IntArray
-    edge_weights: FloatArray
-    measure: FloatArray
-
-    def __post_init__(self) -> None:
-        coerce(self, edges=np.int64, edge_weights=np.float64, measure=np.float64)
-        if self.edges.ndim != 2 or self.edges.shape != (len(self.edge_weights), 2):
-            raise InvalidDiscretizationError(
-                f"edges {self.edges.shape} and weights {self.edge_weights.shape} "
-                "must be (E, 2) and (E,)"
-            )
-        check_range(self.edges, self.n_vertices, "edge")
-        for values, name in ((self.edge_weights, "edge weight"), (self.measure, "measure")):
-            check_finite(values, name)
-            if values.size and values.min() < 0:
-                bad = int(values.argmin())
-                raise InvalidDiscretizationError(
-                    f"{name} {bad} is {values[bad]}: an EdgeGradient needs non-negative ones; "
-                    "a Laplacian with negative weights needs elements (ElementGradient)"
-                )
-        for array in (self.edges, self.edge_weights, self.measure):
-            freeze(array)
-
-    @property
-    def n_vertices(self) -> int:
-        """Number N of vertices."""
-        return len(self.measure)
-
-    def unit(self, log_heat: FloatArray) -> FloatArray:
-        """Return ``∇log u/|∇log u|`` along every edge, of shape (E,) or (E, K).
-
-        The logarithm points the same way in the smooth limit and is far more accurate across an
-        edge, over which u itself falls by a factor of about e. An edge with an end that has no
-        heat tells no direction and gets zero.
-        """
-        start, end = self.edges.T
-        with np.errstate(invalid="ignore"):
-            slope = log_heat[end] - log_heat[start]
-        slope[~np.isfinite(slope)] = 0.0
-        length = self._length(slope)
-        pooled = (length[start] + length[end]) / 2
-        direction: FloatArray = np.zeros_like(slope)
-        np.divide(slope, pooled, out=direction, where=pooled > 0)
-        return direction
-
-    def _length(self, slope: FloatArray) -> FloatArray:
-        """Return ``|∇u|`` at the vertices by the carré du champ."""
-        columns = _as_columns(slope, 1)
-        squared = np.empty((self.n_vertices, columns.shape[1]))
-        for k in range(columns.shape[1]):
-            energy = self.edge_weights * columns[:, k] ** 2
-            for end in range(2):
-                share = np.bincount(self.edges[:, end], energy, minlength=self.n_vertices)
-                squared[:, k] = share if end == 0 else squared[:, k] + share
-        mass = 2 * self.measure[:, None]
-        np.divide(squared, mass, out=squared, where=mass > 0)
-        length: FloatArray = np.sqrt(squared).reshape(self.n_vertices, *slope.shape[1:])
-        return length
-
-    def adjoint(self, field: FloatArray) -> FloatArray:
-        """Return ``Gᵀ W x`` of a field of shape (E,) or (E, K)."""
-        columns = _as_columns(field, 1)
-        result = np.empty((self.n_vertices, columns.shape[1]))
-        for k in range(columns.shape[1]):
-            flux = self.edge_weights * columns[:, k]
-            result[:, k] = np.bincount(self.edges[:, 1], flux, minlength=self.n_vertices)
-            result[:, k] -= np.bincount(self.edges[:, 0], flux, minlength=self.n_vertices)
-        return result.reshape(self.n_vertices, *field.shape[1:])
-
-    @property
-    def matrix(self) -> csr_array:
-        """G of shape (E, N): -1 at the start of an edge and +1 at its end."""
-        count = len(self.edges)
-        rows = np.repeat(np.arange(count), 2)
-        signs = np.tile([-1.0, 1.0], count)
-        return csr_array(
-            coo_array((signs, (rows, self.edges.ravel())), shape=(count, self.n_vertices))
-        )
-
-    @property
-    def weights(self) -> FloatArray:
-        """The edge weights."""
-        return self.edge_weights
-
-    def stiffness(self) -> csr_array:
-        """Return the graph Laplacian ``L = D - W``."""
-        start, end = self.edges.T
-        return _laplacian(self.edge_weights, start, end, self.n_vertices)
-
-    def __repr__(self) -> str:
-        return f"EdgeGradient({len(self.edges)} edges)"
-
-
-def _laplacian(weights: FloatArray, tails: IntArray, heads: IntArray, n_vertices: int) -> csr_array:
-    """Return ``D - W`` for edge weights of either sign.
-
-    Every row has an entry for its diagonal, and one for every edge, be its weight zero: matrices
-    that share the edges share the pattern. Both entries of an edge are one sum, which makes W
-    symmetric to the bit; D is its row sum, which makes constants its kernel to rounding.
-    """
-    apart = tails != heads
-    tails, heads = tails[apart], heads[apart]
-    places = (np.minimum(tails, heads), np.maximum(tails, heads))
-    shape = (n_vertices, n_vertices)
-    edges = coo_array(csr_array(coo_array((weights[apart], places), shape=shape)))
-    lower, upper = edges.coords
-    degree = np.bincount(lower, edges.data, minlength=n_vertices)
-    degree += np.bincount(upper, edges.data, minlength=n_vertices)
-    vertices = np.arange(n_vertices)
-    entries = np.concatenate([degree, -edges.data, -edges.data])
-    rows = np.concatenate([vertices, lower, upper])
-    columns = np.concatenate([vertices, upper, lower])
-    return csr_array(coo_array((entries, (rows, columns)), shape=shape))
-
-
-def _as_columns(array: FloatArray, leading: int) -> FloatArray:
-    """Return `array` with its axes after the `leading` ones made one, of length 1 at least."""
-    return array.reshape(*array.shape[:leading], math.prod(array.shape[leading:]))

@@ -1,0 +1,89 @@
+"""What a discrete gradient is."""
+
+import abc
+import math
+
+import numpy as np
+from scipy.sparse import csr_array
+
+from geodesic_toolkit._frozen import FrozenArrays
+from geodesic_toolkit._typing import FloatArray
+
+__all__ = ["Gradient", "as_columns"]
+
+
+class Gradient(FrozenArrays, abc.ABC):
+    """A discrete gradient ∇, its normalisation, and its adjoint.
+
+    A field is what the gradient of a function lives in: an array whose leading axes enumerate the
+    rows of `matrix` in order, with one more axis at the end when it holds K fields at once.
+    """
+
+    @property
+    @abc.abstractmethod
+    def n_vertices(self) -> int:
+        """Number N of vertices."""
+
+    @abc.abstractmethod
+    def unit(self, log_heat: FloatArray) -> FloatArray:
+        """Return ``∇u/|∇u|`` from ``log u``; zero where the gradient is.
+
+        Parameters
+        ----------
+        log_heat : ndarray of shape (N,) or (N, K)
+            Logarithm of the heat; ``-inf`` where there is none.
+        """
+
+    @abc.abstractmethod
+    def adjoint(self, field: FloatArray) -> FloatArray:
+        """Return ``Gᵀ W x``, of shape (N,) or (N, K): *minus* the integrated divergence of `field`.
+
+        It is the right-hand side that goes with the positive semidefinite stiffness ``L = -Δ``:
+        ``L φ = Gᵀ W x`` is the least-squares solution of ``∇φ = x``.
+
+        Parameters
+        ----------
+        field : ndarray
+            A field, with one more axis at the end when it holds K fields at once.
+        """
+
+    def descent_load(self, heat: FloatArray, *, logarithmic: bool) -> FloatArray:
+        """Return ``Gᵀ W X`` with ``X = -∇u/|∇u|``: the right-hand side of ``L φ = Gᵀ W X``.
+
+        It is *minus* the integrated divergence of X, as L is -Δ; zero where there is no gradient.
+
+        Parameters
+        ----------
+        heat : ndarray of shape (N,) or (N, K)
+            The heat u, not negative and not below 1e-300 where it matters, or its logarithm, with
+            ``-inf`` where there is none.
+        logarithmic : bool
+            Which of the two.
+
+        Returns
+        -------
+        ndarray of shape (N,) or (N, K), float64
+        """
+        if not logarithmic:
+            cold = heat <= 0
+            heat = np.log(heat, out=np.full(heat.shape, -np.inf), where=~cold)
+        return -self.adjoint(self.unit(heat))
+
+    @property
+    @abc.abstractmethod
+    def matrix(self) -> csr_array:
+        """The sparse matrix G of shape (R, N), derived on request."""
+
+    @property
+    @abc.abstractmethod
+    def weights(self) -> FloatArray:
+        """The diagonal of W, of shape (R,): what each row of `matrix` weighs in an integral."""
+
+    @abc.abstractmethod
+    def stiffness(self) -> csr_array:
+        """Return ``L = Gᵀ W G``, positive semidefinite, symmetric to the bit, with ``L 1 = 0``."""
+
+
+def as_columns(array: FloatArray, leading: int) -> FloatArray:
+    """Return `array` with its axes after the `leading` ones made one, of length 1 at least."""
+    return array.reshape(*array.shape[:leading], math.prod(array.shape[leading:]))

@@ -1,0 +1,32 @@
+"""The stiffness of weighted edges, which both kinds of gradient come down to."""
+
+import numpy as np
+from scipy.sparse import coo_array, csr_array
+
+from geodesic_toolkit._typing import FloatArray, IntArray
+
+__all__ = ["graph_laplacian"]
+
+
+def graph_laplacian(
+    weights: FloatArray, tails: IntArray, heads: IntArray, n_vertices: int
+) -> csr_array:
+    """Return ``D - W`` for edge weights of either sign.
+
+    Every row has an entry for its diagonal, and one for every edge, be its weight zero: matrices
+    that share the edges share the pattern. Both entries of an edge are one sum, which makes W
+    symmetric to the bit; D is its row sum, which makes constants its kernel to rounding.
+    """
+    apart = tails != heads
+    tails, heads = tails[apart], heads[apart]
+    places = (np.minimum(tails, heads), np.maximum(tails, heads))
+    shape = (n_vertices, n_vertices)
+    edges = coo_array(csr_array(coo_array((weights[apart], places), shape=shape)))
+    lower, upper = edges.coords
+    degree = np.bincount(lower, edges.data, minlength=n_vertices)
+    degree += np.bincount(upper, edges.data, minlength=n_vertices)
+    vertices = np.arange(n_vertices)
+    entries = np.concatenate([degree, -edges.data, -edges.data])
+    rows = np.concatenate([vertices, lower, upper])
+    columns = np.concatenate([vertices, upper, lower])
+    return csr_array(coo_array((entries, (rows, columns)), shape=shape))
