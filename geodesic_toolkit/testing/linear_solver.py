@@ -21,6 +21,7 @@ from geodesic_toolkit.testing.conformance import (
     as_checks,
     run_checks,
 )
+from geodesic_toolkit.testing.figures import relative
 from geodesic_toolkit.testing.recipe_laws import RECIPE_LAWS, faults
 
 __all__ = ["SOLVER_LAWS", "check_linear_solver", "linear_solver_checks"]
@@ -158,7 +159,7 @@ def blocks_equal_their_columns(subject: SolverSubject) -> Iterable[Measured]:
         solution = factor.solve(block)
         for k in range(3):
             yield Measured(
-                _relative(solution[:, k], factor.solve(block[:, k].copy())), REPEATED, name
+                relative(solution[:, k], factor.solve(block[:, k].copy())), REPEATED, name
             )
 
 
@@ -187,9 +188,9 @@ def memory_order_does_not_matter(subject: SolverSubject) -> Iterable[Measured]:
     for name, matrix, factor in subject.cases():
         block = _load(matrix, 4)
         expected = factor.solve(block)
-        yield Measured(_relative(factor.solve(np.asfortranarray(block)), expected), REPEATED, name)
-        yield Measured(_relative(factor.solve(block[:, ::2]), expected[:, ::2]), REPEATED, name)
-        yield Measured(_relative(factor.solve(block[:, 1]), expected[:, 1]), REPEATED, name)
+        yield Measured(relative(factor.solve(np.asfortranarray(block)), expected), REPEATED, name)
+        yield Measured(relative(factor.solve(block[:, ::2]), expected[:, ::2]), REPEATED, name)
+        yield Measured(relative(factor.solve(block[:, 1]), expected[:, 1]), REPEATED, name)
 
 
 def factor_can_be_used_again(subject: SolverSubject) -> Iterable[Measured]:
@@ -198,7 +199,7 @@ def factor_can_be_used_again(subject: SolverSubject) -> Iterable[Measured]:
         load = _load(matrix, 2)
         first = factor.solve(load)
         factor.solve(-3 * load[:, ::-1])
-        yield Measured(_relative(factor.solve(load), first), REPEATED, name)
+        yield Measured(relative(factor.solve(load), first), REPEATED, name)
 
 
 def factor_is_safe_from_threads(subject: SolverSubject) -> Iterable[Measured]:
@@ -209,7 +210,7 @@ def factor_is_safe_from_threads(subject: SolverSubject) -> Iterable[Measured]:
         with ThreadPoolExecutor(8) as pool:
             together = list(pool.map(factor.solve, loads))
         for got, expected in zip(together, alone, strict=True):
-            yield Measured(_relative(got, expected), REPEATED, name)
+            yield Measured(relative(got, expected), REPEATED, name)
 
 
 def factor_tells_its_size(subject: SolverSubject) -> Iterable[Measured]:
@@ -270,10 +271,6 @@ def componentwise_is_declared(subject: SolverSubject) -> Iterable[Measured]:
 
 def _load(matrix: csr_array, columns: int) -> FloatArray:
     return np.random.default_rng(5).normal(size=(matrix.shape[0], columns))
-
-
-def _relative(got: FloatArray, expected: FloatArray) -> float:
-    return float(np.abs(got - expected).max() / np.abs(expected).max())
 
 
 def _log_error(solution: FloatArray, log_exact: FloatArray) -> float:

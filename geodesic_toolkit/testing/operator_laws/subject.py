@@ -1,0 +1,56 @@
+"""What the laws are asked of: an operator, assembled on samples."""
+
+from collections.abc import Iterator, Sequence
+
+import numpy as np
+
+from geodesic_toolkit.discretization import Discretization
+from geodesic_toolkit.domains import Domain
+from geodesic_toolkit.heat import HeatMethod
+from geodesic_toolkit.laplacians.base import LaplaceOperator
+from geodesic_toolkit.linear.superlu import SuperLU
+from geodesic_toolkit.testing.samples import DomainSamples, Sample
+
+__all__ = ["OperatorSubject", "heat_method"]
+
+
+class OperatorSubject:
+    """An operator with the samples that it is measured on; each is assembled once."""
+
+    def __init__(self, operator: LaplaceOperator, samples: Sequence[DomainSamples]) -> None:
+        self.recipe = operator
+        self.samples = samples
+        self._methods: dict[int, HeatMethod] = {}
+        self._assembled: dict[int, Discretization] = {}
+
+    def assemble(self, domain: Domain) -> Discretization:
+        """Return the operator's discretization of a domain that the samples keep alive."""
+        key = id(domain)
+        if key not in self._assembled:
+            self._assembled[key] = self.recipe.assemble(domain)
+        return self._assembled[key]
+
+    def method(self, sample: Sample) -> HeatMethod:
+        """Return the heat method of a sample."""
+        key = id(sample)
+        if key not in self._methods:
+            self._methods[key] = heat_method(self.assemble(sample.domain))
+        return self._methods[key]
+
+    def cases(self) -> Iterator[tuple[Sample, Discretization]]:
+        """Iterate over all samples, assembled."""
+        for kind in self.samples:
+            for family in kind.families:
+                for sample in family:
+                    yield sample, self.assemble(sample.domain)
+
+    def error(self, sample: Sample) -> float:
+        """Return the mean relative error of the distance from the sample's source."""
+        distance = self.method(sample).distance(sample.source)
+        away = sample.distance > 0
+        return float(np.mean(np.abs(distance[away] / sample.distance[away] - 1)))
+
+
+def heat_method(discretization: Discretization) -> HeatMethod:
+    """Return the plain heat method on a discretization."""
+    return HeatMethod(discretization, heat_solver=SuperLU(), poisson_solver=SuperLU())
