@@ -122,7 +122,7 @@ class Page:
 
 
 @contextlib.contextmanager
-def open_browser(profile):
+def open_browser(profile, *flags):
     """Give a page of a browser that has no network; skip where no Chromium is installed."""
     program = next(filter(None, map(shutil.which, BROWSERS)), None)
     if program is None:
@@ -132,7 +132,7 @@ def open_browser(profile):
 
     process = subprocess.Popen(
         [sys.executable, "-c", CONNECT, str(browser_reads), str(browser_writes), program, *FLAGS,
-         f"--user-data-dir={profile}"],
+         *flags, f"--user-data-dir={profile}"],
         pass_fds=(browser_reads, browser_writes),
         stdin=subprocess.DEVNULL,
         stdout=subprocess.DEVNULL,

@@ -106,6 +106,24 @@ def test_title_and_legend_are_text_on_the_page(browser):
     assert browser.evaluate("document.getElementById('gt-none').textContent") == "not reached"
 
 
+def test_the_title_stands_above_the_shape_and_not_behind_it(browser):
+    bottom = browser.evaluate("document.getElementById('gt-title').getBoundingClientRect().bottom")
+    canvas = "document.querySelector('#canvasTarget canvas').getBoundingClientRect()"
+    assert browser.evaluate(f"{canvas}.top") >= bottom
+    assert browser.evaluate(f"{canvas}.bottom") == browser.evaluate("innerHeight")
+
+
+def test_a_browser_without_webgl_says_so_where_the_shape_would_be(browser, page, tmp_path):
+    words = "document.getElementById('gt-no-webgl')"
+    assert browser.evaluate(f"{words} === null")
+    with open_browser(tmp_path, "--disable-3d-apis") as without:
+        without.open(page)
+        without.wait_for("document.readyState === 'complete'")
+        assert "offers no WebGL 2" in without.evaluate(f"{words}.textContent")
+        assert "another browser" in without.evaluate(f"{words}.textContent")
+        assert without.evaluate(f"{words}.checkVisibility()")
+
+
 def test_nothing_is_asked_of_the_network_and_nothing_complained(browser, page, tmp_path):
     settled(browser, tmp_path, "quiet")
     outside = [url for url in browser.requests if not re.match(r"(data|blob):", url)]

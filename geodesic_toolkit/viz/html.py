@@ -50,7 +50,8 @@ def save_html(
     """Write one HTML file that shows a distance on its shape: it rotates, and needs no network.
 
     Turn it with the mouse; on meshes the value under the pointer is shown. The file holds the
-    whole viewer (k3d, 1 MB) and the shape in single precision, compressed.
+    whole viewer (k3d, 1 MB) and the shape in single precision, compressed. A browser that offers no
+    WebGL 2 cannot draw it: the page then says so.
 
     Parameters
     ----------

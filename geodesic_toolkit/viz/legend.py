@@ -12,6 +12,16 @@ __all__ = ["with_legend"]
 CANVAS = '<div id="canvasTarget"></div>'
 """Where k3d's page has its drawing."""
 
+NO_WEBGL = """\
+<div class="gt" id="gt-no-webgl">This browser offers no WebGL 2, which draws the shape. Turn on
+hardware acceleration in its settings, or open the page in another browser.</div>
+<script>
+if (document.createElement('canvas').getContext('webgl2')) {
+    document.getElementById('gt-no-webgl').remove();
+}
+</script>"""
+"""Stands on the page until the browser shows that it can draw: k3d says nothing if it cannot."""
+
 STOPS = 64
 """Colours of the bar's gradient."""
 
@@ -36,7 +46,7 @@ def with_legend(
             'install one that fits: pip install -U "geodesic-toolkit[viz]"'
         )
     css = resources.files(__package__).joinpath("page.css").read_text(encoding="utf-8")
-    parts = [CANVAS, f"<style>\n{css}</style>"]
+    parts = [CANVAS, f"<style>\n{css}</style>", NO_WEBGL]
     if title:
         parts.append(_box("title", html.escape(title)))
     if scene.reached.any():

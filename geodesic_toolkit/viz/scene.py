@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from geodesic_toolkit._typing import BoolArray, FloatArray, IntArray
-from geodesic_toolkit.domains import Domain, Graph, PointCloud, TriangleMesh
+from geodesic_toolkit.domains import Domain, Graph, TriangleMesh, known_positions
 from geodesic_toolkit.errors import InvalidOptionError, UnsupportedDomainError
 from geodesic_toolkit.geometry.triangles import proper_faces
 from geodesic_toolkit.sources import locate_sources
@@ -184,10 +184,9 @@ def _positions(domain: Domain, positions: ArrayLike | None) -> FloatArray:
                 f"not {given.shape}"
             )
         return given
-    if isinstance(domain, TriangleMesh):
-        return domain.vertices
-    if isinstance(domain, PointCloud):
-        return domain.points
+    known = known_positions(domain)
+    if known is not None:
+        return known
     raise UnsupportedDomainError(
         f"a {type(domain).__name__} has no positions to draw; pass positions=, an array of shape "
         f"({domain.n_vertices}, 3), from a layout of your choice"
