@@ -9,7 +9,7 @@ from pathlib import Path
 
 from geodesic_toolkit.errors import GeodesicError, InvalidOptionError, WriteError
 
-__all__ = ["check_output", "replacing"]
+__all__ = ["check_output", "make_folder", "replacing"]
 
 
 def check_output(path: str | os.PathLike[str], suffixes: Sequence[str]) -> Path:
@@ -46,6 +46,22 @@ def check_output(path: str | os.PathLike[str], suffixes: Sequence[str]) -> Path:
         raise InvalidOptionError(f"{file}: {unknown}; can be written: {', '.join(suffixes)}")
     _target(file)
     return file
+
+
+def make_folder(path: str | os.PathLike[str]) -> Path:
+    """Make the folder that outputs go to, and those above it, unless it is there.
+
+    Raises
+    ------
+    WriteError
+        It cannot be made: no permission, or something else is in its place.
+    """
+    folder = Path(path)
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise WriteError(f"{folder} cannot be made: {error.strerror or error}") from error
+    return folder
 
 
 @contextmanager

@@ -8,7 +8,7 @@ from numpy.typing import ArrayLike
 
 from geodesic_toolkit._typing import FloatArray, IntArray
 from geodesic_toolkit.discretization import Discretization
-from geodesic_toolkit.domains import Domain, PointCloud, TriangleMesh
+from geodesic_toolkit.domains import Domain, TriangleMesh, known_positions
 from geodesic_toolkit.errors import InvalidOptionError, UnsupportedDomainError
 from geodesic_toolkit.geometry.closest import TriangleTree, closest_points
 from geodesic_toolkit.geometry.triangles import proper_faces
@@ -158,13 +158,12 @@ def positions_of(domain: Domain) -> FloatArray:
     UnsupportedDomainError
         There are none: a graph.
     """
-    if isinstance(domain, TriangleMesh):
-        return domain.vertices
-    if isinstance(domain, PointCloud):
-        return domain.points
-    raise UnsupportedDomainError(
-        f"a {type(domain).__name__} has no positions: its distances are at its vertices alone"
-    )
+    positions = known_positions(domain)
+    if positions is None:
+        raise UnsupportedDomainError(
+            f"a {type(domain).__name__} has no positions: its distances are at its vertices alone"
+        )
+    return positions
 
 
 def _triangles(domain: Domain, discretization: Discretization) -> IntArray:

@@ -15,9 +15,12 @@ if TYPE_CHECKING:
 
 __all__ = [
     "BoundaryChoice",
+    "Folder",
     "Input",
     "Json",
     "Mask",
+    "Operator",
+    "Solver",
     "check_plugins",
     "check_positions",
     "check_reach",
@@ -48,6 +51,16 @@ Mask = Annotated[
         "vertex, or the indices of those that are masked. Their distance is inf.",
     ),
 ]
+
+Operator = Annotated[
+    str, typer.Option(metavar="NAME", help="Laplace operator; see the command plugins.")
+]
+
+Solver = Annotated[
+    str, typer.Option(metavar="NAME", help="Linear solver; see the command plugins.")
+]
+
+Folder = Annotated[Path, typer.Option(metavar="DIR", file_okay=False, help="Where the files go.")]
 
 Json = Annotated[bool, typer.Option("--json", help="Print one JSON object.")]
 

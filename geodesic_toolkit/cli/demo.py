@@ -1,14 +1,13 @@
 """``geodesic-toolkit demo``: the main job on a generated shape."""
 
 from pathlib import Path
-from typing import Annotated
 
-import typer
-
+from geodesic_toolkit._atomic import make_folder
+from geodesic_toolkit.cli.arguments import Folder
 from geodesic_toolkit.cli.output import aligned, one_line, say, show
 from geodesic_toolkit.cli.run import running
 from geodesic_toolkit.cli.targets import Targets
-from geodesic_toolkit.errors import MissingDependencyError, WriteError
+from geodesic_toolkit.errors import MissingDependencyError
 
 __all__ = ["demo"]
 
@@ -24,11 +23,7 @@ KINDS = {
 DRAWN = " --picture distances.png"
 
 
-def demo(
-    out: Annotated[
-        Path, typer.Option(metavar="DIR", file_okay=False, help="Where the files go.")
-    ] = Path("geodesic-demo"),
-) -> None:
+def demo(out: Folder = Path("geodesic-demo")) -> None:
     """Measure and draw distances on a generated shape.
 
     Writes tables of numbers, a picture, and a page on which the shape turns in a browser.
@@ -38,7 +33,7 @@ def demo(
 
     tables = Targets(tables=(out / "knot.ply", out / "knot.csv"))
     looks = (Targets(picture=out / "knot.png"), Targets(html=out / "knot.html"))
-    _make_folder(out)
+    make_folder(out)
     for targets in (tables, *looks):
         targets.check()
     written, missing = list(tables.paths), []
@@ -75,13 +70,6 @@ def demo(
     show(
         f"  geodesic-toolkit distance YOUR_MESH.ply --source {SOURCE} --output distances.ply{DRAWN}"
     )
-
-
-def _make_folder(folder: Path) -> None:
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise WriteError(f"{folder} cannot be made: {error.strerror or error}") from error
 
 
 def _error_on_sphere() -> float:

@@ -12,6 +12,8 @@ from geodesic_toolkit.cli.arguments import (
     Input,
     Json,
     Mask,
+    Operator,
+    Solver,
     check_plugins,
     check_positions,
     check_reach,
@@ -65,9 +67,7 @@ def distance(
         ),
     ] = None,
     mask: Mask = None,
-    operator: Annotated[
-        str, typer.Option(metavar="NAME", help="Laplace operator; see the command plugins.")
-    ] = "auto",
+    operator: Operator = "auto",
     diffusion: Annotated[
         str | None,
         typer.Option(metavar="NAME", help="Another operator for the heat to flow in."),
@@ -87,9 +87,7 @@ def distance(
     boundary: Annotated[
         BoundaryChoice, typer.Option(help="Condition on the heat at boundaries.")
     ] = BoundaryChoice.neumann,
-    solver: Annotated[
-        str, typer.Option(metavar="NAME", help="Linear solver; see the command plugins.")
-    ] = "auto",
+    solver: Solver = "auto",
     refine: Annotated[
         bool,
         typer.Option(

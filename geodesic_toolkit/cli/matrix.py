@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Annotated, Any, cast
 
 import typer
 
-from geodesic_toolkit.cli.arguments import Input, Json, Mask, check_plugins
+from geodesic_toolkit.cli.arguments import Input, Json, Mask, Operator, Solver, check_plugins
 from geodesic_toolkit.cli.interrupts import last_words
 from geodesic_toolkit.cli.output import aligned, show, show_json, versions
 from geodesic_toolkit.cli.run import Run, running
@@ -87,12 +87,8 @@ def matrix(
         ),
     ] = None,
     mask: Mask = None,
-    operator: Annotated[
-        str, typer.Option(metavar="NAME", help="Laplace operator; see the command plugins.")
-    ] = "auto",
-    solver: Annotated[
-        str, typer.Option(metavar="NAME", help="Linear solver; see the command plugins.")
-    ] = "auto",
+    operator: Operator = "auto",
+    solver: Solver = "auto",
     refine: Annotated[
         bool, typer.Option("--refine", help="Several times more accurate on meshes and clouds.")
     ] = False,

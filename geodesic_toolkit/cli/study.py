@@ -6,7 +6,7 @@ from typing import Annotated, Any
 
 import typer
 
-from geodesic_toolkit.cli.arguments import Input, Json
+from geodesic_toolkit.cli.arguments import Folder, Input, Json
 from geodesic_toolkit.cli.output import aligned, show, show_json, versions
 from geodesic_toolkit.cli.run import running
 from geodesic_toolkit.errors import InvalidSourceError
@@ -17,9 +17,7 @@ __all__ = ["study"]
 def study(
     path: Input,
     *,
-    out: Annotated[
-        Path, typer.Option(metavar="DIR", file_okay=False, help="Where the files go.")
-    ] = Path("geodesic-study"),
+    out: Folder = Path("geodesic-study"),
     sources: Annotated[
         list[str] | None,
         typer.Option(

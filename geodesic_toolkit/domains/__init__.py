@@ -7,6 +7,7 @@ from geodesic_toolkit.domains.base import Domain
 from geodesic_toolkit.domains.cloud import PointCloud
 from geodesic_toolkit.domains.graph import Graph
 from geodesic_toolkit.domains.mesh import TriangleMesh
+from geodesic_toolkit.domains.positions import known_positions
 from geodesic_toolkit.domains.source_kinds import Curve, OffsetSources
 from geodesic_toolkit.domains.surface_point import SurfacePoint
 
@@ -18,4 +19,5 @@ __all__ = [
     "PointCloud",
     "SurfacePoint",
     "TriangleMesh",
+    "known_positions",
 ]

@@ -25,9 +25,11 @@ __all__ = [
     "cloud",
     "floats",
     "integers",
+    "lines_of",
     "optional_package",
     "surface",
     "text_of",
+    "tokens_of",
     "triangulate",
     "warn",
     "whole_numbers",
@@ -48,6 +50,32 @@ def text_of(path: Path) -> bytes:
     if b"\0" in text:
         raise ReadError("binary, where text is expected")
     return text.removeprefix(BYTE_ORDER_MARK)
+
+
+def lines_of(path: Path) -> list[bytes]:
+    """Return the lines of a text file without comments, which ``#`` begins, and without empty ones.
+
+    Raises
+    ------
+    ReadError
+        It is binary.
+    """
+    lines = [line.partition(b"#")[0] for line in text_of(path).splitlines()]
+    return [line for line in lines if line.strip()]
+
+
+def tokens_of(lines: Sequence[bytes]) -> list[bytes]:
+    """Return what stands in some lines between blanks and commas.
+
+    Raises
+    ------
+    ReadError
+        Nothing does.
+    """
+    tokens = b" ".join(lines).replace(b",", b" ").split()
+    if not tokens:
+        raise ReadError("there are no numbers in the file")
+    return tokens
 
 
 def array_of(path: Path) -> NDArray[Any]:

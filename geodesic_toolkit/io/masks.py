@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from geodesic_toolkit._typing import BoolArray
 from geodesic_toolkit.errors import InvalidOptionError, ReadError
-from geodesic_toolkit.io.common import array_of, floats, text_of, whole_numbers
+from geodesic_toolkit.io.common import array_of, floats, lines_of, tokens_of, whole_numbers
 from geodesic_toolkit.io.reading import check_file, named_errors
 
 __all__ = ["MASK_SUFFIXES", "read_mask"]
@@ -96,10 +96,7 @@ def _array(file: Path) -> NDArray[Any]:
 
 
 def _text(file: Path) -> NDArray[Any]:
-    lines = [line.partition(b"#")[0] for line in text_of(file).splitlines()]
-    tokens = b" ".join(lines).replace(b",", b" ").split()
-    if not tokens:
-        raise ReadError("there are no numbers in the file")
+    tokens = tokens_of(lines_of(file))
     words = [WORDS.get(token.lower()) for token in tokens]
     if None not in words:
         return np.array(words, dtype=np.bool_)

@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 
 from geodesic_toolkit._typing import FloatArray
-from geodesic_toolkit.domains import PointCloud, TriangleMesh
+from geodesic_toolkit.domains import PointCloud, known_positions
 from geodesic_toolkit.errors import ReadError
 from geodesic_toolkit.io.columns import number_table
 from geodesic_toolkit.io.common import array_of, text_of
@@ -58,11 +58,10 @@ def read_points(path: str | os.PathLike[str]) -> PointCloud:
 
 def _vertices(file: Path) -> PointCloud:
     domain = read(file)
-    if isinstance(domain, PointCloud):
-        return PointCloud(domain.points)
-    if isinstance(domain, TriangleMesh):
-        return PointCloud(domain.vertices)
-    raise ReadError(f"{file}: a {type(domain).__name__} has no positions")
+    positions = known_positions(domain)
+    if positions is None:
+        raise ReadError(f"{file}: a {type(domain).__name__} has no positions")
+    return PointCloud(positions)
 
 
 def _array(file: Path) -> FloatArray:

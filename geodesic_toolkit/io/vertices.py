@@ -5,7 +5,7 @@ from pathlib import Path
 
 from geodesic_toolkit._typing import IntArray
 from geodesic_toolkit.errors import ReadError
-from geodesic_toolkit.io.common import array_of, integers, text_of, whole_numbers
+from geodesic_toolkit.io.common import array_of, integers, lines_of, tokens_of, whole_numbers
 from geodesic_toolkit.io.reading import check_file, named_errors
 
 __all__ = ["VERTEX_SUFFIXES", "read_vertices"]
@@ -64,11 +64,7 @@ def _array(file: Path) -> IntArray:
 
 
 def _text(file: Path) -> IntArray:
-    lines = [line.partition(b"#")[0] for line in text_of(file).splitlines()]
-    lines = [line for line in lines if line.strip()]
+    lines = lines_of(file)
     if lines and not any(character in b"0123456789" for character in lines[0]):
         lines = lines[1:]  # names of columns
-    tokens = b" ".join(lines).replace(b",", b" ").split()
-    if not tokens:
-        raise ReadError("there are no numbers in the file")
-    return integers(tokens, "vertex indices")
+    return integers(tokens_of(lines), "vertex indices")

@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from geodesic_toolkit._atomic import check_output, replacing
 from geodesic_toolkit._typing import FloatArray
-from geodesic_toolkit.domains import Domain, PointCloud, TriangleMesh
+from geodesic_toolkit.domains import Domain, PointCloud, TriangleMesh, known_positions
 from geodesic_toolkit.errors import InvalidOptionError
 from geodesic_toolkit.io.ply import encode_ply
 
@@ -72,7 +72,7 @@ def write_distances(
     """
     file = check_output(path, DISTANCE_SUFFIXES)
     field = _checked(distances, domain)
-    positions = _positions(domain)
+    positions = known_positions(domain)
     suffix = file.suffix.lower()
     if suffix == ".ply" and positions is None:
         raise InvalidOptionError(
@@ -98,12 +98,6 @@ def _checked(distances: ArrayLike, domain: Domain) -> FloatArray:
     return field.astype(np.float64)
 
 
-def _positions(domain: Domain) -> FloatArray | None:
-    if isinstance(domain, TriangleMesh):
-        return domain.vertices
-    return domain.points if isinstance(domain, PointCloud) else None
-
-
 def _write_csv(path: Path, positions: FloatArray | None, field: FloatArray) -> None:
     names = ["distance"] if positions is None else ["x", "y", "z", "distance"]
     columns = field[:, None] if positions is None else np.column_stack([positions, field])
@@ -114,7 +108,7 @@ def _write_csv(path: Path, positions: FloatArray | None, field: FloatArray) -> N
 
 
 def _ply(domain: Domain, field: FloatArray, sources: Any) -> bytes:
-    positions = _positions(domain)
+    positions = known_positions(domain)
     assert positions is not None
     vertices: dict[str, NDArray[Any]] = dict(zip("xyz", positions.T, strict=True))
     if isinstance(domain, PointCloud) and domain.normals is not None:

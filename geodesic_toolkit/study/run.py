@@ -9,9 +9,9 @@ from contextlib import AbstractContextManager, nullcontext
 from pathlib import Path
 from typing import Any, TypeAlias
 
-from geodesic_toolkit._atomic import replacing
+from geodesic_toolkit._atomic import make_folder, replacing
 from geodesic_toolkit.domains import Domain, TriangleMesh
-from geodesic_toolkit.errors import NonPositiveHeatWarning, UnsupportedDomainError, WriteError
+from geodesic_toolkit.errors import NonPositiveHeatWarning, UnsupportedDomainError
 from geodesic_toolkit.study.beyond import study_beyond
 from geodesic_toolkit.study.charts import draw_charts
 from geodesic_toolkit.study.discretizations import study_discretizations
@@ -92,7 +92,7 @@ def run_study(
     with quiet():
         check_opengl()
     chosen = choose_sources(mesh, sources)
-    target = _made(folder)
+    target = make_folder(folder)
     with warnings.catch_warnings():
         # Bad heat is what is studied here: the tables count it.
         warnings.simplefilter("ignore", NonPositiveHeatWarning)
@@ -135,15 +135,6 @@ def _experiments(subject: Subject, step: Step) -> Results:
         times=times,
         sizes=sizes,
     )
-
-
-def _made(folder: str | os.PathLike[str]) -> Path:
-    path = Path(folder)
-    try:
-        path.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise WriteError(f"{path} cannot be made: {error.strerror or error}") from error
-    return path
 
 
 def _smaller(path: Path) -> bytes:
