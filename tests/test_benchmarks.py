@@ -68,16 +68,16 @@ def test_an_exponent_is_that_of_the_power_law_without_failed_sizes(module):
 
 
 def test_a_ratio_is_that_of_the_medians_against_the_faster_library(module):
-    performance = module("performance")
+    tables = module("measuring.performance_tables")
 
     def runs(*times):
         return {"build": [{"cpu": time, "wall": time} for time in times]}
 
     times = {"ours": runs(1, 2, 9), "potpourri3d": runs(8, 8, 9), "libigl": runs(99, 9, 1)}
-    assert performance.faster_peer(times, "build") == "potpourri3d"
-    assert performance.against_peers(times, "ours", "build") == "**4** (1-8)"
+    assert tables.faster_peer(times, "build") == "potpourri3d"
+    assert tables.against_peers(times, "ours", "build") == "**4** (1-8)"
     times["libigl"]["failure"] = times["potpourri3d"]["failure"] = "over 1 s"
-    assert performance.against_peers(times, "ours", "build") == "-"
+    assert tables.against_peers(times, "ours", "build") == "-"
 
 
 def test_the_errors_on_a_sphere_are_those_of_the_arc(module):
