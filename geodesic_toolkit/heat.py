@@ -45,7 +45,7 @@ LONGEST = 1e12
 distances are right up to 1e14, and 0 everywhere from 1e16 on."""
 
 WORTH_A_THREAD = 10_000
-"""Vertices from which on a factor takes longer than starting a thread for it."""
+"""Vertices from which on a factor, or a block of sources, takes longer than to start a thread."""
 
 
 class HeatMethod:
@@ -224,7 +224,8 @@ class HeatMethod:
             return len(block), self._solve(block, distances[start : start + len(block)])
 
         starts = range(0, len(points), BLOCK)
-        if len(starts) == 1 or self._sweeper is not None:  # sweeps share the processors themselves
+        small = len(starts) == 1 or self.n_vertices < WORTH_A_THREAD
+        if small or self._sweeper is not None:  # sweeps share the processors themselves
             yield from map(solve, starts)
             return
         with ThreadPoolExecutor(min(len(starts), PROCESSORS)) as pool:
