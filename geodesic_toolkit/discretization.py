@@ -14,7 +14,7 @@ from geodesic_toolkit._frozen import FrozenArrays, freeze, freeze_csr
 from geodesic_toolkit._kernels import worthwhile
 from geodesic_toolkit._typing import BoolArray, FloatArray, IntArray
 from geodesic_toolkit.errors import InvalidDiscretizationError
-from geodesic_toolkit.gradient import Gradient
+from geodesic_toolkit.gradient import ElementGradient, Gradient
 
 __all__ = ["Discretization", "connected_vertices"]
 
@@ -42,6 +42,10 @@ class Discretization(FrozenArrays):
     scales : ndarray of shape (N,), float64, optional
         The length whose square is the default time step, one value in each connected component;
         `spacing` in all of them unless given.
+    surface_frames : ndarray of shape (E, 3), float64, optional
+        Where the elements are stars in tangent planes: the same triangles as they lie in space, in
+        the form of :attr:`~geodesic_toolkit.gradient.ElementGradient.inverse_frames`. Refinement
+        measures by them, and they tell it the curvature.
     notes : mapping, optional
         What the operator found or decided on the way, by name, for people to read: a number of
         flipped edges, whose normals were used.
@@ -68,6 +72,7 @@ class Discretization(FrozenArrays):
     spacing: float
     boundary: BoolArray
     scales: FloatArray = field(default_factory=lambda: np.zeros(0))
+    surface_frames: FloatArray = field(default_factory=lambda: np.zeros((0, 3)))
     notes: Mapping[str, Any] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
@@ -91,6 +96,7 @@ class Discretization(FrozenArrays):
             )
         _check_stiffness(self.stiffness, count)
         self._check_scales(count)
+        self._check_frames()
         freeze(self.mass)
         freeze(self.boundary)
         freeze_csr(self.stiffness)
@@ -111,6 +117,21 @@ class Discretization(FrozenArrays):
                 f"the scale of vertex {bad} is {self.scales[bad]}; it must be positive and finite"
             )
         freeze(self.scales)
+
+    def _check_frames(self) -> None:
+        coerce(self, surface_frames=np.float64)
+        gradient, frames = self.gradient, self.surface_frames
+        if len(frames):
+            if not (
+                isinstance(gradient, ElementGradient)
+                and gradient.stars
+                and frames.shape == gradient.elements.shape
+            ):
+                raise InvalidDiscretizationError(
+                    f"surface_frames {frames.shape} must be (E, 3), of the stars of {gradient!r}"
+                )
+            check_finite(frames, "the surface frame of element")
+        freeze(frames)
 
     @property
     def n_vertices(self) -> int:

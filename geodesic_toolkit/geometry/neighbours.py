@@ -63,7 +63,7 @@ def distinct_points(points: FloatArray) -> tuple[IntArray, IntArray]:
     return first[ascending], place
 
 
-def nearest_neighbours(points: FloatArray, k: int, chosen: IntArray | None = None) -> IntArray:
+def nearest_neighbours(points: FloatArray, k: int) -> IntArray:
     """Return the k nearest other points of every point, of shape (N, k), nearest first.
 
     Parameters
@@ -72,12 +72,8 @@ def nearest_neighbours(points: FloatArray, k: int, chosen: IntArray | None = Non
         Distinct.
     k : int
         Below N.
-    chosen : ndarray of shape (M,), int64, optional
-        Points to ask for; then of shape (M, k).
     """
     from sklearn.neighbors import NearestNeighbors  # heavy: more than a second
 
     search = NearestNeighbors(n_neighbors=k + 1, algorithm="kd_tree").fit(points)
-    if chosen is not None:  # a point of the cloud is its own nearest
-        return np.asarray(search.kneighbors(points[chosen], return_distance=False)[:, 1:], np.int64)
     return np.asarray(search.kneighbors(n_neighbors=k, return_distance=False), dtype=np.int64)
