@@ -16,7 +16,7 @@ from numba.extending import intrinsic
 from numpy.typing import NDArray
 
 from geodesic_toolkit._corners import CORNERS
-from geodesic_toolkit._typing import BoolArray, FloatArray, IntArray
+from geodesic_toolkit._typing import BoolArray, IntArray
 
 __all__ = ["VERTEX", "sweep"]
 
@@ -38,14 +38,18 @@ STRAIGHT = 1e-6
 """Least curvature of a front, times edge length: below it circles lose their last digits."""
 
 AHEAD = 12
-"""Vertices between the one that is visited and the one whose triangles are fetched from memory; its
-list of triangles, as many before. The order of the heat is none that memory could foresee."""
+"""Vertices between the one that is visited and the one whose neighbours are fetched from memory.
+Its corners have been as many before, and where they are as many before that."""
+
+LINE = 64
+"""Bytes that memory gives at a time."""
 
 WORD = 8
 """Flags that are looked at together."""
 
 options = {"cache": True, "nogil": True, "error_model": "numpy"}
 kernel = numba.njit(**options)
+part_of_its_caller = numba.njit(**options, inline="always")  # calls take a tenth of the time
 NUMBERS = types.Array(types.int64, 1, "C", readonly=True)
 
 
@@ -141,52 +145,111 @@ def _across(  # noqa: PLR0917 - kernels take no keywords
 
 @kernel  # type: ignore[untyped-decorator]
 def _may_gain(  # noqa: PLR0917 - kernels take no keywords
-    d: float, d_a: float, d_b: float, edge: float, to_a: float, c_x: float
+    d: float, d_a: float, d_b: float, edge: float, to_a: float, twice: float
 ) -> bool:
     """Return whether a corner at distance d may get less through the edge ab of its triangle.
 
     At x on the edge, between 0 and `edge`, the front is not sooner than ``d_a - x`` and ``d_b -
-    edge + x``, and then has the way to the corner before it: least where both are equal.
+    edge + x``, and then has the way to the corner before it: least where both are equal. `twice` is
+    2 `edge` times the place of the corner along the edge.
     """
-    if not abs(d_a - d_b) < edge:  # also where one of them has not been reached
+    if not abs(d_a - d_b) < edge or min(d_a, d_b) >= d:  # also where one has not been reached
         return False
     x, left = (edge + d_a - d_b) / 2, d - (d_a + d_b - edge) / 2
-    return left > 0 and left * left > to_a * to_a + x * (x - 2 * c_x)
+    return left > 0 and edge * (left * left - to_a * to_a - x * x) + x * twice > 0
+
+
+@part_of_its_caller  # type: ignore[untyped-decorator]
+def _through(  # noqa: PLR0917 - kernels take no keywords
+    limit: float, a: Any, b: Any, edge: float, to_a: float, to_b: float
+) -> tuple[float, float, float]:
+    """Return what reaches a corner through the opposite edge, if that is less than `limit`.
+
+    `a` and `b` are the records of the edge's ends, `to_a` and `to_b` their distances from the
+    corner. What is returned is that of `_across`, or infinite.
+    """
+    nothing = (math.inf, 0.0, 0.0)
+    d_a, d_b = a.distance, b.distance
+    twice = edge * edge + (to_a - to_b) * (to_a + to_b)
+    if not _may_gain(limit, d_a, d_b, edge, to_a, twice):  # saves two thirds of all crossings
+        return nothing
+    x = twice / (2 * edge)
+    y = math.sqrt(max(to_a * to_a - x * x, 0.0))
+    front = _on_edge(a.kappa, b.kappa, edge, (d_a + d_b) / 2)
+    found = _across(d_a, d_b, front, edge, x, y)
+    return found if min(d_a, d_b) <= found[0] < limit else nothing
 
 
 @kernel  # type: ignore[untyped-decorator]
-def _nearer(  # noqa: PLR0917 - kernels take no keywords
-    best: float, kappa: float, bend: float, a: Any, b: Any, sides: tuple[float, float, float]
+def _nearest(  # noqa: PLR0917 - kernels take no keywords
+    vertices: NDArray[Any], corners: NDArray[Any], v: int, start: int, end: int, enough: float
 ) -> tuple[float, float]:
-    """Return distance and κ of a vertex of curvature `bend`, or what its triangle has better.
+    """Return distance and κ that the corners of vertex v have for it, `enough` if none has less.
 
-    `a` and `b` are the records of the other two vertices, `sides` the lengths from the vertex to a,
-    to b, and between these.
+    First along the edges, which costs little and leaves few triangles that may do better.
     """
-    d_a, d_b, (to_a, to_b, edge) = a.distance, b.distance, sides
-    if d_a >= best and d_b >= best:
-        return best, kappa
-    if d_a + to_a < best:
-        best, kappa = d_a + to_a, _along(a.kappa, to_a, (a.curvature + bend) / 2)
-    if d_b + to_b < best:
-        best, kappa = d_b + to_b, _along(b.kappa, to_b, (b.curvature + bend) / 2)
-    x = (edge * edge + (to_a - to_b) * (to_a + to_b)) / (2 * edge)
-    if not _may_gain(best, d_a, d_b, edge, to_a, x):  # saves more than half of all crossings
-        return best, kappa
-    y = math.sqrt(max(to_a * to_a - x * x, 0.0))
-    front = _on_edge(a.kappa, b.kappa, edge, (d_a + d_b) / 2)
-    through, planar, step = _across(d_a, d_b, front, edge, x, y)
-    if min(d_a, d_b) <= through < best:
-        best = through
-        kappa = planar - (a.curvature + b.curvature + bend) / 3 * step
+    along, via = enough, -1
+    for c in range(start, end):
+        corner = corners[c]
+        by_a = vertices[corner.a].distance + corner.to_a
+        by_b = vertices[corner.b].distance + corner.to_b
+        if by_a < along:
+            along, via = by_a, 2 * c
+        if by_b < along:
+            along, via = by_b, 2 * c + 1
+    best, kappa, bend = along, 0.0, vertices[v].curvature
+    for c in range(start, end):
+        corner = corners[c]
+        a, b = vertices[corner.a], vertices[corner.b]
+        through, planar, step = _through(best, a, b, corner.edge, corner.to_a, corner.to_b)
+        if through < best:
+            best = through
+            kappa = planar - (a.curvature + b.curvature + bend) / 3 * step
+    if best == along and via >= 0:
+        corner = corners[via // 2]
+        near, step = (corner.b, corner.to_b) if via % 2 else (corner.a, corner.to_a)
+        kappa = _along(vertices[near].kappa, step, (vertices[near].curvature + bend) / 2)
     return best, kappa
 
 
+@part_of_its_caller  # type: ignore[untyped-decorator]
+def _gains(  # noqa: PLR0917 - kernels take no keywords
+    near: Any, v: Any, other: Any, to_v: float, to_other: float, edge: float, tolerance: float
+) -> bool:
+    """Return whether the vertex `near` gains from v, in their triangle with the vertex `other`.
+
+    `to_v` and `to_other` are their distances from `near`, `edge` lies between the two.
+    """
+    limit = near.distance - tolerance
+    if limit > v.distance + to_v:
+        return True
+    return bool(_through(limit, v, other, edge, to_v, to_other)[0] < limit)
+
+
 @kernel  # type: ignore[untyped-decorator]
-def _after(corner: int) -> tuple[int, int]:
-    """Return the numbers of the next corner of a triangle and of the one after it."""
-    first = corner - corner % 3
-    return first + (corner + 1) % 3, first + (corner + 2) % 3
+def _look_ahead(  # noqa: PLR0917 - kernels take no keywords
+    order: IntArray,
+    rank: int,
+    starts: IntArray,
+    ends: IntArray,
+    corners: NDArray[Any],
+    vertices: NDArray[Any],
+) -> None:
+    """Fetch what vertices will need: the order of the heat is none that memory could foresee.
+
+    Of one the place of its corners, of one before it these, and of one before that its neighbours.
+    """
+    if rank + 3 * AHEAD >= len(order):
+        return
+    last, later, soon = order[rank + 3 * AHEAD], order[rank + 2 * AHEAD], order[rank + AHEAD]
+    _fetch(starts, last)
+    _fetch(ends, last)
+    _fetch(vertices, later)
+    for c in range(starts[later], ends[later], LINE // corners.itemsize):
+        _fetch(corners, c)
+    _fetch(corners, ends[later] - 1)
+    for c in range(starts[soon], ends[soon]):
+        _fetch(vertices, np.int64(corners[c].a))
 
 
 @numba.njit(  # type: ignore[untyped-decorator]
@@ -195,7 +258,6 @@ def _after(corner: int) -> tuple[int, int]:
         NUMBERS,
         NUMBERS,
         CORNERS,
-        types.Array(types.float64, 1, "C", readonly=True),
         numba.from_dtype(VERTEX)[::1],
         types.boolean[::1],
         types.uint64[::1],
@@ -209,7 +271,6 @@ def sweep(  # noqa: PLR0917 - kernels take no keywords
     starts: IntArray,
     ends: IntArray,
     corners: NDArray[Any],
-    lengths: FloatArray,
     vertices: NDArray[Any],
     pending: BoolArray,
     words: NDArray[np.uint64],
@@ -219,15 +280,15 @@ def sweep(  # noqa: PLR0917 - kernels take no keywords
     """Visit the pending vertices in `order` once; return how many got a better distance.
 
     Vertex v takes its distance from the corners ``starts[v] <= c < ends[v]`` of
-    :func:`geodesic_toolkit._corners.gather`. Whoever may gain from a vertex that improved is
-    pending. Where one of them comes earlier in the order, the sweep returns to it at once, before
-    what it will improve spreads; but only so many times.
+    :func:`geodesic_toolkit._corners.gather`. Whoever gains from a vertex that improved is pending.
+    Where one of them comes earlier in the order, the sweep returns to it at once, before what it
+    will improve spreads; but only so many times.
 
     Parameters
     ----------
     order : ndarray of shape (N,), int64
-    starts, ends, corners, lengths
-        As :func:`geodesic_toolkit._corners.gather` writes them, the last made flat.
+    starts, ends, corners
+        As :func:`geodesic_toolkit._corners.gather` writes them.
     vertices : ndarray of shape (N,), VERTEX
         Distance and κ are changed in place.
     pending : ndarray of shape (M,), bool
@@ -249,39 +310,23 @@ def sweep(  # noqa: PLR0917 - kernels take no keywords
         pending[rank] = False
         v = order[rank]
         rank += 1
-        if rank + 2 * AHEAD < count:
-            later = order[rank + 2 * AHEAD]
-            _fetch(corners, starts[later])
-            _fetch(corners, ends[later])
-            soon = order[rank + AHEAD]
-            for c in range(starts[soon], ends[soon]):
-                _fetch(lengths, np.int64(corners[c].at))
-        enough, bend = vertices[v].distance - tolerance, vertices[v].curvature
-        best, kappa = enough, 0.0
-        for c in range(starts[v], ends[v]):
-            at = np.int64(corners[c].at)
-            at_a, at_b = _after(at)
-            a, b = vertices[corners[c].a], vertices[corners[c].b]
-            sides = (lengths[at_b], lengths[at_a], lengths[at])
-            best, kappa = _nearer(best, kappa, bend, a, b, sides)
+        _look_ahead(order, rank, starts, ends, corners, vertices)
+        enough = vertices[v].distance - tolerance
+        best, kappa = _nearest(vertices, corners, v, starts[v], ends[v], enough)
         if not best < enough:
             continue
         vertices[v].distance, vertices[v].kappa = best, kappa
         improved += 1
-        earliest = rank
+        reached, earliest = vertices[v], rank
         for c in range(starts[v], starts[v + 1]):
-            at = np.int64(corners[c].at)
-            at_a, at_b = _after(at)
-            a, b = vertices[corners[c].a], vertices[corners[c].b]
-            d_a, d_b = a.distance, b.distance
-            to_a, to_b, edge = lengths[at_b], lengths[at_a], lengths[at]
-            along = (to_a * to_a + to_b * to_b - edge * edge) / 2  # |va| |vb| cos of the angle
-            limit = d_a - tolerance
-            if limit > best + to_a or _may_gain(limit, best, d_b, to_b, to_a, along / to_b):
+            corner = corners[c]
+            a, b, edge = vertices[corner.a], vertices[corner.b], corner.edge
+            to_a, to_b = corner.to_a, corner.to_b
+            # Who is pending already needs no look: if he comes earlier, this vertex made him so.
+            if not pending[a.rank] and _gains(a, reached, b, to_a, edge, to_b, tolerance):
                 pending[a.rank] = True
                 earliest = min(earliest, a.rank)
-            limit = d_b - tolerance
-            if limit > best + to_b or _may_gain(limit, best, d_a, to_a, to_b, along / to_a):
+            if not pending[b.rank] and _gains(b, reached, a, to_b, edge, to_a, tolerance):
                 pending[b.rank] = True
                 earliest = min(earliest, b.rank)
         if earliest < rank and returns > 0:

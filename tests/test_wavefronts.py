@@ -1,12 +1,16 @@
 """Do the kernels of refinement read triangles as the plain formulas do, and finish their sweeps?"""
 
+import dataclasses
+
 import numpy as np
 import pytest
 from closed_forms import mean_relative_error, on_sphere
+from hypothesis import given
+from hypothesis import strategies as st
 from scipy.sparse import coo_array, csr_array
 
 import geodesic_toolkit as gt
-from geodesic_toolkit import _wavefront, refine
+from geodesic_toolkit import _corners, _wavefront, refine
 from geodesic_toolkit.refine import WavefrontSweeper
 from geodesic_toolkit.testing import shapes
 
@@ -16,6 +20,15 @@ def scrambled(mesh):
     order = rng.permutation(mesh.n_vertices)
     faces = np.argsort(order)[mesh.faces][rng.permutation(mesh.n_faces)]
     return gt.TriangleMesh(mesh.vertices[order], faces[:, rng.permutation(3)])
+
+
+def disk(count):
+    """Return so many triangles about vertex 0."""
+    turn = np.linspace(0, 2 * np.pi, count, endpoint=False)
+    rim = np.column_stack([np.cos(turn), np.sin(turn), np.zeros(count)])
+    at = np.arange(count)
+    faces = np.column_stack([np.zeros_like(at), at + 1, (at + 1) % count + 1])
+    return gt.TriangleMesh(np.vstack([[0.0, 0, 0], rim]), faces)
 
 
 def many_sheets():
@@ -54,7 +67,8 @@ def assembled(domain):
 
 @pytest.fixture(params=DOMAINS)
 def sweeper(request):
-    return WavefrontSweeper(assembled(DOMAINS[request.param]))
+    metric = assembled(DOMAINS[request.param])
+    return WavefrontSweeper(dataclasses.replace(metric, surface_frames=np.zeros((0, 3))))
 
 
 def plain_areas(gradient):
@@ -63,34 +77,60 @@ def plain_areas(gradient):
         return 0.5 / np.abs(p[:, 0] * q[:, 1] - p[:, 1] * q[:, 0])
 
 
-def test_edges_are_as_long_as_hat_functions_are_steep(sweeper):
-    gradient = sweeper.metric.gradient
+def plain_lengths(gradient):
+    """Return the (E, 3) edges opposite the corners, from how steep hat functions are."""
     steepness = np.linalg.norm(gradient.coefficients, axis=1)
     areas = plain_areas(gradient)
     segment = np.isinf(areas)
-    expected = 2 * np.where(segment, 0.0, areas)[:, None] * steepness
+    lengths = 2 * np.where(segment, 0.0, areas)[:, None] * steepness
     ends = gradient.elements[segment]
     apart = ends[:, [1, 2, 0]] != ends[:, [2, 0, 1]]
-    expected[segment] = apart / steepness[segment].max(axis=1, keepdims=True)
-    lengths = sweeper._corners[3].reshape(-1, 3)
-    np.testing.assert_allclose(lengths, expected, rtol=1e-12)
+    lengths[segment] = apart / steepness[segment].max(axis=1, keepdims=True)
+    return lengths
 
 
-def test_corners_are_sorted_by_vertex_with_its_own_star_first(sweeper):
+def test_every_vertex_has_its_corners_and_those_of_its_own_star_first(sweeper):
     gradient = sweeper.metric.gradient
     faces, count = gradient.elements, gradient.n_vertices
     foreign = np.zeros(faces.shape, dtype=bool)
     if gradient.stars:
         foreign[np.isfinite(plain_areas(gradient)), 1:] = True
-    at = np.lexsort((foreign.ravel(), faces.ravel()))
     total = np.bincount(faces.ravel(), minlength=count)
     own = np.bincount(faces[~foreign], minlength=count)
-    starts, ends, corners, _ = sweeper._corners
+    starts, ends, corners = sweeper._corners
     np.testing.assert_array_equal(starts, np.concatenate([[0], np.cumsum(total)]))
     np.testing.assert_array_equal(ends, starts[:-1] + np.where(own > 0, own, total))
-    np.testing.assert_array_equal(corners["at"], at)
-    np.testing.assert_array_equal(corners["a"], faces[at // 3, (at + 1) % 3])
-    np.testing.assert_array_equal(corners["b"], faces[at // 3, (at + 2) % 3])
+
+    vertex = np.repeat(np.arange(count), total)
+    later = np.arange(len(corners)) >= (starts[:-1] + own)[vertex]
+    found = np.column_stack([vertex, later, *(corners[name] for name in corners.dtype.names)])
+    lengths, (c, a, b) = plain_lengths(gradient), ([0, 1, 2], [1, 2, 0], [2, 0, 1])
+    table = [faces, foreign, faces[:, a], faces[:, b], lengths[:, b], lengths[:, a], lengths[:, c]]
+    expected = np.column_stack([column.ravel() for column in table])
+    for one in (found, expected):
+        one[:] = one[np.lexsort(one.T[::-1].round(9))]
+    np.testing.assert_allclose(found, expected, rtol=1e-12)
+
+
+@pytest.mark.parametrize("name", ["sphere", "right angles", "obtuse", "scrambled"])
+def test_corners_go_round_every_vertex_inside(name):
+    metric = assembled(DOMAINS[name])
+    starts, _, corners = WavefrontSweeper(metric)._corners
+    for v in np.flatnonzero(~metric.boundary):
+        own = corners[starts[v] : starts[v + 1]]
+        np.testing.assert_array_equal(own["a"], np.roll(own["b"], 1))
+
+
+@pytest.mark.parametrize("count", [_corners.MANY, _corners.MANY + 1])
+def test_a_vertex_of_many_triangles_has_them_in_their_order(count):
+    rng = np.random.default_rng(0)
+    wheel = disk(count)
+    wheel = gt.TriangleMesh(wheel.vertices, wheel.faces[rng.permutation(count)])
+    starts, _, corners = WavefrontSweeper(assembled(wheel))._corners
+    around = corners["a"][: starts[1]]
+    as_given = np.array_equal(around, wheel.faces[:, 1])
+    assert as_given == (count > _corners.MANY)
+    assert np.array_equal(np.sort(around), np.arange(1, count + 1))
 
 
 def test_curvature_is_the_mean_angle_defect_over_the_mean_area(sweeper):
@@ -127,6 +167,12 @@ def test_after_the_sweeps_no_vertex_has_anything_to_gain(name, monkeypatch):
     assert sweep(*calls[-1]) == 0
 
 
+@given(st.lists(st.integers(-50, 50).map(lambda k: k / 7 if k > -50 else -np.inf), min_size=1))
+def test_the_order_falls_and_keeps_that_of_equals(values):
+    values = np.array(values)
+    np.testing.assert_array_equal(refine._falling(values), np.argsort(-values, kind="stable"))
+
+
 @pytest.mark.parametrize("returns", [0, 1, 8])
 def test_an_order_that_says_nothing_costs_sweeps_and_not_the_distance(returns, monkeypatch):
     monkeypatch.setattr(refine, "RETURNS", returns)
@@ -139,10 +185,5 @@ def test_an_order_that_says_nothing_costs_sweeps_and_not_the_distance(returns, m
 
 @pytest.mark.parametrize("count", [7, 8, 9, 16])
 def test_any_number_of_vertices_fits_the_flags(count):
-    turn = np.linspace(0, 2 * np.pi, count - 1, endpoint=False)
-    rim = np.column_stack([np.cos(turn), np.sin(turn), np.zeros(count - 1)])
-    at = np.arange(count - 1)
-    faces = np.column_stack([np.zeros_like(at), at + 1, (at + 1) % (count - 1) + 1])
-    disk = gt.TriangleMesh(np.vstack([[0.0, 0, 0], rim]), faces)
-    distance = gt.geodesic_distance(disk, 0, refine=True)
+    distance = gt.geodesic_distance(disk(count - 1), 0, refine=True)
     np.testing.assert_allclose(distance[1:], 1)
