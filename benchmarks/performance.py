@@ -45,6 +45,9 @@ WARM_UP = 2562
 LARGE = 300_000
 """Vertices from which on there are fewer rounds: other libraries take a minute for a build."""
 
+HOPELESS = {f"{libraries.SOLVER}superlu": LARGE}
+"""Vertices from which on a column is left out: SuperLU had no factor of 556,000 in nine minutes."""
+
 START_UP = 200_000
 """Vertices up to which first calls are measured."""
 
@@ -85,6 +88,8 @@ class Setting:
 
     def worker(self, library: str, size: str) -> Process:
         """Return a process that is ready for commands."""
+        if self.meshes[size]["vertices"] > HOPELESS.get(library, np.inf):
+            raise NoAnswerError("takes more than nine minutes")
         process = Process("measuring.worker", library, self.warm_up, self.meshes[size]["path"])
         process.answer(self.limit)
         return process
