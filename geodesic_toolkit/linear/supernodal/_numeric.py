@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 
 from geodesic_toolkit._typing import FloatArray, IndexArray, IntArray
 from geodesic_toolkit.linear.supernodal import _blas
-from geodesic_toolkit.linear.supernodal._entries import keep
+from geodesic_toolkit.linear.supernodal._halves import numbers
 from geodesic_toolkit.linear.supernodal._pointers import Pointer, address, pointer, shifted
 
 __all__ = ["factorize"]
@@ -140,7 +140,7 @@ def factorize(  # noqa: PLR0912, PLR0915, PLR0917 - one sweep; kernels take no k
     n_supernodes = above.size
     waiting, waiting_at = np.empty(n_supernodes, np.int32), np.empty(n_supernodes, np.int64)
     n_waiting, top = 0, np.int64(0)
-    kept, updates, row = pointer(halves), pointer(stack), pointer(rows)
+    kept, updates, row = numbers(halves), pointer(stack), pointer(rows)
     by_halves = halves.size > 0
     own_panels = pointer(front if by_halves else factor)
     local, child_rows = pointer(room), pointer(room[pivots.size :])
@@ -199,7 +199,7 @@ def factorize(  # noqa: PLR0912, PLR0915, PLR0917 - one sweep; kernels take no k
             pivots[begin + j] = panel[j * height + j] ** 2 / pivots[begin + j]
         if by_halves:
             for k in range(height * width):
-                keep(kept, panels[s] + k, panel[k])
+                kept[panels[s] + k] = panel[k]
 
         # -- the update matrix takes the place of the children's on the stack ----------------------
         if base != top:

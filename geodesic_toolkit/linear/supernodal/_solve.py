@@ -11,7 +11,7 @@ import numpy as np
 from numba import types
 
 from geodesic_toolkit._typing import FloatArray, IndexArray, IntArray
-from geodesic_toolkit.linear.supernodal._entries import entry
+from geodesic_toolkit.linear.supernodal._halves import numbers
 from geodesic_toolkit.linear.supernodal._pointers import Pointer, pointer
 from geodesic_toolkit.linear.supernodal._rows import BLOCK, four_minus, minus_four, minus_one
 from geodesic_toolkit.linear.supernodal.analysis import Panels
@@ -46,8 +46,8 @@ def _minus_columns(  # noqa: PLR0917 - kernels take no keywords
     x0, x1, x2, x3 = values
     second, third, fourth = start + height, start + 2 * height, start + 3 * height
     for k in range(count):
-        target[begin + k] -= (entry(factor, start + k) * x0 + entry(factor, second + k) * x1) + (
-            entry(factor, third + k) * x2 + entry(factor, fourth + k) * x3
+        target[begin + k] -= (factor[start + k] * x0 + factor[second + k] * x1) + (
+            factor[third + k] * x2 + factor[fourth + k] * x3
         )
 
 
@@ -56,7 +56,7 @@ def _minus_column(  # noqa: PLR0917 - kernels take no keywords
     target: Pointer, begin: int, count: int, factor: Pointer, start: int, value: float
 ) -> None:
     for k in range(count):
-        target[begin + k] -= entry(factor, start + k) * value
+        target[begin + k] -= factor[start + k] * value
 
 
 @kernel  # type: ignore[untyped-decorator]
@@ -68,10 +68,10 @@ def _dot_columns(  # noqa: PLR0917 - kernels take no keywords
     t0 = t1 = t2 = t3 = 0.0
     for k in range(count):
         value = x[begin + k]
-        t0 += entry(factor, start + k) * value
-        t1 += entry(factor, second + k) * value
-        t2 += entry(factor, third + k) * value
-        t3 += entry(factor, fourth + k) * value
+        t0 += factor[start + k] * value
+        t1 += factor[second + k] * value
+        t2 += factor[third + k] * value
+        t3 += factor[fourth + k] * value
     return t0, t1, t2, t3
 
 
@@ -79,7 +79,7 @@ def _dot_columns(  # noqa: PLR0917 - kernels take no keywords
 def _dot_column(x: Pointer, begin: int, count: int, factor: Pointer, start: int) -> float:
     total = 0.0
     for k in range(count):
-        total += entry(factor, start + k) * x[begin + k]
+        total += factor[start + k] * x[begin + k]
     return total
 
 
@@ -102,18 +102,11 @@ def _forward(  # noqa: PLR0917 - kernels take no keywords
     while c + 4 <= width:
         p, j = panel + c * height + c, begin + c
         q, r, s = p + height, p + 2 * height, p + 3 * height
-        x0 = x[j] / entry(factor, p)
-        x1 = (x[j + 1] - entry(factor, p + 1) * x0) / entry(factor, q + 1)
-        x2 = (x[j + 2] - entry(factor, p + 2) * x0 - entry(factor, q + 2) * x1) / entry(
-            factor, r + 2
-        )
-        x3 = (
-            x[j + 3]
-            - entry(factor, p + 3) * x0
-            - entry(factor, q + 3) * x1
-            - entry(factor, r + 3) * x2
-        )
-        x3 /= entry(factor, s + 3)
+        x0 = x[j] / factor[p]
+        x1 = (x[j + 1] - factor[p + 1] * x0) / factor[q + 1]
+        x2 = (x[j + 2] - factor[p + 2] * x0 - factor[q + 2] * x1) / factor[r + 2]
+        x3 = x[j + 3] - factor[p + 3] * x0 - factor[q + 3] * x1 - factor[r + 3] * x2
+        x3 /= factor[s + 3]
         x[j], x[j + 1], x[j + 2], x[j + 3] = x0, x1, x2, x3
         values = (x0, x1, x2, x3)
         _minus_columns(x, j + 4, width - c - 4, factor, p + 4, height, values)
@@ -121,7 +114,7 @@ def _forward(  # noqa: PLR0917 - kernels take no keywords
         c += 4
     while c < width:
         p, j = panel + c * height + c, begin + c
-        x0 = x[j] / entry(factor, p)
+        x0 = x[j] / factor[p]
         x[j] = x0
         _minus_column(x, j + 1, width - c - 1, factor, p + 1, x0)
         _minus_column(below, 0, rest, factor, p + width - c, x0)
@@ -147,26 +140,17 @@ def _backward(  # noqa: PLR0917 - kernels take no keywords
         q, r, s = p + height, p + 2 * height, p + 3 * height
         t0, t1, t2, t3 = _dot_columns(below, 0, rest, factor, p + width - c, height)
         u0, u1, u2, u3 = _dot_columns(x, j + 4, width - c - 4, factor, p + 4, height)
-        x3 = (x[j + 3] - t3 - u3) / entry(factor, s + 3)
-        x2 = (x[j + 2] - t2 - u2 - entry(factor, r + 3) * x3) / entry(factor, r + 2)
-        x1 = (x[j + 1] - t1 - u1 - entry(factor, q + 2) * x2 - entry(factor, q + 3) * x3) / entry(
-            factor, q + 1
-        )
-        x0 = (
-            x[j]
-            - t0
-            - u0
-            - entry(factor, p + 1) * x1
-            - entry(factor, p + 2) * x2
-            - entry(factor, p + 3) * x3
-        )
-        x[j], x[j + 1], x[j + 2], x[j + 3] = x0 / entry(factor, p), x1, x2, x3
+        x3 = (x[j + 3] - t3 - u3) / factor[s + 3]
+        x2 = (x[j + 2] - t2 - u2 - factor[r + 3] * x3) / factor[r + 2]
+        x1 = (x[j + 1] - t1 - u1 - factor[q + 2] * x2 - factor[q + 3] * x3) / factor[q + 1]
+        x0 = x[j] - t0 - u0 - factor[p + 1] * x1 - factor[p + 2] * x2 - factor[p + 3] * x3
+        x[j], x[j + 1], x[j + 2], x[j + 3] = x0 / factor[p], x1, x2, x3
     while c > 0:
         c -= 1
         p, j = panel + c * height + c, begin + c
         total = _dot_column(below, 0, rest, factor, p + width - c)
         total += _dot_column(x, j + 1, width - c - 1, factor, p + 1)
-        x[j] = (x[j] - total) / entry(factor, p)
+        x[j] = (x[j] - total) / factor[p]
 
 
 @numba.njit(  # type: ignore[untyped-decorator]
@@ -199,7 +183,7 @@ def solve_column(  # noqa: PLR0917 - kernels take no keywords
     """
     n, n_supernodes = order.size, first.size - 1
     x, below = pointer(room), pointer(room[n:])
-    row, factor = pointer(rows), pointer(panel_values)
+    row, factor = pointer(rows), numbers(panel_values)
     for j in range(n):
         x[j] = right_hand_side[order[j]]
     for s in range(n_supernodes):
@@ -245,36 +229,28 @@ def _forward_block(  # noqa: PLR0917 - kernels take no keywords
         q, r, s = p + height, p + 2 * height, p + 3 * height
         j = np.int64(row[start + c]) * BLOCK
         for k in range(BLOCK):
-            x0 = x[j + k] / entry(factor, p)
-            x1 = (x[j + BLOCK + k] - entry(factor, p + 1) * x0) / entry(factor, q + 1)
-            x2 = x[j + 2 * BLOCK + k] - entry(factor, p + 2) * x0 - entry(factor, q + 2) * x1
-            x2 /= entry(factor, r + 2)
-            x3 = x[j + 3 * BLOCK + k] - entry(factor, p + 3) * x0 - entry(factor, q + 3) * x1
-            x3 = (x3 - entry(factor, r + 3) * x2) / entry(factor, s + 3)
+            x0 = x[j + k] / factor[p]
+            x1 = (x[j + BLOCK + k] - factor[p + 1] * x0) / factor[q + 1]
+            x2 = x[j + 2 * BLOCK + k] - factor[p + 2] * x0 - factor[q + 2] * x1
+            x2 /= factor[r + 2]
+            x3 = x[j + 3 * BLOCK + k] - factor[p + 3] * x0 - factor[q + 3] * x1
+            x3 = (x3 - factor[r + 3] * x2) / factor[s + 3]
             head[k], head[BLOCK + k], head[2 * BLOCK + k], head[3 * BLOCK + k] = x0, x1, x2, x3
         for k in range(4 * BLOCK):
             x[j + k] = head[k]
         for i in range(4, height - c):
             target = np.int64(row[start + c + i]) * BLOCK
-            minus_four(
-                x,
-                target,
-                head,
-                entry(factor, p + i),
-                entry(factor, q + i),
-                entry(factor, r + i),
-                entry(factor, s + i),
-            )
+            minus_four(x, target, head, factor[p + i], factor[q + i], factor[r + i], factor[s + i])
         c += 4
     while c < width:
         p = panel + c * height + c
         j = np.int64(row[start + c]) * BLOCK
         for k in range(BLOCK):
-            head[k] = x[j + k] / entry(factor, p)
+            head[k] = x[j + k] / factor[p]
         for k in range(BLOCK):
             x[j + k] = head[k]
         for i in range(1, height - c):
-            minus_one(x, np.int64(row[start + c + i]) * BLOCK, head, 0, entry(factor, p + i))
+            minus_one(x, np.int64(row[start + c + i]) * BLOCK, head, 0, factor[p + i])
         c += 1
 
 
@@ -300,27 +276,14 @@ def _backward_block(  # noqa: PLR0917 - kernels take no keywords
             head[k] = x[j + k]
         for i in range(4, height - c):
             known = np.int64(row[start + c + i]) * BLOCK
-            four_minus(
-                head,
-                x,
-                known,
-                entry(factor, p + i),
-                entry(factor, q + i),
-                entry(factor, r + i),
-                entry(factor, s + i),
-            )
+            four_minus(head, x, known, factor[p + i], factor[q + i], factor[r + i], factor[s + i])
         for k in range(BLOCK):
-            x3 = head[3 * BLOCK + k] / entry(factor, s + 3)
-            x2 = (head[2 * BLOCK + k] - entry(factor, r + 3) * x3) / entry(factor, r + 2)
-            x1 = head[BLOCK + k] - entry(factor, q + 2) * x2 - entry(factor, q + 3) * x3
-            x1 /= entry(factor, q + 1)
-            x0 = (
-                head[k]
-                - entry(factor, p + 1) * x1
-                - entry(factor, p + 2) * x2
-                - entry(factor, p + 3) * x3
-            )
-            x[j + k], x[j + BLOCK + k] = x0 / entry(factor, p), x1
+            x3 = head[3 * BLOCK + k] / factor[s + 3]
+            x2 = (head[2 * BLOCK + k] - factor[r + 3] * x3) / factor[r + 2]
+            x1 = head[BLOCK + k] - factor[q + 2] * x2 - factor[q + 3] * x3
+            x1 /= factor[q + 1]
+            x0 = head[k] - factor[p + 1] * x1 - factor[p + 2] * x2 - factor[p + 3] * x3
+            x[j + k], x[j + BLOCK + k] = x0 / factor[p], x1
             x[j + 2 * BLOCK + k], x[j + 3 * BLOCK + k] = x2, x3
     while c > 0:
         c -= 1
@@ -329,9 +292,9 @@ def _backward_block(  # noqa: PLR0917 - kernels take no keywords
         for k in range(BLOCK):
             head[k] = x[j + k]
         for i in range(1, height - c):
-            minus_one(head, 0, x, np.int64(row[start + c + i]) * BLOCK, entry(factor, p + i))
+            minus_one(head, 0, x, np.int64(row[start + c + i]) * BLOCK, factor[p + i])
         for k in range(BLOCK):
-            x[j + k] = head[k] / entry(factor, p)
+            x[j + k] = head[k] / factor[p]
 
 
 @numba.njit(  # type: ignore[untyped-decorator]
@@ -359,7 +322,7 @@ def solve_block(  # noqa: PLR0917 - kernels take no keywords
     """
     n, n_supernodes, n_columns = order.size, first.size - 1, right_hand_sides.shape[1]
     x, head = pointer(room), pointer(room[n * BLOCK :])
-    row, factor = pointer(rows), pointer(panel_values)
+    row, factor = pointer(rows), numbers(panel_values)
     for j in range(n):
         source = right_hand_sides[order[j]]
         for k in range(n_columns):
