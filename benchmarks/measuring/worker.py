@@ -5,7 +5,7 @@ python -m measuring.worker LIBRARY WARM-UP.npz MESH.npz
 Commands, each with its answer:
 
     {"do": "build", "source": 0}       clocks of a build and of one source, and its mean distance
-    {"do": "one", "sources": [...]}    clocks a call, each source by itself
+    {"do": "one", "sources": [...]}    clocks a source, each in a call of its own
     {"do": "each", "sources": [...]}   clocks a source, all in one call where there is one for that
     {"do": "release"}                  forgets what was built
     {"do": "limit"}                    the Poisson factor of this package: bytes, seconds of a solve
@@ -58,14 +58,19 @@ class Worker:
         return {**spent, "mean": float(np.mean(distance)), "solver": self.ready.solver}
 
     def one(self, sources: list[int]) -> dict[str, Any]:
-        assert self.ready is not None
-        calls = []
-        started = time.perf_counter()
-        for source in sources:
-            calls.append(clocks.timed(lambda s=source: self.ready.one(s))[0])
-            if time.perf_counter() - started > ENOUGH:
-                break
-        return {clock: float(np.mean([call[clock] for call in calls])) for clock in calls[0]}
+        """Clock calls of one source each, without a break: after other work short ones are slow."""
+        ready = self.ready
+        assert ready is not None
+
+        def ask() -> int:
+            asked, started = 0, time.perf_counter()
+            while asked < len(sources) and time.perf_counter() - started < ENOUGH:
+                ready.one(sources[asked])
+                asked += 1
+            return asked
+
+        spent, asked = clocks.timed(ask)
+        return {clock: seconds / asked for clock, seconds in spent.items()}
 
     def each(self, sources: list[int]) -> dict[str, Any]:
         assert self.ready is not None
