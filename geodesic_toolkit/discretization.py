@@ -44,8 +44,8 @@ class Discretization(FrozenArrays):
         `spacing` in all of them unless given.
     surface_frames : ndarray of shape (E, 3), float64, optional
         Where the elements are stars in tangent planes: the same triangles as they lie in space, in
-        the form of :attr:`~geodesic_toolkit.gradient.ElementGradient.inverse_frames`. Refinement
-        measures by them, and they tell it the curvature.
+        the form of the gradient's own ``inverse_frames``. Refinement measures by them, and they
+        tell it the curvature.
     notes : mapping, optional
         What the operator found or decided on the way, by name, for people to read: a number of
         flipped edges, whose normals were used.
