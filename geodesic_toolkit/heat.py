@@ -30,6 +30,7 @@ from geodesic_toolkit.linear.patterns import SharedAnalysis, plus_diagonal
 from geodesic_toolkit.positivity import positive_part
 from geodesic_toolkit.refine import WavefrontSweeper
 from geodesic_toolkit.source_points import SourcePoints, as_vertices
+from geodesic_toolkit.time_step import time_steps
 
 __all__ = ["Boundary", "HeatMethod", "HeatReport", "Progress", "SourcePoints"]
 
@@ -39,10 +40,6 @@ BLOCK = 16
 """Source sets solved at once: they share the reading of a factor, and stay in cache."""
 
 PROCESSORS = os.cpu_count() or 1
-
-LONGEST = 1e12
-"""Time step, in squared mean edge lengths, from which on it drowns the mass in rounding. Measured:
-distances are right up to 1e14, and 0 everywhere from 1e16 on."""
 
 WORTH_A_THREAD = 10_000
 """Vertices from which on a factor, or a block of sources, takes longer than to start a thread."""
@@ -131,7 +128,7 @@ class HeatMethod:
                 f"the diffusion has {self.diffusion.n_vertices} vertices, "
                 f"the metric {metric.n_vertices}"
             )
-        self.times = _time_steps(time, time_factor, metric, self.diffusion)
+        self.times = time_steps(time, time_factor, metric, self.diffusion)
         if boundary not in ("neumann", "dirichlet", "average"):
             raise InvalidOptionError(
                 f'boundary must be "neumann", "dirichlet" or "average", not {boundary!r}'
@@ -527,40 +524,6 @@ class HeatMethod:
             f"time={self.time:.4g}{boundary}, heat_solver={self.heat_solver!r}, "
             f"poisson_solver={self.poisson_solver!r}, factors of {self.nbytes / 1e6:.1f} MB)"
         )
-
-
-def _time_steps(
-    time: float | None, time_factor: float, metric: Discretization, diffusion: Discretization
-) -> float | FloatArray:
-    """Return the time step: a number, or (N,) if parts of the domain are of different scales."""
-    for name, value in (("time", time), ("time_factor", time_factor)):
-        if isinstance(value, str | bytes):
-            raise InvalidOptionError(f"{name} must be a number, not {value!r}")
-    try:
-        given = {"time": None if time is None else float(time), "time_factor": float(time_factor)}
-    except (TypeError, ValueError) as error:
-        raise InvalidOptionError(f"time and time_factor must be numbers: {error}") from error
-    for name, value in given.items():
-        if value is not None and not (np.isfinite(value) and value > 0):
-            raise InvalidOptionError(f"{name} must be positive and finite, not {value}")
-    if time is not None and time_factor != 1.0:
-        raise InvalidOptionError("give time or time_factor, not both")
-    least = float(metric.scales.min())
-    longest = time_factor if time is None else float(time) / least**2
-    if not longest <= LONGEST:
-        raise InvalidOptionError(
-            f"the time step is {longest:.3g} squared mean edge lengths: so long that heat is the "
-            "same everywhere; 1 to 100 of them are usual"
-        )
-    if time is not None:
-        return float(time)
-    first = float(metric.scales[0])
-    if (metric.scales == first).all():
-        return float(time_factor) * first**2
-    # Heat may flow between parts of the metric: t has to be one number wherever it does.
-    largest = np.zeros(int(diffusion.components.max()) + 1)
-    np.maximum.at(largest, diffusion.components, metric.scales)
-    return np.asarray(float(time_factor) * largest[diffusion.components] ** 2)
 
 
 def _worse(one: HeatReport | None, other: HeatReport | None) -> HeatReport | None:
