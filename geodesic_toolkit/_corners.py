@@ -10,7 +10,16 @@ from numpy.typing import NDArray
 
 from geodesic_toolkit._typing import BoolArray, FloatArray, IntArray
 
-__all__ = ["CORNER", "CORNERS", "curvatures", "gather", "star_curvatures", "tell_missed"]
+__all__ = [
+    "CORNER",
+    "CORNERS",
+    "angle_defects",
+    "curvatures",
+    "edge_lengths",
+    "gather",
+    "star_curvatures",
+    "tell_missed",
+]
 
 CORNER = np.dtype(
     [
@@ -149,13 +158,44 @@ def gather(  # noqa: PLR0917 - kernels take no keywords
             _go_round(corners[starts[v] : ends[v]])
 
 
+@kernel(types.float64[:, ::1](TABLE), **options)  # type: ignore[untyped-decorator]
+def edge_lengths(inverse_frames: FloatArray) -> FloatArray:
+    """Return the (E, 3) edges opposite the corners of triangles."""
+    lengths = np.empty((len(inverse_frames), 3))
+    for e in range(len(inverse_frames)):
+        p, q, r = inverse_frames[e, 0], inverse_frames[e, 1], inverse_frames[e, 2]
+        spanned = abs(p * r)
+        lengths[e, 0] = math.sqrt(p * p + (q + r) ** 2) / spanned
+        lengths[e, 1] = math.sqrt(p * p + q * q) / spanned
+        lengths[e, 2] = abs(r) / spanned
+    return lengths
+
+
 @kernel(  # type: ignore[untyped-decorator]
-    types.float64[::1](FACES, TABLE, VALUES, NUMBERS, CORNERS, FLAGS, types.float64), **options
+    types.float64[::1](FACES, TABLE, FLAGS), **options
+)
+def angle_defects(
+    elements: IntArray, inverse_frames: FloatArray, boundary: BoolArray
+) -> FloatArray:
+    """Return what the (N,) angles about vertices lack of 2π, where the domain ends of π."""
+    defect = np.where(boundary, math.pi, 2 * math.pi)
+    for e in range(len(elements)):
+        p, q, r = inverse_frames[e, 0], inverse_frames[e, 1], inverse_frames[e, 2]
+        # An angle is π minus what the other two hat gradients enclose.
+        spanned = abs(p * r)
+        at_i, at_j = math.atan2(spanned, -q * r), math.atan2(spanned, (q + r) * r)
+        for c, angle in ((0, at_i), (1, at_j), (2, math.pi - at_i - at_j)):
+            defect[elements[e, c]] -= angle
+    return defect
+
+
+@kernel(  # type: ignore[untyped-decorator]
+    types.float64[::1](FACES, VALUES, VALUES, NUMBERS, CORNERS, FLAGS, types.float64), **options
 )
 def curvatures(  # noqa: PLR0917 - kernels take no keywords
     elements: IntArray,
-    inverse_frames: FloatArray,
     measure: FloatArray,
+    defects: FloatArray,
     starts: IntArray,
     corners: NDArray[Any],
     boundary: BoolArray,
@@ -167,15 +207,10 @@ def curvatures(  # noqa: PLR0917 - kernels take no keywords
     domain ends, and where sheets meet. `starts` and `corners` are those of :func:`gather`.
     """
     n_vertices = len(boundary)
-    own = np.zeros((n_vertices, 2))  # the angle or its defect, and the area
+    own = np.zeros((n_vertices, 2))  # the defect, and the area
     for e in range(len(elements)):
-        p, q, r = inverse_frames[e, 0], inverse_frames[e, 1], inverse_frames[e, 2]
-        # An angle is π minus what the other two hat gradients enclose.
-        spanned = abs(p * r)
-        at_i, at_j = math.atan2(spanned, -q * r), math.atan2(spanned, (q + r) * r)
         third = measure[e] / 3
-        for c, angle in ((0, at_i), (1, at_j), (2, math.pi - at_i - at_j)):
-            own[elements[e, c], 0] += angle
+        for c in range(3):
             own[elements[e, c], 1] += third
     seen = np.full(n_vertices, -1)
     for v in range(n_vertices):
@@ -186,7 +221,7 @@ def curvatures(  # noqa: PLR0917 - kernels take no keywords
                 seen[other] = v
         # Where sheets meet there is no angle to fall short of: more faces than neighbours.
         flat = boundary[v] or starts[v + 1] - starts[v] > neighbours or own[v, 1] == 0
-        own[v, 0] = 0.0 if flat else 2 * math.pi - own[v, 0]
+        own[v, 0] = 0.0 if flat else defects[v]
     curvature = np.zeros(n_vertices)
     for v in range(n_vertices):
         defect, area = 0.0, 0.0

@@ -21,6 +21,7 @@ flipped: no rounding must flip it back."""
 kernel = numba.njit
 options = {"cache": True, "nogil": True, "error_model": "numpy"}
 FACES = types.Array(types.int64, 2, "C", readonly=True)
+FLAGS = types.Array(types.boolean, 1, "C", readonly=True)
 
 
 @numba.njit(**options)  # type: ignore[untyped-decorator]
@@ -97,22 +98,34 @@ def _doubled_area(p: float, q: float, r: float) -> float:
     return math.sqrt(max(product, 0.0)) / 2
 
 
-@kernel(  # type: ignore[untyped-decorator]
-    types.int64(types.int64[:, ::1], types.float64[:, ::1], types.int64[::1]), **options
-)
-def flip_edges(faces: IntArray, lengths: FloatArray, twin: IntArray) -> int:
-    """Flip edges until none has opposite angles of more than π together; return how many.
-
-    All three arrays change in place. Half-edges that wait to be looked at are on a stack; whatever
-    a flip may have spoilt goes there again, under the name that it has after the flip.
-    """
-    waiting, is_waiting = np.empty(len(twin), dtype=np.int64), np.zeros(len(twin), dtype=np.bool_)
+@numba.njit(**options)  # type: ignore[untyped-decorator]
+def _first_to_look_at(
+    lengths: FloatArray, twin: IntArray, waiting: IntArray, is_waiting: BoolArray
+) -> int:
+    """Write the half-edges opposite obtuse angles, one of which is in any two of more than π."""
     known = 0
     for half in range(len(twin)):
-        if twin[half] > half:
+        f, c = half // 3, half % 3
+        side, one, other = lengths[f, c], lengths[f, (c + 1) % 3], lengths[f, (c + 2) % 3]
+        if twin[half] >= 0 and side * side > one * one + other * other:
             waiting[known] = half
             is_waiting[half] = True
             known += 1
+    return known
+
+
+@kernel(  # type: ignore[untyped-decorator]
+    types.int64(types.int64[:, ::1], types.float64[:, ::1], types.int64[::1], FLAGS), **options
+)
+def flip_edges(faces: IntArray, lengths: FloatArray, twin: IntArray, held: BoolArray) -> int:
+    """Flip edges until none has opposite angles of more than π together; return how many.
+
+    Edges at vertices that are `held`, (N,), stay. The other arrays change in place. Half-edges that
+    wait to be looked at are on a stack; whatever a flip may have spoilt goes there again, under the
+    name that it has after the flip.
+    """
+    waiting, is_waiting = np.empty(len(twin), dtype=np.int64), np.zeros(len(twin), dtype=np.bool_)
+    known = _first_to_look_at(lengths, twin, waiting, is_waiting)
     flips = 0
     old, new = np.empty(4, dtype=np.int64), np.empty(4, dtype=np.int64)
     across, measures = np.empty(4, dtype=np.int64), np.empty(4)
@@ -128,6 +141,8 @@ def flip_edges(faces: IntArray, lengths: FloatArray, twin: IntArray) -> int:
         old[2], old[3] = 3 * f + (c + 1) % 3, 3 * g + (d + 2) % 3  # bc and db, a opposite both
         for side in range(4):
             measures[side] = lengths[old[side] // 3, old[side] % 3]
+        if held[faces[f, (c + 1) % 3]] or held[faces[f, (c + 2) % 3]]:
+            continue
         ad, ca, bc, db = measures
         ab = lengths[f, c]
         above, below = _doubled_area(ab, bc, ca), _doubled_area(ab, ad, db)

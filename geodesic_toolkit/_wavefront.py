@@ -182,7 +182,13 @@ def _through(  # noqa: PLR0917 - kernels take no keywords
 
 @kernel  # type: ignore[untyped-decorator]
 def _nearest(  # noqa: PLR0917 - kernels take no keywords
-    vertices: NDArray[Any], corners: NDArray[Any], v: int, start: int, end: int, enough: float
+    vertices: NDArray[Any],
+    corners: NDArray[Any],
+    reflex: BoolArray,
+    v: int,
+    start: int,
+    end: int,
+    enough: float,
 ) -> tuple[float, float]:
     """Return distance and κ that the corners of vertex v have for it, `enough` if none has less.
 
@@ -208,7 +214,10 @@ def _nearest(  # noqa: PLR0917 - kernels take no keywords
     if best == along and via >= 0:
         corner = corners[via // 2]
         near, step = (corner.b, corner.to_b) if via % 2 else (corner.a, corner.to_a)
-        kappa = _along(vertices[near].kappa, step, (vertices[near].curvature + bend) / 2)
+        if reflex[near]:  # about a corner of the boundary: the front is a circle about it
+            kappa = 1 / step
+        else:
+            kappa = _along(vertices[near].kappa, step, (vertices[near].curvature + bend) / 2)
     return best, kappa
 
 
@@ -258,6 +267,7 @@ def _look_ahead(  # noqa: PLR0917 - kernels take no keywords
         NUMBERS,
         NUMBERS,
         CORNERS,
+        types.Array(types.boolean, 1, "C", readonly=True),
         numba.from_dtype(VERTEX)[::1],
         types.boolean[::1],
         types.uint64[::1],
@@ -271,6 +281,7 @@ def sweep(  # noqa: PLR0917 - kernels take no keywords
     starts: IntArray,
     ends: IntArray,
     corners: NDArray[Any],
+    reflex: BoolArray,
     vertices: NDArray[Any],
     pending: BoolArray,
     words: NDArray[np.uint64],
@@ -312,7 +323,7 @@ def sweep(  # noqa: PLR0917 - kernels take no keywords
         rank += 1
         _look_ahead(order, rank, starts, ends, corners, vertices)
         enough = vertices[v].distance - tolerance
-        best, kappa = _nearest(vertices, corners, v, starts[v], ends[v], enough)
+        best, kappa = _nearest(vertices, corners, reflex, v, starts[v], ends[v], enough)
         if not best < enough:
             continue
         vertices[v].distance, vertices[v].kappa = best, kappa

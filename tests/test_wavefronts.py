@@ -1,6 +1,7 @@
 """Do the kernels of refinement read triangles as the plain formulas do, and finish their sweeps?"""
 
 import dataclasses
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -89,8 +90,29 @@ def plain_lengths(gradient):
     return lengths
 
 
+def as_swept(sweeper):
+    """Return the gradient on the triangles that fronts cross."""
+    own = sweeper.metric.gradient
+    return (
+        own if own.stars else gt.ElementGradient.of_triangles(*sweeper._triangles, own.n_vertices)
+    )
+
+
+def edges_of(faces):
+    return {tuple(sorted(edge)) for face in faces.tolist() for edge in pairwise([*face, face[0]])}
+
+
+def plate_with_a_notch(n):
+    """Return a square plate of n x n squares without its upper right quarter."""
+    plate = shapes.grid(n + 1, spacing=1.0)
+    middle = plate.vertices[plate.faces].mean(axis=1)
+    kept = plate.faces[~(middle[:, :2] > n / 2).all(axis=1)]
+    used, faces = np.unique(kept, return_inverse=True)
+    return gt.TriangleMesh(plate.vertices[used], faces.reshape(-1, 3))
+
+
 def test_every_vertex_has_its_corners_and_those_of_its_own_star_first(sweeper):
-    gradient = sweeper.metric.gradient
+    gradient = as_swept(sweeper)
     faces, count = gradient.elements, gradient.n_vertices
     foreign = np.zeros(faces.shape, dtype=bool)
     if gradient.stars:
@@ -154,6 +176,60 @@ def test_curvature_is_the_mean_angle_defect_over_the_mean_area(sweeper):
     expected /= 1 + np.abs(expected) * area * 2 / np.sqrt(3) / refine.COARSE
     atol = 1e-13 / sweeper.metric.spacing**2
     np.testing.assert_allclose(sweeper._curvature, expected, rtol=1e-12, atol=atol)
+
+
+def test_fronts_cross_a_delaunay_triangulation_of_the_same_surface():
+    sheared = shapes.grid(9, shear=2.0)
+    given, delaunay = (
+        WavefrontSweeper(gt.CotanLaplacian(intrinsic_delaunay=flip).assemble(sheared))._triangles
+        for flip in (False, True)
+    )
+    edges, flipped = edges_of(given[0]), edges_of(delaunay[0])
+    assert edges == flipped != edges_of(sheared.faces)
+    assert given[2].sum() == pytest.approx(delaunay[2].sum())
+
+
+def test_edges_at_sharp_vertices_are_not_flipped():
+    sphere, rng = shapes.icosphere(3), np.random.default_rng(0)
+    bumps = rng.uniform(0.93, 1.07, (sphere.n_vertices, 1))
+    mesh = gt.TriangleMesh(sphere.vertices * bumps * [1, 1, 3], sphere.faces)
+    sweeper = WavefrontSweeper(assembled(mesh))
+    sharp = np.abs(sweeper._defects) > refine.SHARP
+    before, after = edges_of(mesh.faces), edges_of(sweeper._triangles[0])
+    assert before != after
+    assert 0.1 < sharp.mean() < 0.9
+    assert {edge for edge in before if sharp[list(edge)].any()} <= after
+
+
+def test_the_defects_of_a_closed_surface_are_its_whole_curvature():
+    for mesh, whole in ((shapes.icosphere(2), 4 * np.pi), (shapes.torus(12, 7), 0.0)):
+        sweeper = WavefrontSweeper(assembled(mesh))
+        assert sweeper._defects.sum() == pytest.approx(whole, abs=1e-9)
+        assert not sweeper._reflex.any()
+
+
+def test_a_front_turns_about_a_reflex_corner_of_the_boundary(monkeypatch):
+    mesh = plate_with_a_notch(20)
+    corner = int(np.flatnonzero((mesh.vertices == [10, 10, 0]).all(axis=1))[0])
+    source = int(np.flatnonzero((mesh.vertices == [20, 4, 0]).all(axis=1))[0])
+    metric = assembled(mesh)
+    assert np.flatnonzero(WavefrontSweeper(metric)._reflex).tolist() == [corner]
+    to_corner, x = mesh.vertices[corner] - mesh.vertices[source], mesh.vertices
+    beyond = x - mesh.vertices[corner]
+    shadow = np.flatnonzero(to_corner[0] * beyond[:, 1] - to_corner[1] * beyond[:, 0] < -1e-9)
+    shadow = shadow[x[shadow, 1] > 10]
+    exact = np.linalg.norm(to_corner) + np.linalg.norm(beyond[shadow], axis=1)
+
+    def error():
+        found = gt.HeatMethod(
+            metric, heat_solver=gt.SuperLU(), poisson_solver=gt.SuperLU(), refine=True
+        ).distance(source)[shadow]
+        return np.abs(found / exact - 1).mean()
+
+    turning = error()
+    monkeypatch.setattr(refine, "REFLEX", np.inf)
+    assert turning < 0.8 * error()
+    assert turning < 0.005
 
 
 @pytest.mark.parametrize("name", ["sphere", "obtuse", "scrambled", "many sheets", "cloud"])

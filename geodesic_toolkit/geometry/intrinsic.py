@@ -40,12 +40,12 @@ def delaunay_triangles(faces: IntArray, lengths: FloatArray) -> tuple[IntArray, 
     twin, coherent = twins(faces, count)
     if coherent:
         faces, lengths = faces.copy(), lengths.copy()
-        flip_edges(faces, lengths, twin)
+        flip_edges(faces, lengths, twin, np.zeros(count, dtype=np.bool_))
         return faces, lengths
     cut, cut_lengths, origin = coherently_oriented(faces, lengths)
     twin, _ = twins(cut, len(origin))
     cut, cut_lengths = cut.copy(), cut_lengths.copy()
-    flip_edges(cut, cut_lengths, twin)
+    flip_edges(cut, cut_lengths, twin, np.zeros(len(origin), dtype=np.bool_))
     return origin[cut], cut_lengths
 
 

@@ -70,7 +70,8 @@ class CotanLaplacian(LaplaceOperator):
         no weight of the wrong sign away from the boundary, so that heat is positive. Worth its
         cost (that of the rest of the assembly; several times it where libigl flips, on meshes too
         small to load our kernels for) on meshes with many obtuse angles.
-        "auto" decides by how much of the stiffness has the wrong sign.
+        "auto" decides by how much of the stiffness has the wrong sign. Refined distances are
+        measured on flipped triangles whatever is said here.
 
     Raises
     ------
