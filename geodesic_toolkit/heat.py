@@ -359,7 +359,7 @@ class HeatMethod:
         distances[:] = potential.T
         for k, points in enumerate(block):
             row = distances[k]
-            above = points.readings(potential[:, k])
+            above = points.readings(row)
             home = points.components(self.metric)
             first = points.first_to_start(home)  # others may be overtaken before they start
             parts = [0] if self._in_one_piece else np.unique(home).tolist()
@@ -389,9 +389,10 @@ class HeatMethod:
 
         def fill(k: int) -> None:
             points = block[k]
-            vertices = points.weights.indices.astype(np.int64)
             known = points.distances + points.starts[points.rows]
-            distances[k] = sweeper.distance(log_heat[:, k], vertices, known, points.curvatures)
+            distances[k] = sweeper.distance(
+                log_heat[:, k], points.vertices, known, points.curvatures
+            )
 
         if len(block) == 1:
             fill(0)

@@ -156,20 +156,19 @@ class HeatFlow:
         self, solution: FloatArray, lowest: FloatArray, block: Sequence[SourcePoints]
     ) -> bool:
         """Return whether no value that heat reaches is near underflow, so that one solve is all."""
-        doubtful = np.flatnonzero(lowest <= SETTLED)  # most columns are not
-        return not any(
-            ((np.abs(solution[:, k]) <= SETTLED) & self.reached(block[k])).any()
-            for k in doubtful.tolist()
-        )
+        for k in np.flatnonzero(lowest <= SETTLED).tolist():  # most columns are not among them
+            sunk = np.abs(solution[:, k]) <= SETTLED
+            if sunk.any() and (sunk & self.reached(block[k])).any():
+                return False
+        return True
 
     def _complete_in_range(self, solution: FloatArray, k: int, points: SourcePoints) -> HeatReport:
         """Fill column k of u in place where heat should be positive and is not."""
         missing = solution[:, k] < 0
         report = HeatReport(self._reach(points), int(np.count_nonzero(missing)), 1)
         if report.non_positive and not report.harmful:
-            log_heat = _log(solution[:, k])
-            filled = fill_from_neighbours(self.systems()[0].matrix, log_heat, missing)
-            solution[missing, k] = np.exp(filled[missing])
+            matrix = self.systems()[0].matrix
+            fill_from_neighbours(matrix, solution[:, k], missing, logarithmic=False)
         return report
 
     def _complete(self, log_heat: FloatArray, points: SourcePoints, stages: int) -> HeatReport:
@@ -179,7 +178,7 @@ class HeatFlow:
         count = int(missing.sum())
         if count and self.solver.componentwise:
             matrix = self.systems()[0].matrix
-            log_heat[:] = fill_from_neighbours(matrix, log_heat, missing)
+            fill_from_neighbours(matrix, log_heat, missing, logarithmic=True)
         return HeatReport(int(reached.sum()), count, stages)
 
     def _loads(self, block: Sequence[SourcePoints]) -> tuple[FloatArray, FloatArray, IntArray]:
@@ -216,6 +215,8 @@ class HeatFlow:
         """Return at how many vertices."""
         if self.boundary == "dirichlet":
             return int(self.reached(points).sum())
+        if len(self._part_sizes) == 1:
+            return self.diffusion.n_vertices
         return int(self._part_sizes[np.unique(points.components(self.diffusion))].sum())
 
     @cached_property
@@ -282,7 +283,7 @@ def _lowest(table: FloatArray) -> FloatArray:
 
     Of many rows at a time: a few columns are compared sooner than NumPy has begun with a row.
     """
-    if not table.flags.c_contiguous:
+    if table.shape[1] == 1 or not table.flags.c_contiguous:
         return np.asarray(table.min(axis=0))
     count, width = table.shape
     whole = count - count % ROWS

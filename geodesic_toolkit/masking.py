@@ -46,7 +46,7 @@ def check_unmasked(places: SourcePoints, mask: BoolArray, name: str = "sources")
     name : str
         What to call the sources in the message.
     """
-    used = places.weights.indices
+    used = places.vertices
     if mask[used].any():
         raise InvalidSourceError(
             f"{name}: vertex {used[mask[used]][0]} is masked, so that no path starts there"

@@ -5,7 +5,7 @@ stiffness L = -Δ are zero or negative. Obtuse angles make some positive.
 """
 
 import numpy as np
-from scipy.sparse import coo_array, csr_array, diags_array, triu
+from scipy.sparse import csr_array, diags_array
 
 from geodesic_toolkit._kernels import worthwhile
 from geodesic_toolkit._typing import FloatArray
@@ -77,13 +77,22 @@ def positive_part(metric: Discretization) -> Discretization:
     >>> bool(positive_part(sheared).gradient.edge_weights.min() > 0)
     True
     """
-    upper = coo_array(triu(-metric.stiffness, k=1))
-    weights = np.maximum(upper.data, LINK * np.abs(upper.data))
-    edges = np.column_stack(upper.coords).astype(np.int64)
-    gradient = EdgeGradient(edges, weights, metric.mass)
+    given, count = metric.stiffness, len(metric.mass)
+    tails = np.repeat(np.arange(count), np.diff(given.indptr))
+    heads = given.indices.astype(np.int64)
+    upper, diagonal = heads > tails, heads == tails
+    weights = np.maximum(-given.data, LINK * np.abs(given.data))
+    edges = np.column_stack([tails[upper], heads[upper]])
+    gradient = EdgeGradient(edges, weights[upper], metric.mass)
+    if np.count_nonzero(diagonal) == count:  # the pattern stays, and its analysis serves
+        weights[diagonal] = 0.0
+        weights[diagonal] = -np.bincount(tails, weights, count)
+        stiffness = csr_array((-weights, given.indices, given.indptr), shape=given.shape)
+    else:
+        stiffness = gradient.stiffness()
     return Discretization(
         mass=metric.mass,
-        stiffness=gradient.stiffness(),
+        stiffness=stiffness,
         gradient=gradient,
         spacing=metric.spacing,
         boundary=metric.boundary,

@@ -1,6 +1,7 @@
 """Sources as convex combinations of vertices: what the heat method starts from."""
 
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -18,53 +19,76 @@ LAYER = 200.0
 
 @dataclass(frozen=True)
 class SourcePoints:
-    """A set of sources as convex combinations of vertices.
+    """A set of P sources as convex combinations of vertices.
 
     Attributes
     ----------
-    weights : csr_array of shape (P, N)
-        One row a point: its barycentric weights on the vertices around it.
+    vertices : ndarray of shape (nnz,), int64
+        The vertices around the points, one point after the other; repeated where points share one.
+    shares : ndarray of shape (nnz,), float64
+        Their barycentric weights, which add up to 1 for each point.
+    begins : ndarray of shape (P + 1,), int64
+        Where the vertices of each point begin, and nnz at the end.
+    n_vertices : int
+        Number N of vertices of the domain.
     distances : ndarray of shape (nnz,), float64
-        How far the point is from each of those vertices, in the order of ``weights.data``; 0 for a
-        point at a vertex.
-    starts : ndarray of shape (P,), float64, optional
+        How far the point is from each of its vertices; 0 for a point at a vertex.
+    starts : ndarray of shape (P,), float64
         The distance that each point starts with; 0 unless given.
-    curvatures : ndarray of shape (nnz,), float64, optional
+    front_curvatures : ndarray of shape (nnz,), float64, optional
         Geodesic curvature κ of the front when it comes to those vertices; that of a circle about
         the point, ``1 / distances``, unless given.
     """
 
-    weights: csr_array
+    vertices: IntArray
+    shares: FloatArray
+    begins: IntArray
+    n_vertices: int
     distances: FloatArray
     starts: FloatArray = field(default_factory=lambda: np.zeros(0))
-    curvatures: FloatArray = field(default_factory=lambda: np.zeros(0))
+    front_curvatures: FloatArray | None = None
 
     def __post_init__(self) -> None:
         if not len(self.starts):
-            object.__setattr__(self, "starts", np.zeros(self.weights.shape[0]))
-        if not len(self.curvatures):
-            with np.errstate(divide="ignore"):
-                object.__setattr__(self, "curvatures", 1 / self.distances)
+            object.__setattr__(self, "starts", np.zeros(self.count))
 
     @classmethod
     def at_vertices(cls, vertices: IntArray, n_vertices: int) -> "SourcePoints":
         """Return sources at vertices."""
         count = len(vertices)
-        entries = (np.ones(count), vertices, np.arange(count + 1))
-        return cls(csr_array(entries, shape=(count, n_vertices)), np.zeros(count))
+        return cls(vertices, np.ones(count), np.arange(count + 1), n_vertices, np.zeros(count))
+
+    @property
+    def count(self) -> int:
+        """Number P of points."""
+        return len(self.begins) - 1
+
+    @cached_property
+    def weights(self) -> csr_array:
+        """The weights as a matrix of shape (P, N), one row a point, its entries as they come."""
+        entries = (self.shares, self.vertices, self.begins)
+        return csr_array(entries, shape=(self.count, self.n_vertices))
+
+    @cached_property
+    def curvatures(self) -> FloatArray:
+        """Curvature κ of the front at each of the vertices, of shape (nnz,); ``inf`` at a point."""
+        if self.front_curvatures is not None:
+            return self.front_curvatures
+        with np.errstate(divide="ignore"):
+            return np.asarray(1 / self.distances)
 
     @property
     def rows(self) -> IntArray:
         """The (nnz,) point that each weight belongs to."""
-        return np.repeat(np.arange(self.weights.shape[0]), np.diff(self.weights.indptr))
+        return np.repeat(np.arange(self.count), np.diff(self.begins))
 
     def readings(self, values: FloatArray) -> FloatArray:
         """Return what values at the vertices, (N,), are in the points, less what they begin with.
 
         That is their weighted mean, less how far the vertices are from the point, and its start.
         """
-        above = self.weights.data * (values[self.weights.indices] - self.distances)
-        return np.bincount(self.rows, above, self.weights.shape[0]) - self.starts
+        above = self.shares * (values[self.vertices] - self.distances)
+        return np.add.reduceat(above, self.begins[:-1]) - self.starts
 
     @property
     def radial(self) -> bool:
@@ -78,6 +102,8 @@ class SourcePoints:
         ----------
         components : ndarray of shape (P,), int64
         """
+        if not self.starts.any():
+            return np.ones(self.count, dtype=np.bool_)
         least = np.full(components.max() + 1, np.inf)
         np.minimum.at(least, components, self.starts)
         return np.asarray(self.starts == least[components])
@@ -90,8 +116,7 @@ class SourcePoints:
         vertices, strengths, log_scale
             What to add where, with repeated vertices; the logarithm of what to scale its heat by.
         """
-        vertices = np.asarray(self.weights.indices, dtype=np.int64)
-        return vertices, np.asarray(self.weights.data, dtype=np.float64), 0.0
+        return self.vertices, self.shares, 0.0
 
     def delayed_loads(
         self, components: IntArray, decay: FloatArray
@@ -128,7 +153,7 @@ class SourcePoints:
     @property
     def first_vertices(self) -> IntArray:
         """The (P,) first of the vertices around each point."""
-        return np.asarray(self.weights.indices[self.weights.indptr[:-1]])
+        return np.asarray(self.vertices[self.begins[:-1]])
 
 
 def as_vertices(sources: Any, n_vertices: int, name: str = "sources") -> IntArray:

@@ -1,10 +1,10 @@
 """Sources of every kind, as convex combinations of vertices."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
-from scipy.sparse import csr_array
 
 from geodesic_toolkit._typing import FloatArray, IntArray
 from geodesic_toolkit._warning import warn
@@ -60,11 +60,11 @@ def locate_sources(
     """
     if isinstance(sources, OffsetSources):
         places = locate_sources(domain, sources.sources, name, passable=passable)
-        if isinstance(sources.sources, Curve) or len(sources.offsets) != places.weights.shape[0]:
+        if isinstance(sources.sources, Curve) or len(sources.offsets) != places.count:
             raise InvalidSourceError(
                 f"{name}: {len(sources.offsets)} offsets must be one for each source"
             )
-        return SourcePoints(places.weights, places.distances, sources.offsets)
+        return replace(places, starts=sources.offsets)
     if isinstance(sources, Curve):
         return _along(domain, domain if passable is None else passable, sources, name)
     surface_points = _as_surface_points(sources)
@@ -199,7 +199,7 @@ def _along(domain: Domain, passable: Domain, curve: Curve, name: str) -> SourceP
         off = np.full(len(vertices), np.inf)
         np.minimum.at(off, place, np.linalg.norm(passable.points[nearest] - points, axis=1))
         at = SourcePoints.at_vertices(vertices, domain.n_vertices)
-        return SourcePoints(at.weights, off, curvatures=np.zeros(len(vertices)))
+        return replace(at, distances=off, front_curvatures=np.zeros(len(vertices)))
     assert isinstance(passable, TriangleMesh)  # for the type checker; _spacing has raised
     faces, barycentric = closest_on_triangles(points, passable.vertices, passable.faces)
     around = passable.vertices[passable.faces[faces]]
@@ -240,9 +240,11 @@ def _barycentric(
         at = np.einsum("pc,pcd->pd", barycentric, places)
         distances = np.linalg.norm(places - at[:, None], axis=2)
     used = barycentric > 0
-    starts = np.concatenate([[0], np.cumsum(used.sum(axis=1))])
-    shape = (len(faces), mesh.n_vertices)
-    weights = csr_array((barycentric[used], corners[used], starts), shape=shape)
-    if curvatures is None:
-        return SourcePoints(weights, distances[used])
-    return SourcePoints(weights, distances[used], curvatures=curvatures[used])
+    return SourcePoints(
+        vertices=corners[used],
+        shares=barycentric[used],
+        begins=np.concatenate([[0], np.cumsum(used.sum(axis=1))]),
+        n_vertices=mesh.n_vertices,
+        distances=distances[used],
+        front_curvatures=None if curvatures is None else curvatures[used],
+    )

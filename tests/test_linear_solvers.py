@@ -46,15 +46,28 @@ def test_options_outside_their_values_are_refused(options):
 
 
 def test_missing_heat_is_filled_from_neighbours_ring_by_ring():
-    path = np.diag(np.full(4, 2.0)) - np.eye(4, k=1) - np.eye(4, k=-1) + np.eye(4)
-    log_solution = np.array([0.0, -np.inf, -np.inf, -np.inf])
-    filled = fill_from_neighbours(csr_array(path), log_solution, np.isinf(log_solution))
-    assert np.isfinite(filled).all()
-    assert (np.diff(filled) < 0).all()
+    path = csr_array(np.diag(np.full(4, 2.0)) - np.eye(4, k=1) - np.eye(4, k=-1) + np.eye(4))
+    heat, log_heat = np.array([1.0, -0.1, 0.0, -0.3]), np.array([0.0, *[-np.inf] * 3])
+    missing = np.array([False, True, True, True])
+    fill_from_neighbours(path, heat, missing, logarithmic=False)
+    fill_from_neighbours(path, log_heat, missing, logarithmic=True)
+    assert (heat > 0).all()
+    assert (np.diff(heat) < 0).all()
+    np.testing.assert_allclose(log_heat, np.log(heat))
+
+
+def test_heat_far_below_what_floats_hold_is_filled_as_its_logarithm():
+    path = csr_array(np.diag(np.full(3, 2.0)) - np.eye(3, k=1) - np.eye(3, k=-1))
+    log_heat = np.array([-5000.0, -np.inf, -5001.0])
+    fill_from_neighbours(path, log_heat, np.isinf(log_heat), logarithmic=True)
+    assert log_heat[1] == pytest.approx(-5000 + np.log((1 + np.exp(-1.0)) / 2))
 
 
 def test_what_no_value_reaches_stays_empty():
     apart = csr_array(np.eye(3))
-    log_solution = np.array([0.0, -np.inf, -np.inf])
-    filled = fill_from_neighbours(apart, log_solution, np.isinf(log_solution))
-    np.testing.assert_array_equal(filled, log_solution)
+    heat, log_heat = np.array([1.0, -1.0, 0.0]), np.array([0.0, -np.inf, -np.inf])
+    missing = np.array([False, True, True])
+    fill_from_neighbours(apart, heat, missing, logarithmic=False)
+    fill_from_neighbours(apart, log_heat, missing, logarithmic=True)
+    np.testing.assert_array_equal(heat, [1.0, 0.0, 0.0])
+    np.testing.assert_array_equal(log_heat, [0.0, -np.inf, -np.inf])

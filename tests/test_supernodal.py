@@ -25,7 +25,7 @@ from geodesic_toolkit.errors import InvalidOptionError, NotEnoughMemoryError, So
 from geodesic_toolkit.linear import memory
 from geodesic_toolkit.linear.patterns import SharedAnalysis
 from geodesic_toolkit.linear.supernodal import _elimination, _numeric, _ordering, _solve, factor
-from geodesic_toolkit.linear.supernodal.analysis import analyze
+from geodesic_toolkit.linear.supernodal.analysis import LANES, analyze
 from geodesic_toolkit.linear.supernodal.blas_threads import single_threaded_blas
 from geodesic_toolkit.testing import shapes
 
@@ -348,7 +348,9 @@ def test_solving_needs_no_clean_room_and_no_more_than_stated(laplacian, columns)
     known = (its.order, its.first, its.row_starts, its.rows, its.panels, found._panels)
     load = np.random.default_rng(0).normal(size=(n, columns) if columns else n)
     kernel, size = (
-        (_solve.solve_block, 16 * (n + 4)) if columns else (_solve.solve_column, n + its.tallest)
+        (_solve.solve_block, 16 * (n + 4))
+        if columns
+        else (_solve.solve_column, n + its.tallest + LANES)
     )
     results = []
     for fill in (0.0, np.nan):
@@ -408,10 +410,12 @@ def test_the_panels_hold_the_cholesky_factor(laplacian):
         rows = its.rows[its.row_starts[s] : its.row_starts[s + 1]]
         panel = found._panels[its.panels[s] : its.panels[s + 1]]
         lower[rows, columns] = panel.reshape(-1, len(rows)).T
+    np.fill_diagonal(lower, 1 / np.diagonal(lower))
     exact = np.linalg.cholesky(system.toarray()[np.ix_(its.order, its.order)])
     np.testing.assert_allclose(np.tril(lower), exact, atol=1e-12 * np.abs(exact).max())
-    assert found.nnz == len(found._panels)
-    assert found.nbytes == 8 * found.nnz
+    assert len(found._panels) == found.nnz + LANES
+    assert not found._panels[found.nnz :].any()
+    assert found.nbytes == 8 * len(found._panels)
     assert repr(found) == f"SupernodalFactor({n} unknowns, {found.nnz} entries)"
 
 

@@ -106,8 +106,8 @@ def path_on_cloud(  # noqa: PLR0917 - what it needs, in the order of its doing
     UnreachableError
         No triangle connects the goal with a source.
     """
-    start = int(goal.weights.indices[0])
-    ends = set(sources.weights.indices.tolist())
+    start = int(goal.vertices[0])
+    ends = set(sources.vertices.tolist())
     if start in ends:
         return CloudPath(cloud, np.full((1, 3), start), np.array([[1.0, 0.0, 0.0]]))
     if not np.isfinite(distance[start]):

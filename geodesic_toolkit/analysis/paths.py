@@ -153,10 +153,9 @@ def geodesic_path(solver: GeodesicSolver, source: Any, target: Any) -> GeodesicP
         raise InvalidSourceError("target: a path leads to a place; offsets are for sources")
     sources = solver._locate(source, "source")  # noqa: SLF001 - it knows what is masked
     goal = locate_sources(domain, target, "target", passable=solver.passable)
-    if goal.weights.shape[0] != 1:
+    if goal.count != 1:
         raise InvalidSourceError(
-            f"target: a path leads to one place, not to {goal.weights.shape[0]}; "
-            "ask for a path to each"
+            f"target: a path leads to one place, not to {goal.count}; ask for a path to each"
         )
     metric = _with_triangles(solver)
     back = _from_goal(metric, _positions(domain), goal)
@@ -171,11 +170,14 @@ def geodesic_path(solver: GeodesicSolver, source: Any, target: Any) -> GeodesicP
 def _first_to_arrive(sources: SourcePoints, back: FloatArray) -> SourcePoints:
     """Return the source whose offset and way to the goal are least together, without its offset."""
     first = int(np.argmin(sources.starts + sources.weights @ back))
-    around = slice(sources.weights.indptr[first], sources.weights.indptr[first + 1])
+    around = slice(sources.begins[first], sources.begins[first + 1])
     return SourcePoints(
-        csr_array(sources.weights[[first]]),
-        sources.distances[around],
-        curvatures=sources.curvatures[around],
+        vertices=sources.vertices[around],
+        shares=sources.shares[around],
+        begins=sources.begins[first : first + 2] - sources.begins[first],
+        n_vertices=sources.n_vertices,
+        distances=sources.distances[around],
+        front_curvatures=sources.curvatures[around],
     )
 
 
@@ -233,9 +235,8 @@ def _refined(solver: GeodesicSolver, metric: Discretization, sources: SourcePoin
     method = solver.method
     if method.refine:
         return method.distance(sources)
-    around = sources.weights.indices.astype(np.int64)
     return WavefrontSweeper(metric).distance(
-        method.log_heat(sources), around, sources.distances, sources.curvatures
+        method.log_heat(sources), sources.vertices, sources.distances, sources.curvatures
     )
 
 
@@ -252,9 +253,8 @@ def _from_goal(metric: Discretization, positions: FloatArray, goal: SourcePoints
     lengths = np.linalg.norm(steps, axis=1)
     lengths = np.maximum(lengths, SAME * lengths.max(initial=0.0) + TINY)  # 0 would be no edge
     graph = csr_array(coo_array((lengths, tuple(edges.T)), shape=(count, count)))
-    around = goal.weights.indices.astype(np.int64)
-    along = dijkstra(graph, directed=False, indices=around, min_only=True)
-    return sweeper.distance(-along, around, goal.distances, goal.curvatures)
+    along = dijkstra(graph, directed=False, indices=goal.vertices, min_only=True)
+    return sweeper.distance(-along, goal.vertices, goal.distances, goal.curvatures)
 
 
 def _surface_point(

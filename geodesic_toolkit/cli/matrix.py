@@ -196,11 +196,23 @@ def _processes(count: int) -> Iterator["Executor | None"]:
                 pool.submit(int)
         yield pool
     except BaseException:  # Ctrl-C above all: no process may outlive the block; it goes on
+        threading.excepthook = _without_cancelled_tasks
         for process in multiprocessing.active_children():  # rather than wait for their tasks
             process.terminate()
         pool.shutdown(wait=False, cancel_futures=True)  # the end of the program waits for it
         raise
     pool.shutdown()
+
+
+def _without_cancelled_tasks(failure: threading.ExceptHookArgs) -> None:
+    """Report how a thread failed, but for that of a pool whose processes were ended.
+
+    It marks all tasks as broken and stumbles over those that were cancelled before.
+    """
+    from concurrent.futures import InvalidStateError
+
+    if failure.exc_type is not InvalidStateError:
+        threading.__excepthook__(failure)
 
 
 @contextmanager

@@ -130,9 +130,9 @@ def _interface(
 
 
 def fill_from_neighbours(
-    matrix: csr_array, log_solution: FloatArray, missing: BoolArray
-) -> FloatArray:
-    """Return one column of ``log u`` with `missing` entries averaged from neighbours that have one.
+    matrix: csr_array, solution: FloatArray, missing: BoolArray, *, logarithmic: bool
+) -> None:
+    """Fill the `missing` entries of u, or of log u, in place from neighbours that have a value.
 
     The maximum principle made true: u_i becomes ``Σ |a_ij| u_j / (|Σ_j a_ij| + Σ |a_ij|)`` over the
     neighbours j with a value, ring by ring.
@@ -140,11 +140,14 @@ def fill_from_neighbours(
     Parameters
     ----------
     matrix : csr_array of shape (N, N)
-    log_solution : ndarray of shape (N,)
+    solution : ndarray of shape (N,)
+        u or, if `logarithmic`, log u.
     missing : ndarray of shape (N,), bool
-        Where to fill; vertices that no value reaches stay ``-inf``.
+        Where to fill; vertices that no value reaches get 0, or ``-inf``.
+    logarithmic : bool
     """
-    filled = log_solution.copy()
+    nothing = -np.inf if logarithmic else 0.0
+    solution[missing] = nothing
     rows = np.flatnonzero(missing)
     counts = matrix.indptr[rows + 1] - matrix.indptr[rows]
     row = np.repeat(np.arange(len(rows)), counts)
@@ -152,19 +155,24 @@ def fill_from_neighbours(
     entries = np.arange(counts.sum()) + np.repeat(matrix.indptr[rows] - begins, counts)
     neighbour, value = matrix.indices[entries], matrix.data[entries]
     mass = np.abs(np.bincount(row, value, minlength=len(rows)))
-    off_diagonal = rows[row] != neighbour
-    row, neighbour = row[off_diagonal], neighbour[off_diagonal]
-    weight = np.abs(value[off_diagonal])
+    at_neighbours = (rows[row] != neighbour) & (value != 0)
+    row, neighbour = row[at_neighbours], neighbour[at_neighbours]
+    weight = np.abs(value[at_neighbours])
     total = mass + np.bincount(row, weight, minlength=len(rows))
-    open_rows = np.full(len(rows), True)
-    while True:
-        use = open_rows[row] & np.isfinite(filled[neighbour]) & (weight > 0)
-        largest = np.full(len(rows), -np.inf)
-        np.maximum.at(largest, row[use], filled[neighbour[use]])
-        reached = np.isfinite(largest)
+    while len(row):
+        known = solution[neighbour] > nothing
+        reached = np.zeros(len(rows), dtype=np.bool_)
+        reached[row[known]] = True
         if not reached.any():
-            return filled
-        relative = weight[use] * np.exp(filled[neighbour[use]] - largest[row[use]])
-        average = np.bincount(row[use], relative, minlength=len(rows))
-        filled[rows[reached]] = largest[reached] + np.log(average[reached] / total[reached])
-        open_rows &= ~reached
+            return
+        near, around = row[known], solution[neighbour[known]]
+        largest = np.zeros(len(rows))
+        if logarithmic:
+            largest[:] = -np.inf
+            np.maximum.at(largest, near, around)
+            around = np.exp(around - largest[near])
+        sums = np.bincount(near, weight[known] * around, minlength=len(rows))
+        mean = sums[reached] / total[reached]
+        solution[rows[reached]] = np.log(mean) + largest[reached] if logarithmic else mean
+        waiting = ~reached[row]
+        row, neighbour, weight = row[waiting], neighbour[waiting], weight[waiting]

@@ -128,7 +128,8 @@ def factorize(  # noqa: PLR0912, PLR0915, PLR0917 - one sweep; kernels take no k
     starts, lower_rows, places, first, row_starts, rows, above, panels : ndarray
         Fields of the analysis.
     factor, halves : ndarray
-        One of them receives the panels, or their upper halves; the other one is empty.
+        One of them receives the panels, or their upper halves, with the inverse of the diagonal;
+        the other one is empty.
     front : ndarray
         Room for the largest panel, if only halves of them are kept.
     stack : ndarray
@@ -196,7 +197,9 @@ def factorize(  # noqa: PLR0912, PLR0915, PLR0917 - one sweep; kernels take no k
                 _blas.divide(memory, rest, height, below, triangle, height, width, True)
                 _blas.minus_gram(memory, rest, height, below, width, address(update), fresh)
         for j in range(width):
-            pivots[begin + j] = panel[j * height + j] ** 2 / pivots[begin + j]
+            root = panel[j * height + j]
+            pivots[begin + j] = root * root / pivots[begin + j]
+            panel[j * height + j] = 1 / root  # so that substitution need not divide
         if by_halves:
             for k in range(height * width):
                 kept[panels[s] + k] = panel[k]

@@ -11,10 +11,11 @@ import numpy as np
 from numba import types
 
 from geodesic_toolkit._typing import FloatArray, IndexArray, IntArray
+from geodesic_toolkit.linear.supernodal._columns import dot_columns, minus_columns
 from geodesic_toolkit.linear.supernodal._halves import numbers
 from geodesic_toolkit.linear.supernodal._pointers import Pointer, pointer
 from geodesic_toolkit.linear.supernodal._rows import BLOCK, four_minus, minus_four, minus_one
-from geodesic_toolkit.linear.supernodal.analysis import Panels
+from geodesic_toolkit.linear.supernodal.analysis import LANES, Panels
 
 __all__ = ["BLOCK", "solve_block", "solve_column"]
 
@@ -33,131 +34,78 @@ kernel = numba.njit(
 
 
 @kernel  # type: ignore[untyped-decorator]
-def _minus_columns(  # noqa: PLR0917 - kernels take no keywords
-    target: Pointer,
-    begin: int,
-    count: int,
-    factor: Pointer,
-    start: int,
-    height: int,
-    values: tuple[float, float, float, float],
-) -> None:
-    """Subtract four neighbouring columns, times `values`, from ``target[begin:begin + count]``."""
-    x0, x1, x2, x3 = values
-    second, third, fourth = start + height, start + 2 * height, start + 3 * height
-    for k in range(count):
-        target[begin + k] -= (factor[start + k] * x0 + factor[second + k] * x1) + (
-            factor[third + k] * x2 + factor[fourth + k] * x3
-        )
+def _forward(x: Pointer, width: int, height: int, factor: Pointer, panel: int) -> None:
+    """Solve with the triangle of a panel in place, and subtract what that means for the rows below.
 
-
-@kernel  # type: ignore[untyped-decorator]
-def _minus_column(  # noqa: PLR0917 - kernels take no keywords
-    target: Pointer, begin: int, count: int, factor: Pointer, start: int, value: float
-) -> None:
-    for k in range(count):
-        target[begin + k] -= factor[start + k] * value
-
-
-@kernel  # type: ignore[untyped-decorator]
-def _dot_columns(  # noqa: PLR0917 - kernels take no keywords
-    x: Pointer, begin: int, count: int, factor: Pointer, start: int, height: int
-) -> tuple[float, float, float, float]:
-    """Return the dot products of ``x[begin:begin + count]`` with four neighbouring columns."""
-    second, third, fourth = start + height, start + 2 * height, start + 3 * height
-    t0 = t1 = t2 = t3 = 0.0
-    for k in range(count):
-        value = x[begin + k]
-        t0 += factor[start + k] * value
-        t1 += factor[second + k] * value
-        t2 += factor[third + k] * value
-        t3 += factor[fourth + k] * value
-    return t0, t1, t2, t3
-
-
-@kernel  # type: ignore[untyped-decorator]
-def _dot_column(x: Pointer, begin: int, count: int, factor: Pointer, start: int) -> float:
-    total = 0.0
-    for k in range(count):
-        total += factor[start + k] * x[begin + k]
-    return total
-
-
-@kernel  # type: ignore[untyped-decorator]
-def _forward(  # noqa: PLR0917 - kernels take no keywords
-    x: Pointer,
-    begin: int,
-    width: int,
-    factor: Pointer,
-    panel: int,
-    height: int,
-    below: Pointer,
-) -> None:
-    """Solve with the triangle of a panel in place, and subtract what that means for `below`.
-
-    Four columns at a time, so that x is read and written a quarter as often.
+    Four columns at a time, so that x is read and written a quarter as often. Where fewer are left,
+    the first of them stands for the others, times zero.
     """
-    rest = height - width
-    c = 0
-    while c + 4 <= width:
-        p, j = panel + c * height + c, begin + c
-        q, r, s = p + height, p + 2 * height, p + 3 * height
-        x0 = x[j] / factor[p]
-        x1 = (x[j + 1] - factor[p + 1] * x0) / factor[q + 1]
-        x2 = (x[j + 2] - factor[p + 2] * x0 - factor[q + 2] * x1) / factor[r + 2]
-        x3 = x[j + 3] - factor[p + 3] * x0 - factor[q + 3] * x1 - factor[r + 3] * x2
-        x3 /= factor[s + 3]
-        x[j], x[j + 1], x[j + 2], x[j + 3] = x0, x1, x2, x3
-        values = (x0, x1, x2, x3)
-        _minus_columns(x, j + 4, width - c - 4, factor, p + 4, height, values)
-        _minus_columns(below, 0, rest, factor, p + width - c, height, values)
-        c += 4
-    while c < width:
-        p, j = panel + c * height + c, begin + c
-        x0 = x[j] / factor[p]
-        x[j] = x0
-        _minus_column(x, j + 1, width - c - 1, factor, p + 1, x0)
-        _minus_column(below, 0, rest, factor, p + width - c, x0)
-        c += 1
+    for c in range(0, width, 4):
+        count = min(width - c, 4)
+        p = panel + c * height + c
+        q = p + height if count > 1 else p
+        r = q + height if count > 2 else p
+        s = r + height if count > 3 else p
+        x0, x1, x2, x3 = x[c] * factor[p], 0.0, 0.0, 0.0
+        x[c] = x0
+        if count > 1:
+            x1 = (x[c + 1] - factor[p + 1] * x0) * factor[q + 1]
+            x[c + 1] = x1
+        if count > 2:
+            x2 = x[c + 2] - factor[p + 2] * x0 - factor[q + 2] * x1
+            x2 *= factor[r + 2]
+            x[c + 2] = x2
+        if count > 3:
+            x3 = x[c + 3] - factor[p + 3] * x0 - factor[q + 3] * x1 - factor[r + 3] * x2
+            x3 *= factor[s + 3]
+            x[c + 3] = x3
+        end = c + count
+        p, q, r, s = p + count, q + count, r + count, s + count
+        minus_columns(x, end, height - end, factor, p, q, r, s, x0, x1, x2, x3)
 
 
 @kernel  # type: ignore[untyped-decorator]
-def _backward(  # noqa: PLR0917 - kernels take no keywords
-    x: Pointer,
-    begin: int,
-    width: int,
-    factor: Pointer,
-    panel: int,
-    height: int,
-    below: Pointer,
-) -> None:
-    """Solve with the transposed triangle of a panel in place, given the solution `below` it."""
-    rest = height - width
-    c = width
-    while c >= 4:
-        c -= 4
-        p, j = panel + c * height + c, begin + c
-        q, r, s = p + height, p + 2 * height, p + 3 * height
-        t0, t1, t2, t3 = _dot_columns(below, 0, rest, factor, p + width - c, height)
-        u0, u1, u2, u3 = _dot_columns(x, j + 4, width - c - 4, factor, p + 4, height)
-        x3 = (x[j + 3] - t3 - u3) / factor[s + 3]
-        x2 = (x[j + 2] - t2 - u2 - factor[r + 3] * x3) / factor[r + 2]
-        x1 = (x[j + 1] - t1 - u1 - factor[q + 2] * x2 - factor[q + 3] * x3) / factor[q + 1]
-        x0 = x[j] - t0 - u0 - factor[p + 1] * x1 - factor[p + 2] * x2 - factor[p + 3] * x3
-        x[j], x[j + 1], x[j + 2], x[j + 3] = x0 / factor[p], x1, x2, x3
-    while c > 0:
-        c -= 1
-        p, j = panel + c * height + c, begin + c
-        total = _dot_column(below, 0, rest, factor, p + width - c)
-        total += _dot_column(x, j + 1, width - c - 1, factor, p + 1)
-        x[j] = (x[j] - total) / factor[p]
+def _backward(x: Pointer, width: int, height: int, factor: Pointer, panel: int) -> None:
+    """Solve with the transposed triangle of a panel in place, given the solution below it."""
+    for c in range((width - 1) // 4 * 4, -1, -4):
+        count = min(width - c, 4)
+        end = c + count
+        p = panel + c * height + c
+        q = p + height if count > 1 else p
+        r = q + height if count > 2 else p
+        s = r + height if count > 3 else p
+        t0, t1, t2, t3 = dot_columns(
+            x, end, height - end, factor, p + count, q + count, r + count, s + count
+        )
+        x0, x1, x2, x3 = x[c] - t0, 0.0, 0.0, 0.0
+        if count > 3:
+            x3 = (x[c + 3] - t3) * factor[s + 3]
+            x[c + 3] = x3
+            x0 -= factor[p + 3] * x3
+        if count > 2:
+            x2 = x[c + 2] - t2
+            if count > 3:
+                x2 -= factor[r + 3] * x3
+            x2 *= factor[r + 2]
+            x[c + 2] = x2
+            x0 -= factor[p + 2] * x2
+        if count > 1:
+            x1 = x[c + 1] - t1
+            if count > 2:
+                x1 -= factor[q + 2] * x2
+            if count > 3:
+                x1 -= factor[q + 3] * x3
+            x1 *= factor[q + 1]
+            x[c + 1] = x1
+            x0 -= factor[p + 1] * x1
+        x[c] = x0 * factor[p]
 
 
 @numba.njit(  # type: ignore[untyped-decorator]
     [types.void(_values, *_symbolic, factor, _room, _room) for factor in (_values, _halves)],
     cache=True, nogil=True, error_model="numpy",
 )  # fmt: skip
-def solve_column(  # noqa: PLR0917 - kernels take no keywords
+def solve_column(  # noqa: PLR0912, PLR0917 - two sweeps; kernels take no keywords
     right_hand_side: FloatArray,
     order: IndexArray,
     first: IndexArray,
@@ -177,12 +125,12 @@ def solve_column(  # noqa: PLR0917 - kernels take no keywords
         Fields of the analysis.
     panel_values : ndarray
         The factor.
-    room : ndarray of shape (N + T,)
+    room : ndarray of shape (N + T + LANES,)
         To work in, T being the height of the tallest supernode.
     solution : ndarray of shape (N,)
     """
     n, n_supernodes = order.size, first.size - 1
-    x, below = pointer(room), pointer(room[n:])
+    x, own = pointer(room), pointer(room[n:])  # `own`: what belongs to the rows of a supernode
     row, factor = pointer(rows), numbers(panel_values)
     for j in range(n):
         x[j] = right_hand_side[order[j]]
@@ -190,20 +138,29 @@ def solve_column(  # noqa: PLR0917 - kernels take no keywords
         begin, start = np.int64(first[s]), row_starts[s]
         width, height = first[s + 1] - begin, row_starts[s + 1] - start
         touched = False
-        for j in range(begin, begin + width):
-            touched |= x[j] != 0.0
+        for j in range(width):
+            own[j] = x[begin + j]
+            touched |= x[begin + j] != 0.0
         if touched:
-            for k in range(height - width):
-                below[k] = 0.0
-            _forward(x, begin, width, factor, panels[s], height, below)
-            for k in range(height - width):
-                x[row[start + width + k]] += below[k]
+            for k in range(width, height):
+                own[k] = 0.0
+            _forward(own, width, height, factor, panels[s])
+            for j in range(width):
+                x[begin + j] = own[j]
+            for k in range(width, height):
+                x[row[start + k]] += own[k]
     for s in range(n_supernodes - 1, -1, -1):
         begin, start = np.int64(first[s]), row_starts[s]
         width, height = first[s + 1] - begin, row_starts[s + 1] - start
-        for k in range(height - width):
-            below[k] = x[row[start + width + k]]
-        _backward(x, begin, width, factor, panels[s], height, below)
+        for j in range(width):
+            own[j] = x[begin + j]
+        for k in range(width, height):
+            own[k] = x[row[start + k]]
+        for k in range(height, height + LANES):
+            own[k] = 0.0
+        _backward(own, width, height, factor, panels[s])
+        for j in range(width):
+            x[begin + j] = own[j]
     for j in range(n):
         solution[order[j]] = x[j]
 
@@ -229,12 +186,12 @@ def _forward_block(  # noqa: PLR0917 - kernels take no keywords
         q, r, s = p + height, p + 2 * height, p + 3 * height
         j = np.int64(row[start + c]) * BLOCK
         for k in range(BLOCK):
-            x0 = x[j + k] / factor[p]
-            x1 = (x[j + BLOCK + k] - factor[p + 1] * x0) / factor[q + 1]
+            x0 = x[j + k] * factor[p]
+            x1 = (x[j + BLOCK + k] - factor[p + 1] * x0) * factor[q + 1]
             x2 = x[j + 2 * BLOCK + k] - factor[p + 2] * x0 - factor[q + 2] * x1
-            x2 /= factor[r + 2]
+            x2 *= factor[r + 2]
             x3 = x[j + 3 * BLOCK + k] - factor[p + 3] * x0 - factor[q + 3] * x1
-            x3 = (x3 - factor[r + 3] * x2) / factor[s + 3]
+            x3 = (x3 - factor[r + 3] * x2) * factor[s + 3]
             head[k], head[BLOCK + k], head[2 * BLOCK + k], head[3 * BLOCK + k] = x0, x1, x2, x3
         for k in range(4 * BLOCK):
             x[j + k] = head[k]
@@ -246,7 +203,7 @@ def _forward_block(  # noqa: PLR0917 - kernels take no keywords
         p = panel + c * height + c
         j = np.int64(row[start + c]) * BLOCK
         for k in range(BLOCK):
-            head[k] = x[j + k] / factor[p]
+            head[k] = x[j + k] * factor[p]
         for k in range(BLOCK):
             x[j + k] = head[k]
         for i in range(1, height - c):
@@ -278,12 +235,12 @@ def _backward_block(  # noqa: PLR0917 - kernels take no keywords
             known = np.int64(row[start + c + i]) * BLOCK
             four_minus(head, x, known, factor[p + i], factor[q + i], factor[r + i], factor[s + i])
         for k in range(BLOCK):
-            x3 = head[3 * BLOCK + k] / factor[s + 3]
-            x2 = (head[2 * BLOCK + k] - factor[r + 3] * x3) / factor[r + 2]
+            x3 = head[3 * BLOCK + k] * factor[s + 3]
+            x2 = (head[2 * BLOCK + k] - factor[r + 3] * x3) * factor[r + 2]
             x1 = head[BLOCK + k] - factor[q + 2] * x2 - factor[q + 3] * x3
-            x1 /= factor[q + 1]
+            x1 *= factor[q + 1]
             x0 = head[k] - factor[p + 1] * x1 - factor[p + 2] * x2 - factor[p + 3] * x3
-            x[j + k], x[j + BLOCK + k] = x0 / factor[p], x1
+            x[j + k], x[j + BLOCK + k] = x0 * factor[p], x1
             x[j + 2 * BLOCK + k], x[j + 3 * BLOCK + k] = x2, x3
     while c > 0:
         c -= 1
@@ -294,7 +251,7 @@ def _backward_block(  # noqa: PLR0917 - kernels take no keywords
         for i in range(1, height - c):
             minus_one(head, 0, x, np.int64(row[start + c + i]) * BLOCK, factor[p + i])
         for k in range(BLOCK):
-            x[j + k] = head[k] / factor[p]
+            x[j + k] = head[k] * factor[p]
 
 
 @numba.njit(  # type: ignore[untyped-decorator]

@@ -10,10 +10,15 @@ from scipy.sparse import csr_array
 from geodesic_toolkit._typing import FloatArray, IndexArray, IntArray
 from geodesic_toolkit.errors import SolverError
 
-__all__ = ["Analysis", "Panels", "analyze"]
+__all__ = ["LANES", "Analysis", "Panels", "analyze"]
 
 Panels: TypeAlias = FloatArray | NDArray[np.uint32]
-"""The dense blocks of a factor, one after the other: numbers, or the upper halves of numbers."""
+"""The dense blocks of a factor, one after the other: numbers, or the upper halves of numbers.
+
+They hold L, but for its diagonal, of which they hold the inverse. `LANES` zeros follow."""
+
+LANES = 4
+"""Numbers that the substitution reads at once, wherever a column ends."""
 
 
 @final
@@ -83,8 +88,8 @@ class Analysis:
     def factor_bytes(self, *, halves: bool) -> float:
         """Return what making a factor takes, of whole numbers or of their upper halves."""
         if halves:
-            return 4.0 * self.n_stored + 8.0 * (self.stack + self.largest)
-        return 8.0 * (self.n_stored + self.stack)
+            return 4.0 * (self.n_stored + LANES) + 8.0 * (self.stack + self.largest)
+        return 8.0 * (self.n_stored + LANES + self.stack)
 
     def fits(self, matrix: csr_array) -> bool:
         """Return whether `matrix` has the pattern that was analysed."""

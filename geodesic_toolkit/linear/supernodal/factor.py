@@ -9,7 +9,7 @@ from geodesic_toolkit._typing import FloatArray
 from geodesic_toolkit.errors import InvalidOptionError, NotEnoughMemoryError, SolverError
 from geodesic_toolkit.linear.base import Factor
 from geodesic_toolkit.linear.memory import require_memory
-from geodesic_toolkit.linear.supernodal.analysis import Analysis, Panels
+from geodesic_toolkit.linear.supernodal.analysis import LANES, Analysis, Panels
 from geodesic_toolkit.linear.supernodal.blas_threads import single_threaded_blas
 
 __all__ = ["SupernodalFactor", "factorize"]
@@ -59,7 +59,7 @@ class SupernodalFactor(Factor):
         # Arrays of NumPy's, also in kernels: it asks the system for large pages, Numba does not.
         solution = np.empty_like(b)
         if b.ndim == 1 or b.shape[1] <= FEW:
-            room = np.empty(its.n_vertices + its.tallest)
+            room = np.empty(its.n_vertices + its.tallest + LANES)
             if b.ndim == 1 or b.shape[1] == 1:
                 _solve.solve_column(b.reshape(-1), *known, room, solution.reshape(-1))
                 return solution
@@ -118,8 +118,8 @@ def factorize(matrix: csr_array, analysis: Analysis, *, halves: bool = False) ->
     needed = analysis.factor_bytes(halves=halves)
     require_memory(needed, work)
     try:
-        panels = np.empty(0 if halves else analysis.n_stored)
-        upper_halves = np.empty(analysis.n_stored if halves else 0, dtype=np.uint32)
+        panels = np.empty(0 if halves else analysis.n_stored + LANES)
+        upper_halves = np.empty(analysis.n_stored + LANES if halves else 0, dtype=np.uint32)
         front = np.empty(analysis.largest if halves else 0)
         stack = np.empty(analysis.stack)
     except MemoryError as error:  # a limit of this process, or a system that does not say
@@ -127,6 +127,7 @@ def factorize(matrix: csr_array, analysis: Analysis, *, halves: bool = False) ->
             f"{work} needs about {needed / 1e9:.3g} GB of memory, which could not be had"
         ) from error
     pivots = np.zeros(n)
+    panels[analysis.n_stored :] = upper_halves[analysis.n_stored :] = 0
     with single_threaded_blas:
         failed = _numeric.factorize(
             np.ascontiguousarray(matrix.data, dtype=np.float64),

@@ -1,0 +1,138 @@
+"""Arithmetic on four neighbouring columns of a panel, several rows at once.
+
+Most panels have a handful of rows, and what compilers make of such short loops is a vector loop
+that is passed by and a scalar one that does the work. So the vector instructions are spelled out.
+The last of them reaches past the end of a column: what it reads there is a number, of the next
+column or panel, and what becomes of it is not used.
+"""
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import Any
+
+from llvmlite import ir
+from numba import types
+from numba.core import cgutils
+from numba.extending import intrinsic
+
+from geodesic_toolkit.linear.supernodal.analysis import LANES
+
+__all__ = ["dot_columns", "minus_columns"]
+
+_index, _number = ir.IntType(64), ir.DoubleType()
+_vector = ir.VectorType(_number, LANES)
+_bits, _uppers = ir.VectorType(ir.IntType(64), LANES), ir.VectorType(ir.IntType(32), LANES)
+_shift = ir.Constant(_bits, [32] * LANES)
+
+
+def _place(builder: Any, numbers: Any, offset: Any, vector: Any = _vector) -> Any:
+    """Return the address of the vector that begins `offset` numbers after a pointer."""
+    return builder.bitcast(builder.gep(numbers, [offset]), vector.as_pointer())
+
+
+def _loaded(builder: Any, factor: Any, offset: Any) -> Any:
+    """Return some numbers of a factor, or of the upper halves that are left of them."""
+    if factor.type.pointee == _number:
+        return builder.load(_place(builder, factor, offset), align=8)
+    upper = builder.load(_place(builder, factor, offset, _uppers), align=4)
+    return builder.bitcast(builder.shl(builder.zext(upper, _bits), _shift), _vector)
+
+
+def _spread(builder: Any, value: Any) -> Any:
+    """Return a vector of equal numbers."""
+    undefined, lane = ir.Constant(_vector, ir.Undefined), ir.Constant(ir.IntType(32), 0)
+    lanes = ir.Constant(ir.VectorType(ir.IntType(32), LANES), [0] * LANES)
+    return builder.shuffle_vector(builder.insert_element(undefined, value, lane), undefined, lanes)
+
+
+@contextmanager
+def _steps(builder: Any, count: Any) -> Iterator[Any]:
+    """Loop over `count` numbers, LANES at a time."""
+    zero, step = ir.Constant(_index, 0), ir.Constant(_index, LANES)
+    with cgutils.for_range_slice(builder, zero, count, step, inc=True) as (k, _):
+        yield k
+
+
+@intrinsic  # type: ignore[untyped-decorator]
+def minus_columns(
+    _context: Any,
+    target: Any,
+    _begin: Any,
+    _count: Any,
+    factor: Any,
+    _p: Any,
+    _q: Any,
+    _r: Any,
+    _s: Any,
+    _x0: Any,
+    _x1: Any,
+    _x2: Any,
+    _x3: Any,
+) -> Any:
+    """Subtract four columns from ``target[begin:begin + count]``, and spoil up to 3 numbers behind.
+
+    The columns begin at the places p, q, r, s of the factor and are taken x0, x1, x2, x3 times.
+    """
+
+    def code(context: Any, builder: Any, _signature: Any, arguments: Any) -> Any:
+        target, begin, count, factor, *rest = arguments
+        columns, multiples = rest[:4], [_spread(builder, x) for x in rest[4:]]
+        with _steps(builder, count) as k:
+            place = _place(builder, target, builder.add(begin, k))
+            rows = builder.load(place, align=8)
+            for column, x in zip(columns, multiples, strict=True):
+                product = builder.fmul(
+                    _loaded(builder, factor, builder.add(column, k)), x, ("contract",)
+                )
+                rows = builder.fsub(rows, product, ("contract",))
+            builder.store(rows, place, align=8)
+        return context.get_dummy_value()
+
+    places, values = (types.int64,) * 4, (types.float64,) * 4
+    return types.void(target, types.int64, types.int64, factor, *places, *values), code
+
+
+@intrinsic  # type: ignore[untyped-decorator]
+def dot_columns(
+    _context: Any,
+    x: Any,
+    _begin: Any,
+    _count: Any,
+    factor: Any,
+    _p: Any,
+    _q: Any,
+    _r: Any,
+    _s: Any,
+) -> Any:
+    """Return the dot products of ``x[begin:begin + count]`` with four columns.
+
+    They begin at the places p, q, r, s of the factor. Behind its end x must have 3 zeros.
+    """
+
+    def code(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+        x, begin, count, factor, *columns = arguments
+        sums = [
+            cgutils.alloca_once_value(builder, ir.Constant(_vector, [0.0] * LANES)) for _ in columns
+        ]
+        for total in sums:  # the line above sets it once, and this may be a loop
+            builder.store(ir.Constant(_vector, [0.0] * LANES), total)
+        with _steps(builder, count) as k:
+            rows = builder.load(_place(builder, x, builder.add(begin, k)), align=8)
+            for column, total in zip(columns, sums, strict=True):
+                product = builder.fmul(
+                    _loaded(builder, factor, builder.add(column, k)), rows, ("contract",)
+                )
+                builder.store(builder.fadd(builder.load(total), product, ("contract",)), total)
+        kind = ir.FunctionType(_number, [_number, _vector])
+        name = f"llvm.vector.reduce.fadd.v{LANES}f64"
+        add_up = cgutils.get_or_insert_function(builder.module, kind, name)
+        nothing = ir.Constant(_number, -0.0)
+        dots = [
+            builder.call(add_up, [nothing, builder.load(total)], fastmath=("reassoc",))
+            for total in sums
+        ]
+        return context.make_tuple(builder, signature.return_type, dots)
+
+    places = (types.int64,) * 4
+    dots = types.UniTuple(types.float64, 4)
+    return dots(x, types.int64, types.int64, factor, *places), code
