@@ -12,6 +12,7 @@ import numpy as np
 from numba import types
 
 from geodesic_toolkit._typing import IndexArray, IntArray
+from geodesic_toolkit.linear.supernodal._pointers import pointer, prefetch, shifted
 
 __all__ = [
     "column_counts",
@@ -25,6 +26,9 @@ __all__ = [
 ]
 
 NONE = -1
+
+AHEAD = 8
+"""Rows by which memory is asked for ahead."""
 
 STRICT = (0.6, 0.3, 0.12, 0.05)
 """Share of zeros that a supernode may store, for those of up to 4, 16, 48 and more columns.
@@ -50,15 +54,24 @@ def is_symmetric(indptr: IntArray, indices: IndexArray) -> bool:
     Rows visited in order meet the entries of each column in order too. The other kernels trust this
     and would write to places that are not theirs.
     """
-    n = indptr.size - 1
+    n, last = indptr.size - 1, indices.size - 1
     mirrored = indptr[:-1].copy()
     for i in range(n):
         for p in range(indptr[i], indptr[i + 1]):
+            prefetch(shifted(pointer(indices), mirrored[indices[min(p + AHEAD, last)]]))
             j = indices[p]
             if mirrored[j] == indptr[j + 1] or indices[mirrored[j]] != i:
                 return False
             mirrored[j] += 1
     return True
+
+
+@numba.njit(cache=True, nogil=True, error_model="numpy", forceinline=True)  # type: ignore[untyped-decorator]
+def _look_ahead(indptr: IntArray, indices: IndexArray, order: IndexArray, i: int) -> None:
+    """Fetch the rows that follow row ``order[i]``: they come in no order, and memory takes long."""
+    if i + 2 * AHEAD < order.size:
+        prefetch(shifted(pointer(indptr), np.int64(order[i + 2 * AHEAD])))
+        prefetch(shifted(pointer(indices), indptr[order[i + AHEAD]]))
 
 
 @kernel(_new32(_int64, _int32, _int32, _int32))  # type: ignore[operator]
@@ -72,6 +85,7 @@ def elimination_tree(
     n = order.size
     parent, ancestor = np.full(n, NONE, np.int32), np.full(n, NONE, np.int32)
     for i in range(n):
+        _look_ahead(indptr, indices, order, i)
         for p in range(indptr[order[i]], indptr[order[i] + 1]):
             k = rank[indices[p]]
             while k != NONE and k < i:  # climb to the root so far, shortening the way
@@ -127,21 +141,19 @@ def lower_triangle(
         The position of each entry in the data of A.
     """
     n = order.size
+    most = (indices.size + n) // 2  # of a symmetric pattern, with every diagonal entry
     starts = np.zeros(n + 1, np.int64)
-    for j in range(n):
-        count = 0
-        for p in range(indptr[order[j]], indptr[order[j] + 1]):
-            count += rank[indices[p]] >= j
-        starts[j + 1] = starts[j] + count
-    rows, places = np.empty(starts[n], np.int32), np.empty(starts[n], np.int64)
+    rows, places = np.empty(most, np.int32), np.empty(most, np.int64)
     q = 0
     for j in range(n):
+        _look_ahead(indptr, indices, order, j)
         for p in range(indptr[order[j]], indptr[order[j] + 1]):
             i = rank[indices[p]]
             if i >= j:
                 rows[q], places[q] = i, p
                 q += 1
-    return starts, rows, places
+        starts[j + 1] = q
+    return starts, rows[:q], places[:q]
 
 
 @kernel(_new32(_int64, _int32, _int32))  # type: ignore[operator]

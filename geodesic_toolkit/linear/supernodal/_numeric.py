@@ -21,12 +21,21 @@ from numpy.typing import NDArray
 from geodesic_toolkit._typing import FloatArray, IndexArray, IntArray
 from geodesic_toolkit.linear.supernodal import _blas
 from geodesic_toolkit.linear.supernodal._halves import numbers
-from geodesic_toolkit.linear.supernodal._pointers import Pointer, address, pointer, shifted
+from geodesic_toolkit.linear.supernodal._pointers import (
+    Pointer,
+    address,
+    pointer,
+    prefetch,
+    shifted,
+)
 
 __all__ = ["factorize"]
 
 NARROW, SHORT = 8, 48
 """Columns and rows up to which plain loops beat a call to the BLAS."""
+
+AHEAD = 64
+"""Entries of the matrix by which memory is asked for ahead: they are taken in no order."""
 
 DONE = -1
 
@@ -145,7 +154,7 @@ def factorize(  # noqa: PLR0912, PLR0915, PLR0917 - one sweep; kernels take no k
     by_halves = halves.size > 0
     own_panels = pointer(front if by_halves else factor)
     local, child_rows = pointer(room), pointer(room[pivots.size :])
-    memory = _blas.arguments()
+    memory, values, last = _blas.arguments(), pointer(data), np.int64(places.size - 1)
     for s in range(n_supernodes):
         start, begin = row_starts[s], np.int64(first[s])
         height, width = row_starts[s + 1] - start, first[s + 1] - begin
@@ -160,7 +169,8 @@ def factorize(  # noqa: PLR0912, PLR0915, PLR0917 - one sweep; kernels take no k
             panel[k] = 0.0
         for j in range(width):
             for p in range(starts[begin + j], starts[begin + j + 1]):
-                panel[j * height + local[lower_rows[p]]] += data[places[p]]
+                prefetch(shifted(values, places[min(p + AHEAD, last)]))
+                panel[j * height + local[lower_rows[p]]] += values[places[p]]
         for j in range(width):
             pivots[begin + j] = panel[j * height + j]
         n_children = 0

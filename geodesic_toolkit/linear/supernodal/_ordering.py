@@ -14,15 +14,21 @@ import math
 import numba
 import numpy as np
 from numba import types
+from numpy.typing import NDArray
 
 from geodesic_toolkit._typing import IndexArray, IntArray
+from geodesic_toolkit.linear.supernodal._pointers import pointer, prefetch, shifted
 
 __all__ = ["minimum_degree"]
 
 NONE = -1
 
+HIGHEST = np.iinfo(np.int32).max
+"""Where a list may begin, at the most, and a mark end, for fields of 32 bits to hold them."""
+
 # The fields of a vertex, which is a variable, an element later on, or gone. One row of memory holds
-# them: visits come in no order, and memory is what they wait for.
+# them: visits come in no order, and memory is what they wait for. What is visited soon is fetched
+# ahead.
 START = 0  # of its list
 LENGTH = (
     1  # of its list: a variable's elements come first, then its variables; an element's members
@@ -53,20 +59,34 @@ def minimum_degree(indptr: IntArray, indices: IndexArray) -> IndexArray:
     n, nnz = len(indptr) - 1, len(indices)
     # NumPy asks the system for large pages, which visits in no order need most; Numba does not.
     lists = np.empty(2 * nnz + 2 * n + 64, dtype=np.int32)
-    buffer = np.empty(8 * n + 8, dtype=np.int64)
-    aligned = -(buffer.ctypes.data // 8) % 8  # a row is a cache line
-    node = buffer[aligned : aligned + 8 * n].reshape(n, 8)
-    return np.asarray(_eliminated(indptr, indices, lists, node))
+    narrow = len(lists) < HIGHEST
+    kernel, kind = (_eliminated, np.int32) if narrow else (_eliminated_by_long, np.int64)
+    fields = np.empty(8 * n + 64, dtype=kind)
+    aligned = -(fields.ctypes.data // fields.itemsize) % (64 // fields.itemsize)
+    node = fields[aligned : aligned + 8 * n].reshape(n, 8)  # no row on two cache lines
+    return np.asarray(kernel(indptr, indices, lists, node, HIGHEST))
 
 
-@numba.njit(  # type: ignore[untyped-decorator]
-    types.int32[::1](_starts, _indices, types.int32[::1], types.int64[:, ::1]),
-    cache=True, nogil=True, error_model="numpy",
-)  # fmt: skip
-def _eliminated(  # noqa: PLR0912, PLR0915 - its steps share a dozen arrays
-    indptr: IntArray, indices: IndexArray, lists: IndexArray, node: IntArray
+def _eliminate(  # noqa: PLR0912, PLR0914, PLR0915 - its steps share a dozen arrays
+    indptr: IntArray,
+    indices: IndexArray,
+    lists: IndexArray,
+    node: NDArray[np.signedinteger],
+    highest: int,
 ) -> IndexArray:
-    """Return the order; `lists` is room for lists of vertices, `node` for the fields of each."""
+    """Return the order.
+
+    Parameters
+    ----------
+    indptr, indices : ndarray
+        The pattern.
+    lists : ndarray
+        Room for lists of vertices.
+    node : ndarray of shape (N, 8)
+        Room for the fields of each vertex.
+    highest : int
+        The largest number that a field holds.
+    """
     n = indptr.size - 1
     nnz = indptr[n]
     head = np.full(n + 1, NONE, np.int32)
@@ -107,6 +127,11 @@ def _eliminated(  # noqa: PLR0912, PLR0915 - its steps share a dozen arrays
 
     epoch, least, largest = np.int64(2), 0, 0
     while eliminated < n:
+        if epoch > highest - 4 * n:  # no mark of this pivot may be larger
+            epoch = np.int64(2)
+            for i in range(n):
+                node[i, MARK] = node[i, MARK] != 0
+
         # -- the pivot: a variable of the least degree ---------------------------------------------
         while head[least] == NONE:
             least += 1
@@ -114,6 +139,9 @@ def _eliminated(  # noqa: PLR0912, PLR0915 - its steps share a dozen arrays
         head[least] = node[pivot, AFTER]
         if node[pivot, AFTER] != NONE:
             node[node[pivot, AFTER], BEFORE] = NONE
+        upcoming = np.int64(node[pivot, AFTER])  # the next pivot, most of the time
+        if upcoming != NONE:
+            prefetch(shifted(pointer(node), 8 * upcoming))
         pivot_size = node[pivot, SIZE]
         eliminated += pivot_size
         node[pivot, SIZE] = -pivot_size
@@ -148,6 +176,7 @@ def _eliminated(  # noqa: PLR0912, PLR0915 - its steps share a dozen arrays
                     node[i, SIZE] = -own_size
                     lists[end] = i
                     end += 1
+                    prefetch(shifted(pointer(lists), np.int64(node[i, START])))
                     if node[i, BEFORE] != NONE:
                         node[node[i, BEFORE], AFTER] = node[i, AFTER]
                     else:
@@ -161,6 +190,8 @@ def _eliminated(  # noqa: PLR0912, PLR0915 - its steps share a dozen arrays
 
         # -- |Lₑ \ Lₚ| for every element e that touches Lₚ -----------------------------------------
         epoch += 1
+        if upcoming != NONE:
+            prefetch(shifted(pointer(lists), np.int64(node[upcoming, START])))
         for k in range(first, end):
             i = lists[k]
             own_size = -node[i, SIZE]
@@ -219,6 +250,10 @@ def _eliminated(  # noqa: PLR0912, PLR0915 - its steps share a dozen arrays
             bucket[hashes[i]] = i
         node[pivot, DEGREE] = members
         largest = max(largest, members)
+
+        if upcoming != NONE:
+            for p in range(node[upcoming, START], node[upcoming, START] + node[upcoming, LENGTH]):
+                prefetch(shifted(pointer(node), 8 * np.int64(lists[p])))
 
         # -- members with equal lists become one variable ------------------------------------------
         epoch += largest + 1  # past every mark that this pivot has left
@@ -282,3 +317,11 @@ def _eliminated(  # noqa: PLR0912, PLR0915 - its steps share a dozen arrays
             ordered += 1
             v = next_member[v]
     return order
+
+
+_options = {"cache": True, "nogil": True, "error_model": "numpy"}
+_eliminated = numba.njit(
+    types.int32[::1](_starts, _indices, types.int32[::1], types.int32[:, ::1], types.int64),
+    **_options,
+)(_eliminate)
+_eliminated_by_long = numba.njit(**_options)(_eliminate)  # compiled when it is called, if ever

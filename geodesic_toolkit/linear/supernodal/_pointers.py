@@ -7,10 +7,12 @@ columns both cost as much as the arithmetic. A pointer has neither; its array mu
 
 from typing import Any, TypeAlias
 
+from llvmlite import ir
 from numba import types
+from numba.core import cgutils
 from numba.extending import intrinsic
 
-__all__ = ["Pointer", "address", "pointer", "shifted"]
+__all__ = ["Pointer", "address", "pointer", "prefetch", "shifted"]
 
 Pointer: TypeAlias = Any
 """To type checkers, what `pointer` returns."""
@@ -45,3 +47,19 @@ def address(_context: Any, place: Any) -> Any:
         return builder.ptrtoint(arguments[0], context.get_value_type(types.uintp))
 
     return types.uintp(place), code
+
+
+@intrinsic  # type: ignore[untyped-decorator]
+def prefetch(_context: Any, place: Any) -> Any:
+    """Ask for the memory around a pointer, which is to be read soon, without waiting for it."""
+
+    def code(context: Any, builder: Any, _signature: Any, arguments: Any) -> Any:
+        number = ir.IntType(32)
+        where = builder.bitcast(arguments[0], ir.IntType(8).as_pointer())
+        kind = ir.FunctionType(ir.VoidType(), [where.type, number, number, number])
+        ask = cgutils.get_or_insert_function(builder.module, kind, "llvm.prefetch.p0")
+        reading, often, data = number(0), number(3), number(1)
+        builder.call(ask, [where, reading, often, data])
+        return context.get_dummy_value()
+
+    return types.void(place), code
