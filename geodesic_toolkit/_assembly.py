@@ -11,11 +11,13 @@ import numba
 import numpy as np
 from numba import types
 
+from geodesic_toolkit._pointers import pointer, prefetch, shifted
 from geodesic_toolkit._typing import BoolArray, FloatArray, IndexArray, IntArray
 
 __all__ = [
     "assemble",
     "components",
+    "edge_lengths",
     "is_sound",
     "mean_edge_length",
     "measure_triangles",
@@ -34,6 +36,9 @@ ROWS = (INDICES, INDICES, VALUES)
 
 BROKEN = 1e-8
 """Part of a row's absolute sum from which on L 1 or L - Lᵀ is not zero."""
+
+AHEAD = 8
+"""Steps by which memory is asked for ahead, where it is visited in no order."""
 
 GOLDEN = 0.6180339887498949
 """Multiples of it, without their whole parts, are as good as random."""
@@ -89,6 +94,19 @@ def measure_triangles(
         inverse_frames[f, 2] = ij / doubled
         areas[f] = doubled / 2
     return proper, total, slack
+
+
+@kernel(types.float64[:, ::1](TABLE), **options)  # type: ignore[untyped-decorator]
+def edge_lengths(inverse_frames: FloatArray) -> FloatArray:
+    """Return the (E, 3) edges opposite the corners of triangles."""
+    lengths = np.empty((len(inverse_frames), 3))
+    for e in range(len(inverse_frames)):
+        p, q, r = inverse_frames[e, 0], inverse_frames[e, 1], inverse_frames[e, 2]
+        spanned = abs(p * r)
+        lengths[e, 0] = math.sqrt(p * p + (q + r) ** 2) / spanned
+        lengths[e, 1] = math.sqrt(p * p + q * q) / spanned
+        lengths[e, 2] = abs(r) / spanned
+    return lengths
 
 
 def assemble(
@@ -295,6 +313,9 @@ def components(indptr: IndexArray, indices: IndexArray) -> IntArray:
         labels[seed], waiting[0] = label, seed
         done, known = 0, 1
         while done < known:
+            prefetch(shifted(pointer(indptr), waiting[min(done + 2 * AHEAD, known - 1)]))
+            soon = indptr[waiting[min(done + AHEAD, known - 1)]]
+            prefetch(shifted(pointer(indices), np.int64(soon)))
             v = waiting[done]
             done += 1
             for entry in range(indptr[v], indptr[v + 1]):

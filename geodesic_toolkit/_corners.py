@@ -15,7 +15,6 @@ __all__ = [
     "CORNERS",
     "angle_defects",
     "curvatures",
-    "edge_lengths",
     "gather",
     "star_curvatures",
     "tell_missed",
@@ -158,19 +157,6 @@ def gather(  # noqa: PLR0917 - kernels take no keywords
             _go_round(corners[starts[v] : ends[v]])
 
 
-@kernel(types.float64[:, ::1](TABLE), **options)  # type: ignore[untyped-decorator]
-def edge_lengths(inverse_frames: FloatArray) -> FloatArray:
-    """Return the (E, 3) edges opposite the corners of triangles."""
-    lengths = np.empty((len(inverse_frames), 3))
-    for e in range(len(inverse_frames)):
-        p, q, r = inverse_frames[e, 0], inverse_frames[e, 1], inverse_frames[e, 2]
-        spanned = abs(p * r)
-        lengths[e, 0] = math.sqrt(p * p + (q + r) ** 2) / spanned
-        lengths[e, 1] = math.sqrt(p * p + q * q) / spanned
-        lengths[e, 2] = abs(r) / spanned
-    return lengths
-
-
 @kernel(  # type: ignore[untyped-decorator]
     types.float64[::1](FACES, TABLE, FLAGS), **options
 )
@@ -178,7 +164,9 @@ def angle_defects(
     elements: IntArray, inverse_frames: FloatArray, boundary: BoolArray
 ) -> FloatArray:
     """Return what the (N,) angles about vertices lack of 2π, where the domain ends of π."""
-    defect = np.where(boundary, math.pi, 2 * math.pi)
+    defect = np.empty(len(boundary))
+    for v in range(len(boundary)):
+        defect[v] = math.pi if boundary[v] else 2 * math.pi
     for e in range(len(elements)):
         p, q, r = inverse_frames[e, 0], inverse_frames[e, 1], inverse_frames[e, 2]
         # An angle is π minus what the other two hat gradients enclose.

@@ -25,6 +25,7 @@ from geodesic_toolkit.geometry.triangles import (
     face_areas,
     frames_from_lengths,
     inverse_frames,
+    lengths_from_inverse,
 )
 from geodesic_toolkit.gradient import ElementGradient
 
@@ -207,19 +208,20 @@ class WavefrontSweeper:
         Along the surface, where that is known. On a mesh they are intrinsically Delaunay, but keep
         the edges of vertices that are no sample of a smooth surface.
         """
-        from geodesic_toolkit._corners import edge_lengths
         from geodesic_toolkit._flipping import flip_edges, twins
 
         gradient, given = self._gradient, self.metric.surface_frames
         elements, inverse, areas = gradient.elements, gradient.inverse_frames, gradient.measure
         if len(given):
             return elements, given, areas
+        if self.metric.notes.get("triangulation") == "intrinsic Delaunay":
+            return elements, inverse, areas  # nothing is left to flip
         if gradient.stars or not len(elements) or not (inverse[:, 0] * inverse[:, 2]).all():
             return elements, inverse, areas
         twin, coherent = twins(elements, gradient.n_vertices)
         if not coherent:
             return elements, inverse, areas
-        faces, lengths = elements.copy(), edge_lengths(inverse)
+        faces, lengths = elements.copy(), lengths_from_inverse(inverse)
         sharp = ~self.metric.boundary & (np.abs(self._defects) > SHARP)
         if not flip_edges(faces, lengths, twin, sharp):
             return elements, inverse, areas

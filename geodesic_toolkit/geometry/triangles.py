@@ -162,6 +162,10 @@ def inverse_frames(frames: FloatArray) -> FloatArray:
 
 def lengths_from_inverse(inverse: FloatArray) -> FloatArray:
     """Return the (F, 3) edge lengths, opposite each corner, of triangles by inverse frames."""
+    if worthwhile(len(inverse)):
+        from geodesic_toolkit._assembly import edge_lengths
+
+        return np.asarray(edge_lengths(np.ascontiguousarray(inverse)))
     length, height = 1 / inverse[:, 0], 1 / inverse[:, 2]
     along = -inverse[:, 1] * length * height
     return np.column_stack([np.hypot(length - along, height), np.hypot(along, height), length])

@@ -11,8 +11,8 @@ import numba
 import numpy as np
 from numba import types
 
+from geodesic_toolkit._pointers import pointer, prefetch, shifted
 from geodesic_toolkit._typing import IndexArray, IntArray
-from geodesic_toolkit.linear.supernodal._pointers import pointer, prefetch, shifted
 
 __all__ = [
     "column_counts",

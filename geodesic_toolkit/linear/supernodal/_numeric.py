@@ -18,16 +18,16 @@ import numpy as np
 from numba import types
 from numpy.typing import NDArray
 
-from geodesic_toolkit._typing import FloatArray, IndexArray, IntArray
-from geodesic_toolkit.linear.supernodal import _blas
-from geodesic_toolkit.linear.supernodal._halves import numbers
-from geodesic_toolkit.linear.supernodal._pointers import (
+from geodesic_toolkit._pointers import (
     Pointer,
     address,
     pointer,
     prefetch,
     shifted,
 )
+from geodesic_toolkit._typing import FloatArray, IndexArray, IntArray
+from geodesic_toolkit.linear.supernodal import _blas
+from geodesic_toolkit.linear.supernodal._halves import numbers
 
 __all__ = ["factorize"]
 
@@ -154,7 +154,7 @@ def factorize(  # noqa: PLR0912, PLR0915, PLR0917 - one sweep; kernels take no k
     by_halves = halves.size > 0
     own_panels = pointer(front if by_halves else factor)
     local, child_rows = pointer(room), pointer(room[pivots.size :])
-    memory, values, last = _blas.arguments(), pointer(data), np.int64(places.size - 1)
+    memory, values, last = _blas.arguments(), pointer(data), places.size - 1
     for s in range(n_supernodes):
         start, begin = row_starts[s], np.int64(first[s])
         height, width = row_starts[s + 1] - start, first[s + 1] - begin

@@ -16,8 +16,8 @@ import numpy as np
 from numba import types
 from numpy.typing import NDArray
 
+from geodesic_toolkit._pointers import pointer, prefetch, shifted
 from geodesic_toolkit._typing import IndexArray, IntArray
-from geodesic_toolkit.linear.supernodal._pointers import pointer, prefetch, shifted
 
 __all__ = ["minimum_degree"]
 
@@ -67,7 +67,7 @@ def minimum_degree(indptr: IntArray, indices: IndexArray) -> IndexArray:
     return np.asarray(kernel(indptr, indices, lists, node, HIGHEST))
 
 
-def _eliminate(  # noqa: PLR0912, PLR0914, PLR0915 - its steps share a dozen arrays
+def _eliminate(  # noqa: PLR0912, PLR0915 - its steps share a dozen arrays
     indptr: IntArray,
     indices: IndexArray,
     lists: IndexArray,

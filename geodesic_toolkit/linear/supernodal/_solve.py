@@ -10,10 +10,10 @@ import numba
 import numpy as np
 from numba import types
 
+from geodesic_toolkit._pointers import Pointer, pointer
 from geodesic_toolkit._typing import FloatArray, IndexArray, IntArray
 from geodesic_toolkit.linear.supernodal._columns import dot_columns, minus_columns
 from geodesic_toolkit.linear.supernodal._halves import numbers
-from geodesic_toolkit.linear.supernodal._pointers import Pointer, pointer
 from geodesic_toolkit.linear.supernodal._rows import BLOCK, four_minus, minus_four, minus_one
 from geodesic_toolkit.linear.supernodal.analysis import LANES, Panels
 
