@@ -51,7 +51,7 @@ HOPELESS = {f"{libraries.SOLVER}superlu": LARGE}
 START_UP = 200_000
 """Vertices up to which first calls are measured."""
 
-FURTHER = 32
+FURTHER = 256
 """Single sources that are tried in a round, as time allows."""
 
 PAUSE = 0.1

@@ -236,7 +236,7 @@ class HeatMethod:
             return worst
         values = heat.values[:, 0] if len(block) == 1 else heat.values
         load = self.metric.gradient.descent_load(values, logarithmic=heat.logarithmic)
-        potential = self._poisson().solve(load).reshape(self.n_vertices, len(block))
+        potential = self._poisson().solve_over(load).reshape(self.n_vertices, len(block))
         self._anchor(potential, block, distances)
         return worst
 

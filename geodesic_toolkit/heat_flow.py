@@ -118,7 +118,8 @@ class HeatFlow:
         (system, *more) = self.systems()
         first = system.load(loads)
         if self.solver.componentwise:
-            solution = system.factor.solve(first)
+            solve = system.factor.solve if more else system.factor.solve_over  # others need it too
+            solution = solve(first)
             lowest = _lowest(solution)
             one_solve = not more and len(owners) == len(block)
             if one_solve and self._is_within_range(solution, lowest, block):

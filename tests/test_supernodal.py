@@ -21,10 +21,12 @@ from scipy.spatial import cKDTree
 from threadpoolctl import threadpool_info, threadpool_limits
 
 import geodesic_toolkit as gt
+from geodesic_toolkit._frozen import freeze
 from geodesic_toolkit.errors import InvalidOptionError, NotEnoughMemoryError, SolverError
 from geodesic_toolkit.linear import memory
 from geodesic_toolkit.linear.patterns import SharedAnalysis
 from geodesic_toolkit.linear.supernodal import _elimination, _numeric, _ordering, _solve, factor
+from geodesic_toolkit.linear.supernodal import analysis as analysis_module
 from geodesic_toolkit.linear.supernodal.analysis import LANES, analyze
 from geodesic_toolkit.linear.supernodal.blas_threads import single_threaded_blas
 from geodesic_toolkit.testing import shapes
@@ -173,6 +175,22 @@ def filled(matrix, order):
 
 
 # -- the order of elimination ----------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("kernel", "kind", "highest"),
+    [
+        (_ordering._eliminated, np.int32, 3000),  # marks begin anew every few pivots
+        (_ordering._eliminated_by_long, np.int64, 2**31),  # for lists that 32 bits cannot count
+    ],
+)
+def test_neither_the_range_of_marks_nor_wider_fields_change_an_order(kernel, kind, highest):
+    matrix = MESHES["icosphere"]()
+    n, indptr = matrix.shape[0], matrix.indptr.astype(np.int64)
+    assert 4 * n < highest
+    room = np.empty(2 * matrix.nnz + 2 * n + 64, dtype=np.int32), np.empty((n, 8), dtype=kind)
+    order = kernel(indptr, matrix.indices.astype(np.int32), *room, highest)
+    np.testing.assert_array_equal(order, ordered(matrix))
 
 
 @given(graphs())
@@ -438,6 +456,42 @@ def test_a_column_does_not_depend_on_its_place_in_a_block(laplacian):
     load = np.random.default_rng(3).normal(size=(laplacian.shape[0], 20))
     turned = found.solve(np.roll(load, 7, axis=1))
     np.testing.assert_array_equal(np.roll(turned, -7, axis=1), found.solve(load))
+
+
+@pytest.mark.parametrize("columns", [0, 1, 2, 7, 16, 20])
+def test_a_solution_may_take_the_place_of_its_load(laplacian, columns):
+    found = SOLVER.factorize(plus(laplacian, 0.1))
+    load = np.random.default_rng(4).normal(size=(laplacian.shape[0], columns)[: 1 + (columns > 0)])
+    expected, given = found.solve(load), load.copy()
+    np.testing.assert_array_equal(found.solve_over(given), expected)
+    np.testing.assert_array_equal(given, expected)
+    np.testing.assert_array_equal(found.solve_over(freeze(load.copy())), expected)
+    turned = np.asfortranarray(np.column_stack([load, load]))
+    kept = turned.copy()
+    np.testing.assert_array_equal(found.solve_over(turned), found.solve(kept))
+
+
+def test_room_for_solves_is_kept_for_the_next_and_for_other_factors(laplacian, monkeypatch):
+    one, other = SOLVER.factorize(plus(laplacian, 0.1)), SOLVER.factorize(plus(laplacian, 0.3))
+    other = factor.SupernodalFactor(one.analysis, other._panels)
+    load = np.random.default_rng(5).normal(size=(laplacian.shape[0], 16))
+    expected = [one.solve(load), other.solve(load)]
+    (room,) = one.analysis._rooms
+    room[:] = np.nan  # whatever it holds
+    for found, solution in zip((one, other), expected, strict=True):
+        np.testing.assert_array_equal(found.solve(load), solution)
+        np.testing.assert_allclose(found.solve(load[:, 0]), solution[:, 0], atol=1e-10)
+        assert one.analysis._rooms[0] is room
+    monkeypatch.setattr(analysis_module, "KEPT", room.nbytes - 8)
+    np.testing.assert_array_equal(one.solve(load), expected[0])
+    assert not one.analysis._rooms
+
+
+def test_room_is_lent_to_one_thread_at_a_time(laplacian):
+    its = analyze(laplacian)
+    with its.room(10) as first, its.room(10) as second:
+        assert not np.shares_memory(first, second)
+    assert len(its._rooms) == 1
 
 
 def test_an_empty_block_has_an_empty_solution(laplacian):

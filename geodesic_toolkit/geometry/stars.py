@@ -6,6 +6,8 @@ that the convex hull of the images has an edge for every empty circle, which is 
 The kernels are compiled by numba when they are imported for the first time, and cached.
 """
 
+import math
+
 import numba
 import numpy as np
 from numba import types
@@ -14,7 +16,7 @@ from geodesic_toolkit._typing import BoolArray, FloatArray, IntArray
 
 __all__ = ["delaunay_stars"]
 
-STEEP = np.sqrt(0.5)
+STEEP = math.sqrt(0.5)
 """Sine of 45°: a neighbour that is farther along the normal than along the surface lies on
 another sheet. Measured on a U-shaped sheet with a gap of 4 spacings: 53° holds, 64° leaks."""
 
@@ -160,7 +162,7 @@ def _project(  # noqa: PLR0917 - kernels take no keywords
     squared = 0.0
     for near in range(neighbours.shape[1]):
         if count == wanted:
-            return count, np.sqrt(squared), False
+            return count, math.sqrt(squared), False
         other = neighbours[centre, near]
         x = points[other, 0] - points[centre, 0]
         y = points[other, 1] - points[centre, 1]
@@ -182,44 +184,22 @@ def _project(  # noqa: PLR0917 - kernels take no keywords
             continue
         flat = squared - height * height
         chord = max(flat, squared - off)
-        stretch = np.sqrt(chord / flat)
+        stretch = math.sqrt(chord / flat)
         place[count, 0] = stretch * (x * ux + y * uy + z * uz)
         place[count, 1] = stretch * (x * vx + y * vy + z * vz)
         farther = chord + FIRM * max(off - FREE * squared, 0.0)
-        power = (farther + weights[centre] - weights[other]) / np.sqrt(farther / chord)
+        power = (farther + weights[centre] - weights[other]) / math.sqrt(farther / chord)
         image[count, 0] = place[count, 0] / power
         image[count, 1] = place[count, 1] / power
         index[count] = other
         count += 1
-    return count, np.sqrt(squared), True
+    return count, math.sqrt(squared), True
 
 
-@kernel  # type: ignore[untyped-decorator]
-def _hull(image: FloatArray, count: int, hull: IntArray) -> int:
-    """Write the convex hull of the images, counter-clockwise, and return its size (Andrew 1979)."""
-    order = np.arange(count)
-    for i in range(1, count):
-        item = order[i]
-        j = i
-        while j > 0 and (
-            image[order[j - 1], 0] > image[item, 0]
-            or (
-                image[order[j - 1], 0] == image[item, 0] and image[order[j - 1], 1] > image[item, 1]
-            )
-        ):
-            order[j] = order[j - 1]
-            j -= 1
-        order[j] = item
-    size = 0
-    for i in range(count):
-        size = _append(image, hull, size, 1, order[i])
-    lower = size
-    for i in range(count - 2, -1, -1):
-        size = _append(image, hull, size, lower, order[i])
-    return size - 1
-
-
-@kernel  # type: ignore[untyped-decorator]
+@numba.njit(  # type: ignore[untyped-decorator]
+    types.int64(types.float64[:, ::1], types.int64[::1], types.int64, types.int64, types.int64),
+    **options,
+)
 def _append(image: FloatArray, hull: IntArray, size: int, kept: int, item: int) -> int:
     """Add a point to a chain, after taking away those that it leaves inside."""
     while size > kept:
@@ -231,6 +211,28 @@ def _append(image: FloatArray, hull: IntArray, size: int, kept: int, item: int) 
         size -= 1
     hull[size] = item
     return size + 1
+
+
+@kernel  # type: ignore[untyped-decorator]
+def _hull(image: FloatArray, count: int, hull: IntArray) -> int:
+    """Write the convex hull of the images, counter-clockwise, and return its size (Andrew 1979)."""
+    order = np.empty(count, np.int64)
+    for i in range(count):
+        j = i
+        while j > 0 and (
+            image[order[j - 1], 0] > image[i, 0]
+            or (image[order[j - 1], 0] == image[i, 0] and image[order[j - 1], 1] > image[i, 1])
+        ):
+            order[j] = order[j - 1]
+            j -= 1
+        order[j] = i
+    size = 0
+    for i in range(count):
+        size = _append(image, hull, size, 1, order[i])
+    lower = size
+    for i in range(count - 2, -1, -1):
+        size = _append(image, hull, size, lower, order[i])
+    return size - 1
 
 
 @kernel  # type: ignore[untyped-decorator]
@@ -255,11 +257,11 @@ def _star(  # noqa: PLR0917 - kernels take no keywords
         i, j = hull[corner], hull[(corner + 1) % corners]
         ax, ay, bx, by = place[i, 0], place[i, 1], place[j, 0], place[j, 1]
         cross = ax * by - ay * bx
-        a, b = np.sqrt(ax * ax + ay * ay), np.sqrt(bx * bx + by * by)
+        a, b = math.sqrt(ax * ax + ay * ay), math.sqrt(bx * bx + by * by)
         if cross <= THIN * a * b:
             closed = False
             continue
-        c = np.sqrt((ax - bx) ** 2 + (ay - by) ** 2)
+        c = math.sqrt((ax - bx) ** 2 + (ay - by) ** 2)
         dot = ax * bx + ay * by
         diameter = a * b * c / cross  # of the circle through all three
         if diameter > radius:

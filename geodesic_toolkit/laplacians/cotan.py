@@ -5,6 +5,7 @@ from typing import Any, ClassVar, Literal, final
 
 import numpy as np
 
+from geodesic_toolkit._frozen import freeze
 from geodesic_toolkit._typing import BoolArray, FloatArray, IntArray
 from geodesic_toolkit.discretization import Discretization, connected_vertices
 from geodesic_toolkit.domains import Domain, TriangleMesh
@@ -176,7 +177,7 @@ class CotanLaplacian(LaplaceOperator):
             "obtuse_excess": float(excess.max()),
             "triangulation": _TRIANGULATION[bool(flip.any()), bool(flip.all())],
         }
-        return Discretization(
+        discretization = Discretization(
             mass=self._mass(gradient, thirds),
             stiffness=stiffness,
             gradient=gradient,
@@ -185,6 +186,8 @@ class CotanLaplacian(LaplaceOperator):
             scales=scales[parts],
             notes=notes,
         )
+        vars(discretization)["components"] = freeze(parts)  # flips join and part nothing
+        return discretization
 
     def _to_be_flipped(self, faces: IntArray, labels: IntArray, excess: FloatArray) -> BoolArray:
         """Return the faces of the components that are to be made intrinsically Delaunay."""

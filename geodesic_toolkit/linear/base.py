@@ -35,6 +35,23 @@ class Factor(abc.ABC):
             No solution was found, or it is not finite.
         """
 
+    def solve_over(self, right_hand_side: FloatArray) -> FloatArray:
+        """Return x as `solve` does, in the memory of the right-hand side where that can be.
+
+        For right-hand sides that nobody needs any more: large arrays are dear to come by. A solver
+        that has nothing to gain need not override it.
+
+        Parameters
+        ----------
+        right_hand_side : ndarray of shape (N,) or (N, K)
+            Holds anything afterwards.
+
+        Returns
+        -------
+        ndarray of the same shape
+        """
+        return self.solve(right_hand_side)
+
     @property
     @abc.abstractmethod
     def nnz(self) -> int:

@@ -63,7 +63,7 @@ def log_solve(
     columns = np.arange(n_columns)  # those that still have vertices to settle
     scaled_rhs = right_hand_side
     for stage in range(1, n_vertices + 2):  # each stage settles a vertex at least
-        scaled = factor.solve(scaled_rhs) if stage > 1 or solution is None else solution
+        scaled = solution if solution is not None and stage == 1 else factor.solve(scaled_rhs)
         is_open = _settle(scaled, log_scale, columns, log_solution, settled)
         if not is_open.any():
             return log_solution, stage

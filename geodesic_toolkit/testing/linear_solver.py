@@ -194,12 +194,13 @@ def memory_order_does_not_matter(subject: SolverSubject) -> Iterable[Measured]:
 
 
 def factor_can_be_used_again(subject: SolverSubject) -> Iterable[Measured]:
-    """Solving again, after other right-hand sides, gives the same (relative)."""
+    """Solving again, after other right-hand sides or over this one, gives the same (relative)."""
     for name, matrix, factor in subject.cases():
         load = _load(matrix, 2)
         first = factor.solve(load)
         factor.solve(-3 * load[:, ::-1])
         yield Measured(relative(factor.solve(load), first), REPEATED, name)
+        yield Measured(relative(factor.solve_over(load.copy()), first), REPEATED, name)
 
 
 def factor_is_safe_from_threads(subject: SolverSubject) -> Iterable[Measured]:

@@ -170,14 +170,15 @@ def column_counts(starts: IntArray, rows: IndexArray, parent: IndexArray) -> Ind
     n = parent.size
     count = np.zeros(n, np.int32)
     first = np.full(n, NONE, np.int32)  # the least descendant
+    ancestor = np.empty(n, np.int32)
     for j in range(n):
+        ancestor[j] = j
         count[j] = first[j] == NONE
         k = j
         while k != NONE and first[k] == NONE:
             first[k] = j
             k = parent[k]
     latest, previous = np.full(n, NONE, np.int32), np.full(n, NONE, np.int32)
-    ancestor = np.arange(n).astype(np.int32)
     for j in range(n):
         if parent[j] != NONE:
             count[parent[j]] -= 1

@@ -95,11 +95,12 @@ def _eliminate(  # noqa: PLR0912, PLR0915 - its steps share a dozen arrays
         np.full(n, NONE, np.int32),
         np.zeros(n, np.int32),
     )
-    last_member, next_member = np.arange(n).astype(np.int32), np.full(n, NONE, np.int32)
+    last_member, next_member = np.empty(n, np.int32), np.full(n, NONE, np.int32)
     order, ordered = np.empty(n, np.int32), 0
 
     end = np.int64(0)
     for i in range(n):
+        last_member[i] = i
         node[i, START] = end
         for p in range(indptr[i], indptr[i + 1]):
             if indices[p] != i:

@@ -1,6 +1,8 @@
 """The symbolic half of a factorisation: everything that the pattern alone decides."""
 
-from dataclasses import dataclass
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass, field
 from typing import TypeAlias, final
 
 import numpy as np
@@ -16,6 +18,9 @@ Panels: TypeAlias = FloatArray | NDArray[np.uint32]
 """The dense blocks of a factor, one after the other: numbers, or the upper halves of numbers.
 
 They hold L, but for its diagonal, of which they hold the inverse. `LANES` zeros follow."""
+
+KEPT = 2**27
+"""Bytes of room for a solve that wait for the next one, at the most."""
 
 LANES = 4
 """Numbers that the substitution reads at once, wherever a column ends."""
@@ -68,6 +73,26 @@ class Analysis:
     stack: int
     tallest: int
     largest: int
+    _rooms: list[FloatArray] = field(default_factory=list)
+
+    @contextmanager
+    def room(self, size: int) -> Iterator[FloatArray]:
+        """Lend `size` numbers to work in, in which anything may stand.
+
+        Memory from the system comes with a fault for every page. So that of the last solve is kept
+        for the next one, of whichever factor, up to `KEPT` bytes.
+        """
+        try:
+            whole = self._rooms.pop()
+        except IndexError:  # the first solve, or another thread has it
+            whole = np.empty(0)
+        if len(whole) < size:
+            whole = np.empty(size)  # NumPy's, also for kernels: it asks for large pages
+        try:
+            yield whole[:size]
+        finally:
+            if whole.nbytes <= KEPT and not self._rooms:
+                self._rooms.append(whole)
 
     @property
     def n_vertices(self) -> int:
@@ -82,7 +107,7 @@ class Analysis:
     @property
     def nbytes(self) -> int:
         """Bytes of the arrays, without those of the matrix."""
-        own = set(vars(self)) - {"indptr", "indices", "stack", "tallest", "largest"}
+        own = set(vars(self)) - {"indptr", "indices", "stack", "tallest", "largest", "_rooms"}
         return sum(getattr(self, name).nbytes for name in own)
 
     def factor_bytes(self, *, halves: bool) -> float:

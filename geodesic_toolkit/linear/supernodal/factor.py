@@ -38,46 +38,54 @@ class SupernodalFactor(Factor):
 
         Zeros in b save work: see :mod:`~geodesic_toolkit.linear.supernodal._solve`.
         """
-        b = np.asarray(right_hand_side)
+        return self._solved(right_hand_side, over=False)
+
+    def solve_over(self, right_hand_side: FloatArray) -> FloatArray:
+        """Return x in the memory of b, if that is an array of numbers in their usual order."""
+        return self._solved(right_hand_side, over=True)
+
+    def _solved(self, right_hand_side: FloatArray, *, over: bool) -> FloatArray:
+        given = np.asarray(right_hand_side)
         n = self.analysis.n_vertices
-        if b.ndim not in {1, 2} or len(b) != n:
+        if given.ndim not in {1, 2} or len(given) != n:
             raise InvalidOptionError(
-                f"{n} unknowns need a right-hand side of shape ({n},) or ({n}, K), not {b.shape}"
+                f"{n} unknowns need a right-hand side of shape ({n},) or ({n}, K), "
+                f"not {given.shape}"
             )
-        solution = self._solve(np.ascontiguousarray(b, dtype=np.float64))
-        if not np.isfinite(solution).all():
+        b = np.ascontiguousarray(given, dtype=np.float64)
+        solution = b if b is not given or (over and b.flags.writeable) else np.empty_like(b)
+        self._solve(b, solution)
+        # A sum is finite only if all its terms are; it may overflow where they are not.
+        if not np.isfinite(solution.sum()) and not np.isfinite(solution).all():
             raise SolverError(
                 "the solution is not finite: the right-hand side is not, or they are too large"
             )
         return solution
 
-    def _solve(self, b: FloatArray) -> FloatArray:
+    def _solve(self, b: FloatArray, solution: FloatArray) -> None:
+        """Write x to `solution`, which may be b itself."""
         from geodesic_toolkit.linear.supernodal import _solve
 
         its = self.analysis
         known = (its.order, its.first, its.row_starts, its.rows, its.panels, self._panels)
-        # Arrays of NumPy's, also in kernels: it asks the system for large pages, Numba does not.
-        solution = np.empty_like(b)
         if b.ndim == 1 or b.shape[1] <= FEW:
-            room = np.empty(its.n_vertices + its.tallest + LANES)
-            if b.ndim == 1 or b.shape[1] == 1:
-                _solve.solve_column(b.reshape(-1), *known, room, solution.reshape(-1))
-                return solution
-            for k in range(b.shape[1]):
-                column = np.empty(its.n_vertices)
-                _solve.solve_column(b[:, k].copy(), *known, room, column)
-                solution[:, k] = column
-            return solution
-        room = np.empty(_solve.BLOCK * (its.n_vertices + 4))
-        if b.shape[1] <= _solve.BLOCK:
-            _solve.solve_block(b, *known, room, solution)
-            return solution
-        for start in range(0, b.shape[1], _solve.BLOCK):
-            block = b[:, start : start + _solve.BLOCK].copy()
-            columns = np.empty_like(block)
-            _solve.solve_block(block, *known, room, columns)
-            solution[:, start : start + _solve.BLOCK] = columns
-        return solution
+            with its.room(its.n_vertices + its.tallest + LANES) as room:
+                if b.ndim == 1 or b.shape[1] == 1:
+                    _solve.solve_column(b.reshape(-1), *known, room, solution.reshape(-1))
+                    return
+                for k in range(b.shape[1]):
+                    column = b[:, k].copy()
+                    _solve.solve_column(column, *known, room, column)
+                    solution[:, k] = column
+            return
+        with its.room(_solve.BLOCK * (its.n_vertices + 4)) as room:
+            if b.shape[1] <= _solve.BLOCK:
+                _solve.solve_block(b, *known, room, solution)
+                return
+            for start in range(0, b.shape[1], _solve.BLOCK):
+                block = b[:, start : start + _solve.BLOCK].copy()
+                _solve.solve_block(block, *known, room, block)
+                solution[:, start : start + _solve.BLOCK] = block
 
     @property
     def nnz(self) -> int:
