@@ -91,10 +91,12 @@ def coarse_parts(
     few = (sizes > 1) & (sizes < FEW)
     order = np.argsort(parts, kind="stable") if len(sizes) > 1 else slice(None)
     begins = np.cumsum(sizes) - sizes
-    boxes = np.maximum.reduceat(vertices[order], begins) - np.minimum.reduceat(
-        vertices[order], begins
-    )
-    diagonals = np.linalg.norm(boxes, axis=1)
+    # One column after the other: NumPy takes ten times as long over all at once.
+    boxes = [
+        np.maximum.reduceat(column, begins) - np.minimum.reduceat(column, begins)
+        for column in vertices[order].T
+    ]
+    diagonals = np.linalg.norm(boxes, axis=0)
     longest = 2 * np.maximum.reduceat(scales[order], begins)
     doubtful = (sizes > 1) & ~few & (longest > LONG * diagonals)
     if not doubtful.any():
