@@ -9,7 +9,6 @@ from typing import Any, TypeAlias
 
 from llvmlite import ir
 from numba import types
-from numba.core import cgutils
 from numba.extending import intrinsic
 
 __all__ = ["Pointer", "address", "pointer", "prefetch", "shifted"]
@@ -57,7 +56,7 @@ def prefetch(_context: Any, place: Any) -> Any:
         number = ir.IntType(32)
         where = builder.bitcast(arguments[0], ir.IntType(8).as_pointer())
         kind = ir.FunctionType(ir.VoidType(), [where.type, number, number, number])
-        ask = cgutils.get_or_insert_function(builder.module, kind, "llvm.prefetch.p0")
+        ask = builder.module.declare_intrinsic("llvm.prefetch", [where.type], kind)
         reading, often, data = number(0), number(3), number(1)
         builder.call(ask, [where, reading, often, data])
         return context.get_dummy_value()

@@ -27,10 +27,8 @@ _block = types.Array(types.float64, 2, "C", readonly=True)
 _symbolic = (_int32, _int32, _int64, _int32, _int64)
 _room = types.float64[::1]
 
-# Sums may be reordered, which is how they are vectorised; infinities and NaN keep their meaning.
-kernel = numba.njit(
-    cache=True, nogil=True, error_model="numpy", fastmath={"contract", "reassoc", "nsz"}
-)
+# No sum is reordered, so that all columns of a block come out alike, wherever they are in it.
+kernel = numba.njit(cache=True, nogil=True, error_model="numpy", fastmath={"contract", "nsz"})
 
 
 @kernel  # type: ignore[untyped-decorator]
