@@ -10,12 +10,17 @@ import numba
 import numpy as np
 from numba import types
 
-from geodesic_toolkit._typing import FloatArray, IntArray
+from geodesic_toolkit._typing import FloatArray, IndexArray, IntArray
 
-__all__ = ["descent_load", "descent_loads"]
+__all__ = ["descent_load", "descent_loads", "split"]
+
+LOG_2 = math.log(2)
 
 TINY = 1e-300
 """Differences of heat below it are taken for no slope at all."""
+
+NOTHING = -(2**30)
+"""Power of two that stands for no heat at all."""
 
 # One signature each, of arrays that are only read: those that may be written to fit as well.
 kernel = numba.njit
@@ -23,35 +28,56 @@ options = {"cache": True, "nogil": True, "error_model": "numpy"}
 ELEMENTS = types.Array(types.int64, 2, "C", readonly=True)
 TABLE = types.Array(types.float64, 2, "C", readonly=True)
 VALUES = types.Array(types.float64, 1, "C", readonly=True)
+POWERS = types.Array(types.int32, 1, "C", readonly=True)
+POWER_TABLE = types.Array(types.int32, 2, "C", readonly=True)
 
 
 @kernel(  # type: ignore[untyped-decorator]
-    types.void(ELEMENTS, TABLE, VALUES, VALUES, types.boolean, types.float64[::1]), **options
+    types.void(VALUES, types.float64[::1], types.int32[::1]), **options
+)
+def split(logarithms: FloatArray, fractions: FloatArray, powers: IndexArray) -> None:
+    """Write u as ``fractions * 2**powers``, where `logarithms` are log u: doubles of any range.
+
+    Fractions are at least 1 and less than 2; where there is no heat they are 0.
+    """
+    for v in range(len(logarithms)):
+        power = logarithms[v] / LOG_2
+        if power <= NOTHING:
+            fractions[v], powers[v] = 0.0, NOTHING
+        else:  # what is no number stays none
+            whole = math.floor(power)
+            fractions[v], powers[v] = math.exp((power - whole) * LOG_2), np.int32(whole)
+
+
+@kernel(  # type: ignore[untyped-decorator]
+    types.void(ELEMENTS, TABLE, VALUES, VALUES, POWERS, types.float64[::1]), **options
 )
 def descent_load(  # noqa: PLR0917 - kernels take no keywords
     elements: IntArray,
     inverse_frames: FloatArray,
     measure: FloatArray,
     heat: FloatArray,
-    logarithmic: bool,
+    powers: IndexArray,
     load: FloatArray,
 ) -> None:
-    """Add ``Gᵀ W X`` with ``X = -∇u/|∇u|`` to `load`, (N,), from u or, if `logarithmic`, log u.
+    """Add ``Gᵀ W X`` with ``X = -∇u/|∇u|`` to `load`, (N,).
 
-    On a triangle with the values u₀, u₁, u₂ and the inverse frame (p, q, r) the gradient is
-    ``(p (u₁ - u₀), q (u₁ - u₀) + r (u₂ - u₀))``. Its direction does not change if the differences
-    are divided by the larger one, and then nothing underflows.
+    u is `heat`, or ``heat * 2**powers`` if there are `powers`, of which only those matter that the
+    corners of a triangle do not share. On a triangle with the values u₀, u₁, u₂ and the inverse
+    frame (p, q, r) the gradient is ``(p (u₁ - u₀), q (u₁ - u₀) + r (u₂ - u₀))``. Its direction does
+    not change if the differences are divided by the larger one, and then nothing underflows.
     """
+    scales = np.empty(3)
+    bits = scales.view(np.int64)  # of 2**n the upper ones are n + 1023
     for e in range(len(elements)):
         i, j, k = elements[e, 0], elements[e, 1], elements[e, 2]
         origin, first, second = heat[i], heat[j], heat[k]
-        if logarithmic:
-            largest = max(origin, first, second)
-            if largest == -math.inf:
-                continue
-            origin = math.exp(origin - largest)
-            first = math.exp(first - largest)
-            second = math.exp(second - largest)
+        if powers.size:
+            one = 1023 - np.int64(max(powers[i], powers[j], powers[k]))
+            bits[0] = max(one + powers[i], 0) << 52
+            bits[1] = max(one + powers[j], 0) << 52
+            bits[2] = max(one + powers[k], 0) << 52
+            origin, first, second = origin * scales[0], first * scales[1], second * scales[2]
         first -= origin
         second -= origin
         scale = 1 / max(abs(first), abs(second), TINY)
@@ -67,14 +93,14 @@ def descent_load(  # noqa: PLR0917 - kernels take no keywords
 
 
 @kernel(  # type: ignore[untyped-decorator]
-    types.void(ELEMENTS, TABLE, VALUES, TABLE, types.boolean, types.float64[:, ::1]), **options
+    types.void(ELEMENTS, TABLE, VALUES, TABLE, POWER_TABLE, types.float64[:, ::1]), **options
 )
 def descent_loads(  # noqa: PLR0917 - kernels take no keywords
     elements: IntArray,
     inverse_frames: FloatArray,
     measure: FloatArray,
     heat: FloatArray,
-    logarithmic: bool,
+    powers: IndexArray,
     loads: FloatArray,
 ) -> None:
     """Do as `descent_load` with K columns at once, (N, K): its lines in loops over the columns.
@@ -83,19 +109,24 @@ def descent_loads(  # noqa: PLR0917 - kernels take no keywords
     """
     columns = heat.shape[1]
     first, second = np.empty(columns), np.empty(columns)
+    scales = np.empty((3, columns))
+    bits = scales.view(np.int64)
     for e in range(len(elements)):
         i, j, k = elements[e, 0], elements[e, 1], elements[e, 2]
         p, q, r = inverse_frames[e, 0], inverse_frames[e, 1], inverse_frames[e, 2]
         area = -measure[e]
         at_i, at_j, at_k = heat[i], heat[j], heat[k]
-        if logarithmic:
+        if powers.size:
+            by_i, by_j, by_k = powers[i], powers[j], powers[k]
             for c in range(columns):
-                largest = max(at_i[c], at_j[c], at_k[c])
-                if largest == -math.inf:
-                    largest = 0.0
-                origin = math.exp(at_i[c] - largest)
-                first[c] = math.exp(at_j[c] - largest) - origin
-                second[c] = math.exp(at_k[c] - largest) - origin
+                one = 1023 - np.int64(max(by_i[c], by_j[c], by_k[c]))
+                bits[0, c] = max(one + by_i[c], 0) << 52
+                bits[1, c] = max(one + by_j[c], 0) << 52
+                bits[2, c] = max(one + by_k[c], 0) << 52
+            for c in range(columns):
+                origin = at_i[c] * scales[0, c]
+                first[c] = at_j[c] * scales[1, c] - origin
+                second[c] = at_k[c] * scales[2, c] - origin
         else:
             for c in range(columns):
                 first[c] = at_j[c] - at_i[c]

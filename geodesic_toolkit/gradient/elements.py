@@ -191,12 +191,17 @@ class ElementGradient(Gradient):
         """Return ``Gᵀ W X`` with ``X = -∇u/|∇u|``, (N,) or (N, K); on triangles in one pass."""
         if not (self.of_planes and self._is_compiled):
             return super().descent_load(heat, logarithmic=logarithmic)
-        from geodesic_toolkit._descent import descent_load, descent_loads
+        from geodesic_toolkit._descent import descent_load, descent_loads, split
 
         heat = np.ascontiguousarray(heat, dtype=np.float64)
+        powers = np.empty((0,) * heat.ndim, dtype=np.int32)
+        if logarithmic:
+            fractions, powers = np.empty_like(heat), np.empty(heat.shape, dtype=np.int32)
+            split(heat.reshape(-1), fractions.reshape(-1), powers.reshape(-1))
+            heat = fractions
         load = np.zeros_like(heat)
         add = descent_load if heat.ndim == 1 else descent_loads
-        add(self.elements, self.inverse_frames, self.measure, heat, logarithmic, load)
+        add(self.elements, self.inverse_frames, self.measure, heat, powers, load)
         return load
 
     def adjoint(self, field: FloatArray) -> FloatArray:
