@@ -471,6 +471,21 @@ def test_a_solution_may_take_the_place_of_its_load(laplacian, columns):
     np.testing.assert_array_equal(found.solve_over(turned), found.solve(kept))
 
 
+def test_a_load_of_another_kind_of_double_is_left_as_it_was(laplacian):
+    found = SOLVER.factorize(plus(laplacian, 0.1))
+    kind = np.dtype(np.float64, metadata={"unit": "m"})
+    load = np.random.default_rng(4).normal(size=laplacian.shape[0]).astype(kind)
+    before = load.copy()
+    found.solve(load)
+    np.testing.assert_array_equal(load, before)
+
+
+def test_solutions_whose_sum_overflows_are_solutions():
+    matrix = csr_array(np.diag([1.0, 1.0, 1.0]))
+    load = np.array([1.5e308, 1.5e308, 1.0])
+    np.testing.assert_array_equal(SOLVER.factorize(matrix).solve(load), load)
+
+
 def test_room_for_solves_is_kept_for_the_next_and_for_other_factors(laplacian, monkeypatch):
     one, other = SOLVER.factorize(plus(laplacian, 0.1)), SOLVER.factorize(plus(laplacian, 0.3))
     other = factor.SupernodalFactor(one.analysis, other._panels)

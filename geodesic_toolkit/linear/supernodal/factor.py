@@ -53,10 +53,12 @@ class SupernodalFactor(Factor):
                 f"not {given.shape}"
             )
         b = np.ascontiguousarray(given, dtype=np.float64)
-        solution = b if b is not given or (over and b.flags.writeable) else np.empty_like(b)
+        own = not np.may_share_memory(b, given)
+        solution = b if own or (over and b.flags.writeable) else np.empty_like(b)
         self._solve(b, solution)
-        # A sum is finite only if all its terms are; it may overflow where they are not.
-        if not np.isfinite(solution.sum()) and not np.isfinite(solution).all():
+        with np.errstate(over="ignore", invalid="ignore"):
+            total = solution.sum()  # finite only if all its terms are; finite ones may overflow
+        if not np.isfinite(total) and not np.isfinite(solution).all():
             raise SolverError(
                 "the solution is not finite: the right-hand side is not, or they are too large"
             )
