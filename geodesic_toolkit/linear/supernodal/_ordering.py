@@ -64,7 +64,7 @@ def minimum_degree(indptr: IntArray, indices: IndexArray) -> IndexArray:
     fields = np.empty(8 * n + 64, dtype=kind)
     aligned = -(fields.ctypes.data // fields.itemsize) % (64 // fields.itemsize)
     node = fields[aligned : aligned + 8 * n].reshape(n, 8)  # no row on two cache lines
-    return np.asarray(kernel(indptr, indices, lists, node, HIGHEST))
+    return np.asarray(kernel(indptr, indices, lists, node, np.iinfo(kind).max))
 
 
 def _eliminate(  # noqa: PLR0912, PLR0915 - its steps share a dozen arrays
