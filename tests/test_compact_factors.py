@@ -11,7 +11,7 @@ import geodesic_toolkit as gt
 from geodesic_toolkit.catalog import resolve_solvers
 from geodesic_toolkit.errors import InvalidOptionError, SolverError
 from geodesic_toolkit.linear.patterns import plus_diagonal
-from geodesic_toolkit.linear.supernodal import _numeric
+from geodesic_toolkit.linear.supernodal import _front, _numeric
 from geodesic_toolkit.linear.supernodal.analysis import analyze
 from geodesic_toolkit.testing import shapes
 
@@ -138,9 +138,10 @@ def test_what_memory_held_before_does_not_matter_and_none_is_touched_beyond(sphe
     for fill in (0.0, np.nan):
         halves = np.full(its.n_stored + 64, 7, dtype=np.uint32)
         front, stack = np.full(its.largest + 64, fill), np.full(its.stack + 64, fill)
+        pack = np.full(_front.packed_size(its.tallest) + 64, fill)
         failed = _numeric.factorize(
             sphere_system.data, its.starts, its.lower_rows, its.places, its.first, its.row_starts,
-            its.rows, its.above, its.panels, np.empty(0), halves, front, stack,
+            its.rows, its.above, its.panels, np.empty(0), halves, front, stack[: its.stack], pack,
             np.zeros(its.n_vertices), np.empty(2 * its.n_vertices, dtype=np.int64),
         )  # fmt: skip
         assert failed == -1

@@ -1,15 +1,12 @@
 """Sparse Cholesky: orders, trees, factors and solutions against brute force and libraries."""
 
-import os
-import subprocess
-import sys
-import threading
 import tracemalloc
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 from decimal import Decimal, localcontext
 from itertools import pairwise
 
+import numba
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -18,17 +15,24 @@ from scipy.linalg import cho_factor, cho_solve
 from scipy.sparse import csr_array, diags_array, eye_array, kron, random_array
 from scipy.sparse.linalg import splu
 from scipy.spatial import cKDTree
-from threadpoolctl import threadpool_info, threadpool_limits
 
 import geodesic_toolkit as gt
 from geodesic_toolkit._frozen import freeze
+from geodesic_toolkit._pointers import pointer
 from geodesic_toolkit.errors import InvalidOptionError, NotEnoughMemoryError, SolverError
 from geodesic_toolkit.linear import memory
 from geodesic_toolkit.linear.patterns import SharedAnalysis
-from geodesic_toolkit.linear.supernodal import _elimination, _numeric, _ordering, _solve, factor
+from geodesic_toolkit.linear.supernodal import (
+    _elimination,
+    _front,
+    _numeric,
+    _ordering,
+    _solve,
+    _tiles,
+    factor,
+)
 from geodesic_toolkit.linear.supernodal import analysis as analysis_module
 from geodesic_toolkit.linear.supernodal.analysis import LANES, analyze
-from geodesic_toolkit.linear.supernodal.blas_threads import single_threaded_blas
 from geodesic_toolkit.testing import shapes
 
 SOLVER = gt.Supernodal()
@@ -103,6 +107,7 @@ MESHES = {
     "wide on little": lambda: arrow(20, 20),
     "wide on much": lambda: arrow(20, 90),
     "one wide block": lambda: complete(200),
+    "packed": lambda: arrow(70, 400),
     "star": lambda: star(300),
 }
 
@@ -307,18 +312,76 @@ def filled_places(matrix):
     return csr_array((np.ones(matrix.nnz), matrix.indices, matrix.indptr), matrix.shape).toarray()
 
 
-@pytest.mark.parametrize("kind", ["narrow", "wide"])
-@pytest.mark.parametrize("where", ["on little", "on much"])
-def test_plain_loops_and_the_blas_both_have_work(kind, where):
-    """The matrices of this file take every way through the numeric factorisation."""
-    its = analyze(MESHES[f"{kind} {where}"]())
-    widths, below = np.diff(its.first), np.diff(its.row_starts) - np.diff(its.first)
-    narrow, little = kind == "narrow", where == "on little"
-    assert (
-        ((widths <= _numeric.NARROW) == narrow)
-        & ((below <= _numeric.SHORT) == little)
-        & (below > 0)
-    ).any()
+# -- dense fronts ----------------------------------------------------------------------------------
+
+
+@numba.njit
+def eliminated(panel, update, height, width, room):
+    return _front.eliminate(pointer(panel), pointer(update), height, width, pointer(room))
+
+
+def front(height, width, seed=0):
+    """The first columns of a random positive definite matrix, and all of it."""
+    root = np.random.default_rng(seed).normal(size=(height, height)) / np.sqrt(height)
+    whole = root @ root.T + np.eye(height)
+    return np.r_[whole[:width].ravel(), np.full(_front.ACROSS, np.nan)], whole
+
+
+TALL, PACKED, CHUNK = _tiles.TALL, _front.PACKED, _front.CHUNK
+
+
+HEIGHTS = [*range(1, 2 * TALL + 2), CHUNK + 1, PACKED + 1, PACKED + CHUNK + 5]
+WIDTHS = [1, 2, 3, 4, 5, 8, CHUNK - 1, CHUNK, CHUNK + 1, 2 * CHUNK + 6]
+
+
+@pytest.mark.parametrize(
+    ("height", "width"), [(tall, wide) for tall in HEIGHTS for wide in WIDTHS if wide <= tall]
+)
+def test_fronts_of_all_shapes_are_eliminated_as_by_dense_cholesky(height, width):
+    below = height - width
+    panel, whole = front(height, width)
+    update = np.full(below * below, np.nan)
+    assert eliminated(panel, update, height, width, np.empty(_front.packed_size(height))) == -1
+    lower = np.linalg.cholesky(whole)
+    found = np.tril(panel[: height * width].reshape(width, height).T)
+    np.fill_diagonal(found, 1 / np.diagonal(found))
+    np.testing.assert_allclose(found, lower[:, :width], atol=1e-13)
+    left = np.tril(update.reshape(below, below).T)
+    np.testing.assert_allclose(
+        left, np.tril(-lower[width:, :width] @ lower[width:, :width].T), atol=1e-13
+    )
+    assert np.isnan(panel[height * width :]).all()  # nothing is written behind
+
+
+@pytest.mark.parametrize("bad", [0, 1, 2, 3, 4, 6, CHUNK, CHUNK + 1])
+@pytest.mark.parametrize("value", [0.0, -1.0, np.nan])
+def test_a_front_names_the_first_column_without_a_pivot(bad, value):
+    height = CHUNK + 20
+    panel, _ = front(height, height - 10)
+    panel[bad * height + bad] = value
+    update, room = np.empty(100), np.empty(_front.packed_size(height))
+    assert eliminated(panel, update, height, height - 10, room) == bad
+
+
+# -- numbers below the normal ones -----------------------------------------------------------------
+
+
+def test_subnormal_entries_count_for_nothing_and_are_back_afterwards():
+    """They cost a hundred times as much; what is left of a chain behind them is exactly zero."""
+    n = 400
+    heat = plus(1e-2 * path(n), 1.0)
+    load = np.zeros(n)
+    load[0] = 1.0
+    smallest = np.finfo(np.float64).tiny
+    found = SOLVER.factorize(heat)
+    for solution in (found.solve(load), found.solve(load[:, None] * [1, 1, 1])[:, 1]):
+        assert solution[0] > 0.9
+        assert (solution == 0).any()
+        assert not ((solution > 0) & (solution < smallest)).any()
+    assert np.nextafter(0.0, 1.0) * np.float64(2.0) > 0
+    with pytest.raises(SolverError):
+        SOLVER.factorize(path(10))
+    assert np.nextafter(0.0, 1.0) * np.float64(2.0) > 0
 
 
 # -- room ------------------------------------------------------------------------------------------
@@ -328,11 +391,13 @@ def numeric(system, its, margin, fill):
     """The panels, in arrays that are filled beforehand and larger than they need be."""
     panels = np.full(its.n_stored + margin, fill)
     nothing = np.empty(0, dtype=np.uint32), np.empty(0)  # no halves, no front
+    pack = np.full(_front.packed_size(its.tallest) + margin, fill)
     stack = np.full(its.stack + margin, fill)
     room = np.full(2 * its.n_vertices + margin, -(2**40), dtype=np.int64)
     failed = _numeric.factorize(
         system.data, its.starts, its.lower_rows, its.places, its.first, its.row_starts, its.rows,
-        its.above, its.panels, panels, *nothing, stack, np.zeros(its.n_vertices), room,
+        its.above, its.panels, panels, *nothing, stack[: its.stack], pack,
+        np.zeros(its.n_vertices), room,
     )  # fmt: skip
     return failed, panels, stack, room
 
@@ -668,7 +733,7 @@ def test_heat_on_a_chain_is_right_in_every_entry_down_to_1e_300(n, time):
     ids=["grid", "strip", "cliques"],
 )
 def test_heat_is_right_in_every_entry_on_graphs(laplacian, time):
-    """The supernodes of these are wide enough for the BLAS."""
+    """The supernodes of these are of several columns."""
     heat = plus(time * laplacian, 1.0)
     load = np.zeros(heat.shape[0])
     load[0] = 1.0
@@ -733,10 +798,6 @@ def test_values_are_no_part_of_an_analysis(sphere_system):
 # -- threads ---------------------------------------------------------------------------------------
 
 
-def blas_threads():
-    return [pool["num_threads"] for pool in threadpool_info() if pool["user_api"] == "blas"]
-
-
 def test_two_factors_on_two_threads_are_those_of_one(laplacian):
     systems = [plus(laplacian, shift) for shift in (0.1, 1.0)] * 3
     alone = [SOLVER.factorize(system)._panels for system in systems]
@@ -760,106 +821,6 @@ def test_eight_threads_that_share_an_analysis_and_a_factor_get_the_same_bits(lap
         np.testing.assert_array_equal(got, expected)
     for other in panels:
         np.testing.assert_array_equal(other, found._panels)
-
-
-@pytest.fixture
-def usual():
-    """The threads of BLAS before a test; they are the same after it."""
-    before = blas_threads()
-    yield before
-    assert blas_threads() == before
-
-
-def test_blas_has_the_threads_that_a_fresh_process_gave_it():
-    """The other tests would not see threads that were lost before them."""
-    code = """
-import threading
-import numpy, scipy.linalg.cython_blas
-from scipy.sparse import eye_array
-from threadpoolctl import threadpool_info
-import geodesic_toolkit as gt
-def threads():
-    return [pool["num_threads"] for pool in threadpool_info() if pool["user_api"] == "blas"]
-def factorize():
-    gt.Supernodal().factorize(eye_array(20, format="csr"))
-usual = threads()
-factorize()
-assert threads() == usual, threads()
-other = threading.Thread(target=factorize)
-other.start()
-other.join()
-assert threads() == usual, threads()
-print(usual)
-"""
-    environment = {**os.environ, "OPENBLAS_NUM_THREADS": "2"}
-    done = subprocess.run(
-        [sys.executable, "-c", code], env=environment, capture_output=True, text=True, check=False
-    )
-    assert done.returncode == 0, done.stderr
-    assert done.stdout.startswith("[")
-
-
-def test_blas_is_kept_to_one_thread_while_a_factor_is_made(monkeypatch, sphere_system, usual):
-    seen, real = [], _numeric.factorize
-
-    def spy(*arguments):
-        seen.append(blas_threads())
-        return real(*arguments)
-
-    monkeypatch.setattr(_numeric, "factorize", spy)
-    SOLVER.factorize(sphere_system)
-    assert {count for counts in seen for count in counts} == {1}
-    assert blas_threads() == usual
-
-
-def test_blas_has_its_threads_back_after_an_error(usual):
-    with pytest.raises(SolverError):
-        SOLVER.factorize(path(10))
-    assert blas_threads() == usual
-
-
-def test_blas_has_its_threads_back_after_work_on_another_thread(sphere_system, usual):
-    with ThreadPoolExecutor(1) as pool:
-        pool.submit(SOLVER.factorize, sphere_system).result()
-        assert blas_threads() == usual
-    SOLVER.factorize(sphere_system)
-    assert blas_threads() == usual
-
-
-def test_the_last_thread_to_leave_gives_blas_its_threads_back(usual):
-    inside, leave = threading.Barrier(3, timeout=30), [threading.Event(), threading.Event()]
-
-    def stay(k):
-        with single_threaded_blas:
-            inside.wait()
-            assert leave[k].wait(30)
-
-    with ThreadPoolExecutor(2) as pool:
-        first, second = (pool.submit(stay, k) for k in range(2))
-        inside.wait()
-        assert set(blas_threads()) == {1}
-        leave[0].set()
-        first.result()
-        assert set(blas_threads()) == {1}
-        leave[1].set()
-        second.result()
-    assert blas_threads() == usual
-
-
-def test_many_threads_in_and_out_leave_blas_as_it_was(sphere_system, usual):
-    with ThreadPoolExecutor(8) as pool:
-        list(pool.map(SOLVER.factorize, [sphere_system] * 40))
-    assert blas_threads() == usual
-
-
-def test_the_limit_of_a_user_holds_and_ends_when_it_should(sphere_system, usual):
-    with threadpool_limits(1, user_api="blas"):
-        SOLVER.factorize(sphere_system)
-        assert set(blas_threads()) == {1}
-        with ThreadPoolExecutor(1) as pool:
-            pool.submit(SOLVER.factorize, sphere_system).result()
-        assert set(blas_threads()) == {1}
-    assert blas_threads() == usual
 
 
 # -- errors ----------------------------------------------------------------------------------------

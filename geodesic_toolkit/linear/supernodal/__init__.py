@@ -1,11 +1,11 @@
-"""Supernodal sparse Cholesky on the dense kernels that SciPy ships.
+"""Supernodal sparse Cholesky.
 
 The road from a matrix to a solution, one module a step:
 
 1. `_ordering`: a permutation that keeps the factor sparse (approximate minimum degree).
 2. `_elimination`: what the factor will look like (elimination tree, column counts, supernodes).
 3. `analysis`: the two above as data, for all matrices of one pattern.
-4. `_numeric`: the factor (multifrontal, dense BLAS on each supernode).
+4. `_numeric`: the factor (multifrontal, dense Cholesky in `_front` on each supernode).
 5. `_solve`: forward and back substitution, one column or a block.
 6. `solver`: the :class:`~geodesic_toolkit.linear.base.LinearSolver` over all of it.
 

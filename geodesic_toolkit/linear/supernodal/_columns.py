@@ -15,34 +15,30 @@ from numba import types
 from numba.core import cgutils
 from numba.extending import intrinsic
 
+from geodesic_toolkit.linear.supernodal._vectors import (
+    minus_product,
+    number,
+    place,
+    spread,
+    vector_of,
+    zeros,
+)
 from geodesic_toolkit.linear.supernodal.analysis import LANES
 
 __all__ = ["dot_columns", "minus_columns"]
 
-_index, _number = ir.IntType(64), ir.DoubleType()
-_vector = ir.VectorType(_number, LANES)
-_bits, _uppers = ir.VectorType(ir.IntType(64), LANES), ir.VectorType(ir.IntType(32), LANES)
+_index = ir.IntType(64)
+_vector = vector_of(LANES)
+_bits, _uppers = vector_of(LANES, ir.IntType(64)), vector_of(LANES, ir.IntType(32))
 _shift = ir.Constant(_bits, [32] * LANES)
-
-
-def _place(builder: Any, numbers: Any, offset: Any, vector: Any = _vector) -> Any:
-    """Return the address of the vector that begins `offset` numbers after a pointer."""
-    return builder.bitcast(builder.gep(numbers, [offset]), vector.as_pointer())
 
 
 def _loaded(builder: Any, factor: Any, offset: Any) -> Any:
     """Return some numbers of a factor, or of the upper halves that are left of them."""
-    if factor.type.pointee == _number:
-        return builder.load(_place(builder, factor, offset), align=8)
-    upper = builder.load(_place(builder, factor, offset, _uppers), align=4)
+    if factor.type.pointee == number:
+        return builder.load(place(builder, factor, offset, _vector), align=8)
+    upper = builder.load(place(builder, factor, offset, _uppers), align=4)
     return builder.bitcast(builder.shl(builder.zext(upper, _bits), _shift), _vector)
-
-
-def _spread(builder: Any, value: Any) -> Any:
-    """Return a vector of equal numbers."""
-    undefined, lane = ir.Constant(_vector, ir.Undefined), ir.Constant(ir.IntType(32), 0)
-    lanes = ir.Constant(ir.VectorType(ir.IntType(32), LANES), [0] * LANES)
-    return builder.shuffle_vector(builder.insert_element(undefined, value, lane), undefined, lanes)
 
 
 @contextmanager
@@ -76,16 +72,14 @@ def minus_columns(
 
     def code(context: Any, builder: Any, _signature: Any, arguments: Any) -> Any:
         target, begin, count, factor, *rest = arguments
-        columns, multiples = rest[:4], [_spread(builder, x) for x in rest[4:]]
+        columns, multiples = rest[:4], [spread(builder, x, _vector) for x in rest[4:]]
         with _steps(builder, count) as k:
-            place = _place(builder, target, builder.add(begin, k))
-            rows = builder.load(place, align=8)
+            where = place(builder, target, builder.add(begin, k), _vector)
+            rows = builder.load(where, align=8)
             for column, x in zip(columns, multiples, strict=True):
-                product = builder.fmul(
-                    _loaded(builder, factor, builder.add(column, k)), x, ("contract",)
-                )
-                rows = builder.fsub(rows, product, ("contract",))
-            builder.store(rows, place, align=8)
+                values = _loaded(builder, factor, builder.add(column, k))
+                rows = minus_product(builder, rows, values, x)
+            builder.store(rows, where, align=8)
         return context.get_dummy_value()
 
     places, values = (types.int64,) * 4, (types.float64,) * 4
@@ -111,22 +105,20 @@ def dot_columns(
 
     def code(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
         x, begin, count, factor, *columns = arguments
-        sums = [
-            cgutils.alloca_once_value(builder, ir.Constant(_vector, [0.0] * LANES)) for _ in columns
-        ]
+        sums = [cgutils.alloca_once_value(builder, zeros(_vector)) for _ in columns]
         for total in sums:  # the line above sets it once, and this may be a loop
-            builder.store(ir.Constant(_vector, [0.0] * LANES), total)
+            builder.store(zeros(_vector), total)
         with _steps(builder, count) as k:
-            rows = builder.load(_place(builder, x, builder.add(begin, k)), align=8)
+            rows = builder.load(place(builder, x, builder.add(begin, k), _vector), align=8)
             for column, total in zip(columns, sums, strict=True):
                 product = builder.fmul(
                     _loaded(builder, factor, builder.add(column, k)), rows, ("contract",)
                 )
                 builder.store(builder.fadd(builder.load(total), product, ("contract",)), total)
-        kind = ir.FunctionType(_number, [_number, _vector])
+        kind = ir.FunctionType(number, [number, _vector])
         name = f"llvm.vector.reduce.fadd.v{LANES}f64"
         add_up = cgutils.get_or_insert_function(builder.module, kind, name)
-        nothing = ir.Constant(_number, -0.0)
+        nothing = ir.Constant(number, -0.0)
         dots = [
             builder.call(add_up, [nothing, builder.load(total)], fastmath=("reassoc",))
             for total in sums

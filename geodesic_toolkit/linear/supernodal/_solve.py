@@ -15,6 +15,7 @@ from geodesic_toolkit._typing import FloatArray, IndexArray, IntArray
 from geodesic_toolkit.linear.supernodal._columns import dot_columns, minus_columns
 from geodesic_toolkit.linear.supernodal._halves import numbers
 from geodesic_toolkit.linear.supernodal._rows import BLOCK, four_minus, minus_four, minus_one
+from geodesic_toolkit.linear.supernodal._subnormals import flush_subnormals, restore_subnormals
 from geodesic_toolkit.linear.supernodal.analysis import LANES, Panels
 
 __all__ = ["BLOCK", "solve_block", "solve_column"]
@@ -130,6 +131,7 @@ def solve_column(  # noqa: PLR0912, PLR0917 - two sweeps; kernels take no keywor
     n, n_supernodes = order.size, first.size - 1
     x, own = pointer(room), pointer(room[n:])  # `own`: what belongs to the rows of a supernode
     row, factor = pointer(rows), numbers(panel_values)
+    mode = flush_subnormals()
     for j in range(n):
         x[j] = right_hand_side[order[j]]
     for s in range(n_supernodes):
@@ -161,6 +163,7 @@ def solve_column(  # noqa: PLR0912, PLR0917 - two sweeps; kernels take no keywor
             x[begin + j] = own[j]
     for j in range(n):
         solution[order[j]] = x[j]
+    restore_subnormals(mode)
 
 
 @kernel  # type: ignore[untyped-decorator]
@@ -278,6 +281,7 @@ def solve_block(  # noqa: PLR0917 - kernels take no keywords
     n, n_supernodes, n_columns = order.size, first.size - 1, right_hand_sides.shape[1]
     x, head = pointer(room), pointer(room[n * BLOCK :])
     row, factor = pointer(rows), numbers(panel_values)
+    mode = flush_subnormals()
     for j in range(n):
         source = right_hand_sides[order[j]]
         for k in range(n_columns):
@@ -300,3 +304,4 @@ def solve_block(  # noqa: PLR0917 - kernels take no keywords
         target = solution[order[j]]
         for k in range(n_columns):
             target[k] = x[j * BLOCK + k]
+    restore_subnormals(mode)

@@ -112,9 +112,12 @@ class Analysis:
 
     def factor_bytes(self, *, halves: bool) -> float:
         """Return what making a factor takes, of whole numbers or of their upper halves."""
+        from geodesic_toolkit.linear.supernodal._front import packed_size  # Numba: when needed
+
+        room = 8.0 * (self.stack + packed_size(self.tallest))
         if halves:
-            return 4.0 * (self.n_stored + LANES) + 8.0 * (self.stack + self.largest)
-        return 8.0 * (self.n_stored + LANES + self.stack)
+            return room + 4.0 * (self.n_stored + LANES) + 8.0 * (self.largest + LANES)
+        return room + 8.0 * (self.n_stored + LANES)
 
     def fits(self, matrix: csr_array) -> bool:
         """Return whether `matrix` has the pattern that was analysed."""

@@ -10,7 +10,6 @@ from geodesic_toolkit.errors import InvalidOptionError, NotEnoughMemoryError, So
 from geodesic_toolkit.linear.base import Factor
 from geodesic_toolkit.linear.memory import require_memory
 from geodesic_toolkit.linear.supernodal.analysis import LANES, Analysis, Panels
-from geodesic_toolkit.linear.supernodal.blas_threads import single_threaded_blas
 
 __all__ = ["SupernodalFactor", "factorize"]
 
@@ -121,7 +120,7 @@ def factorize(matrix: csr_array, analysis: Analysis, *, halves: bool = False) ->
     NotEnoughMemoryError
         The factor and the update matrices on their stack would not fit.
     """
-    from geodesic_toolkit.linear.supernodal import _numeric
+    from geodesic_toolkit.linear.supernodal import _front, _numeric
 
     n = analysis.n_vertices
     work = f"the Cholesky factor of {n} unknowns, with {analysis.n_stored} entries,"
@@ -130,7 +129,7 @@ def factorize(matrix: csr_array, analysis: Analysis, *, halves: bool = False) ->
     try:
         panels = np.empty(0 if halves else analysis.n_stored + LANES)
         upper_halves = np.empty(analysis.n_stored + LANES if halves else 0, dtype=np.uint32)
-        front = np.empty(analysis.largest if halves else 0)
+        front = np.empty(analysis.largest + LANES if halves else 0)
         stack = np.empty(analysis.stack)
     except MemoryError as error:  # a limit of this process, or a system that does not say
         raise NotEnoughMemoryError(
@@ -138,24 +137,24 @@ def factorize(matrix: csr_array, analysis: Analysis, *, halves: bool = False) ->
         ) from error
     pivots = np.zeros(n)
     panels[analysis.n_stored :] = upper_halves[analysis.n_stored :] = 0
-    with single_threaded_blas:
-        failed = _numeric.factorize(
-            np.ascontiguousarray(matrix.data, dtype=np.float64),
-            analysis.starts,
-            analysis.lower_rows,
-            analysis.places,
-            analysis.first,
-            analysis.row_starts,
-            analysis.rows,
-            analysis.above,
-            analysis.panels,
-            panels,
-            upper_halves,
-            front,
-            stack,
-            pivots,
-            np.empty(2 * n, dtype=np.int64),
-        )
+    failed = _numeric.factorize(
+        np.ascontiguousarray(matrix.data, dtype=np.float64),
+        analysis.starts,
+        analysis.lower_rows,
+        analysis.places,
+        analysis.first,
+        analysis.row_starts,
+        analysis.rows,
+        analysis.above,
+        analysis.panels,
+        panels,
+        upper_halves,
+        front,
+        stack,
+        np.empty(_front.packed_size(analysis.tallest)),
+        pivots,
+        np.empty(2 * n, dtype=np.int64),
+    )
     if failed >= 0 or not pivots.min(initial=1.0) > SINGULAR * math.sqrt(n):  # nor is NaN
         column = int(failed if failed >= 0 else pivots.argmin())
         raise SolverError(

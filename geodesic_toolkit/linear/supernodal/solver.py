@@ -28,7 +28,7 @@ vertices: 1e-6 to 7e-6."""
 @final
 @dataclass(frozen=True, kw_only=True)
 class Supernodal(LinearSolver):
-    """Supernodal sparse Cholesky: minimum-degree ordering, multifrontal, on SciPy's BLAS.
+    """Supernodal sparse Cholesky: minimum-degree ordering, multifrontal, dense kernels of its own.
 
     The pattern is analysed once for all matrices that share it, and no step holds Python's lock.
     On an M-matrix every step adds numbers of one sign: each entry of the solution is accurate
