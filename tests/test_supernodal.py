@@ -151,23 +151,16 @@ def graphs(draw):
     return csr_array((np.ones(len(rows)), (rows, columns)), shape=(n, n))
 
 
+def eliminated_by(kernel, matrix, *room):
+    return kernel(matrix.indptr.astype(np.int64), matrix.indices.astype(np.int32), *room)
+
+
+def elimination_of(matrix):
+    return eliminated_by(_ordering.minimum_degree, matrix)
+
+
 def ordered(matrix):
-    return _ordering.minimum_degree(matrix.indptr.astype(np.int64), matrix.indices.astype(np.int32))
-
-
-def symbolic(matrix, order):
-    """Tree and column counts for an order that is made a postorder first."""
-    indptr, indices = matrix.indptr.astype(np.int64), matrix.indices.astype(np.int32)
-
-    def inverse(permutation):
-        return np.argsort(permutation).astype(np.int32)
-
-    order = order.astype(np.int32)
-    parent = _elimination.elimination_tree(indptr, indices, order, inverse(order))
-    order = order[_elimination.postorder(parent)]
-    parent = _elimination.elimination_tree(indptr, indices, order, inverse(order))
-    starts, rows, _ = _elimination.lower_triangle(indptr, indices, order, inverse(order))
-    return order, parent, starts, rows, _elimination.column_counts(starts, rows, parent)
+    return elimination_of(matrix).order
 
 
 def filled(matrix, order):
@@ -177,6 +170,20 @@ def filled(matrix, order):
         below = np.flatnonzero(pattern[k + 1 :, k]) + k + 1
         pattern[np.ix_(below, below)] = True
     return np.tril(pattern)
+
+
+def fill(matrix, order):
+    """The entries of the factor, those of the matrix among them."""
+    places = matrix.tocoo()
+    permuted = csr_array(
+        (np.ones(matrix.nnz), (np.argsort(order)[places.row], np.argsort(order)[places.col])),
+        matrix.shape,
+    )
+    system = plus(permuted, 1.0 + 2.0 * abs(permuted).sum(axis=1).max())
+    lu = splu(
+        system.tocsc(), permc_spec="NATURAL", diag_pivot_thresh=0.0, options={"SymmetricMode": True}
+    )
+    return lu.L.nnz
 
 
 # -- the order of elimination ----------------------------------------------------------------------
@@ -191,11 +198,12 @@ def filled(matrix, order):
 )
 def test_neither_the_range_of_marks_nor_wider_fields_change_an_order(kernel, kind, highest):
     matrix = MESHES["icosphere"]()
-    n, indptr = matrix.shape[0], matrix.indptr.astype(np.int64)
+    n = matrix.shape[0]
     assert 4 * n < highest
     room = np.empty(2 * matrix.nnz + 2 * n + 64, dtype=np.int32), np.empty((n, 8), dtype=kind)
-    order = kernel(indptr, matrix.indices.astype(np.int32), *room, highest)
-    np.testing.assert_array_equal(order, ordered(matrix))
+    found = eliminated_by(kernel, matrix, *room, highest)
+    for own, other in zip(found, elimination_of(matrix), strict=True):
+        np.testing.assert_array_equal(own, other)
 
 
 @given(graphs())
@@ -220,13 +228,12 @@ def test_an_order_of_a_graph_whose_fill_outgrows_the_first_lists_has_every_verte
     order = ordered(matrix)
     np.testing.assert_array_equal(np.sort(order), np.arange(n))
     theirs = np.argsort(splu(plus(matrix, 1.0).tocsc(), permc_spec="MMD_AT_PLUS_A").perm_c)
-    assert symbolic(matrix, order)[-1].sum() <= 1.1 * symbolic(matrix, theirs)[-1].sum()
+    assert fill(matrix, order) <= 1.1 * fill(matrix, theirs)
 
 
 @pytest.mark.parametrize("kind", [path, star])
 def test_a_tree_has_no_fill(kind):
-    counts = symbolic(kind(300), ordered(kind(300)))[-1]
-    assert counts.sum() == 300 + 299
+    assert fill(kind(300), ordered(kind(300))) == 300 + 299
 
 
 def test_a_full_row_goes_last():
@@ -244,34 +251,62 @@ def test_a_full_row_goes_last():
 def test_fill_is_about_that_of_the_minimum_degree_order_of_superlu(name):
     system = plus(MESHES[name](), 1.0)
     theirs = np.argsort(splu(system.tocsc(), permc_spec="MMD_AT_PLUS_A").perm_c)
-    own, other = (symbolic(system, order)[-1].sum() for order in (ordered(system), theirs))
+    own, other = (fill(system, order) for order in (ordered(system), theirs))
     assert own <= 1.1 * other
 
 
 # -- what the factor looks like --------------------------------------------------------------------
 
 
-@given(graphs(), st.randoms(use_true_random=False))
-def test_tree_and_counts_are_those_of_dense_elimination(matrix, random):
-    order = np.array(random.sample(range(matrix.shape[0]), matrix.shape[0]), dtype=np.int32)
-    order, parent, *_, counts = symbolic(matrix, order)
-    pattern = filled(matrix, order)
-    np.testing.assert_array_equal(counts, pattern.sum(axis=0))
-    for j in range(len(order)):
-        below = np.flatnonzero(pattern[j + 1 :, j])
-        assert parent[j] == (below[0] + j + 1 if len(below) else -1)
+def groups_of(found):
+    return [np.arange(a, b) for a, b in pairwise(found.starts)]
+
+
+@given(graphs())
+def test_heights_are_those_of_dense_elimination_and_parents_take_over_all_rows(matrix):
+    found = elimination_of(matrix)
+    pattern = filled(matrix, found.order)
+    groups = groups_of(found)
+    assert found.n_full == 0
+    for group, height, parent in zip(groups, found.heights, found.parents, strict=True):
+        np.testing.assert_array_equal(pattern[:, group].sum(axis=0), height - np.arange(len(group)))
+        rows = set(np.flatnonzero(pattern[:, group[-1]])) - set(group)
+        if parent < 0:
+            assert not rows
+        else:
+            assert groups[parent][0] > group[-1]
+            assert rows <= set(np.flatnonzero(pattern[:, groups[parent][0]]))
 
 
 @given(graphs())
 def test_a_postorder_has_children_first_and_subtrees_together(matrix):
-    _, parent, *_ = symbolic(matrix, ordered(matrix))
-    sizes = np.ones(len(parent), dtype=int)
-    for v, above in enumerate(parent):
-        if above >= 0:
-            assert above > v
-            sizes[above] += sizes[v]
-    for v in range(len(parent)):  # the subtree of v is v - size + 1, ..., v
-        assert (parent[v - sizes[v] + 1 : v] <= v).all()
+    parents = elimination_of(matrix).parents
+    post = _elimination.postorder(parents)
+    np.testing.assert_array_equal(np.sort(post), np.arange(len(parents)))
+    position = np.argsort(post)
+    sizes = np.ones(len(parents), dtype=int)
+    for g in post:
+        if parents[g] >= 0:
+            assert position[parents[g]] > position[g]
+            sizes[parents[g]] += sizes[g]
+    for g in post:  # the subtree of g ends with it
+        below = post[position[g] - sizes[g] + 1 : position[g]]
+        assert (position[parents[below]] <= position[g]).all()
+
+
+@pytest.mark.parametrize("hubs", [1, 3])
+def test_full_rows_are_in_every_supernode_that_they_reach(hubs):
+    """They are set aside before the order is made, and the tree does not know of them."""
+    n = 2500
+    edges = [(i, i + 1) for i in range(n - 1)]
+    edges += [(n + h, i) for h in range(hubs) for i in range(h, n, 2 + h)]
+    matrix = plus(graph_laplacian(n + hubs, edges), 0.1)
+    assert elimination_of(matrix).n_full == hubs
+    its = analyze(matrix)
+    assert len(its.rows) == its.row_starts[-1]
+    assert set(its.order[-hubs:]) == set(range(n, n + hubs))
+    load = np.random.default_rng(0).normal(size=n + hubs)
+    np.testing.assert_allclose(matrix @ SOLVER.factorize(matrix).solve(load), load, atol=1e-10)
 
 
 @given(graphs())
@@ -290,9 +325,13 @@ def test_the_rows_of_supernodes_hold_the_factor_and_few_zeros_more(matrix):
         stored = sum(len(rows) - k for k in range(len(columns)))
         limit = _elimination.STRICT[int(np.searchsorted([4, 16, 48], len(columns)))]
         assert stored - true.sum() <= limit * stored
-        parent = rows[len(columns)] if len(rows) > len(columns) else None
-        owner = -1 if parent is None else np.searchsorted(its.first, parent, side="right") - 1
-        assert its.above[s] == owner
+        parent = its.above[s]
+        if parent < 0:
+            assert len(rows) == len(columns)
+        else:
+            theirs = its.rows[its.row_starts[parent] : its.row_starts[parent + 1]]
+            assert parent > s
+            assert set(rows[len(columns) :]) <= set(theirs)
 
 
 @given(graphs())

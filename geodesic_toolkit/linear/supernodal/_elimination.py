@@ -1,7 +1,7 @@
 """What the Cholesky factor of a pattern looks like, before any number is known.
 
-The parent of column j in the *elimination tree* is the row of the first entry below the diagonal of
-the factor's column j. Everything here follows from it in nearly linear time.
+Eliminating a group of columns leaves entries in other rows, which the columns of its parent in a
+tree take over. Everything here follows from that tree in nearly linear time.
 
 J. W. H. Liu, *The Role of Elimination Trees in Sparse Factorization*, SIAM J. Matrix Anal. Appl.
 11, 1990, https://doi.org/10.1137/0611010
@@ -15,13 +15,10 @@ from geodesic_toolkit._pointers import pointer, prefetch, shifted
 from geodesic_toolkit._typing import IndexArray, IntArray
 
 __all__ = [
-    "column_counts",
-    "elimination_tree",
     "is_symmetric",
-    "lower_triangle",
     "postorder",
     "stack_peak",
-    "supernode_rows",
+    "structure",
     "supernodes",
 ]
 
@@ -74,29 +71,6 @@ def _look_ahead(indptr: IntArray, indices: IndexArray, order: IndexArray, i: int
         prefetch(shifted(pointer(indices), indptr[order[i + AHEAD]]))
 
 
-@kernel(_new32(_int64, _int32, _int32, _int32))  # type: ignore[operator]
-def elimination_tree(
-    indptr: IntArray, indices: IndexArray, order: IndexArray, rank: IndexArray
-) -> IndexArray:
-    """Return the parent of every column of the factor of ``A[order][:, order]``, -1 at roots.
-
-    `rank` is the inverse of the permutation `order`.
-    """
-    n = order.size
-    parent, ancestor = np.full(n, NONE, np.int32), np.full(n, NONE, np.int32)
-    for i in range(n):
-        _look_ahead(indptr, indices, order, i)
-        for p in range(indptr[order[i]], indptr[order[i] + 1]):
-            k = rank[indices[p]]
-            while k != NONE and k < i:  # climb to the root so far, shortening the way
-                above = ancestor[k]
-                ancestor[k] = i
-                if above == NONE:
-                    parent[k] = i
-                k = above
-    return parent
-
-
 @kernel(_new32(_int32))  # type: ignore[operator]
 def postorder(parent: IndexArray) -> IndexArray:
     """Return the vertices of a forest, children before parents and subtrees together."""
@@ -127,185 +101,168 @@ def postorder(parent: IndexArray) -> IndexArray:
     return order
 
 
-@kernel(types.Tuple((_new64, _new32, _new64))(_int64, _int32, _int32, _int32))  # type: ignore[operator]
-def lower_triangle(
-    indptr: IntArray, indices: IndexArray, order: IndexArray, rank: IndexArray
-) -> tuple[IntArray, IndexArray, IntArray]:
-    """Return the lower triangle of ``A[order][:, order]`` by columns, and where its entries are.
+@kernel(  # type: ignore[operator]
+    types.Tuple((_new32,) * 4)(*(_int32,) * 5, types.UniTuple(types.float64, 4))
+)
+def supernodes(  # noqa: PLR0917 - kernels take no keywords
+    order: IndexArray,
+    starts: IndexArray,
+    heights: IndexArray,
+    parents: IndexArray,
+    post: IndexArray,
+    allowed: tuple[float, float, float, float],
+) -> tuple[IndexArray, IndexArray, IndexArray, IndexArray]:
+    """Merge groups of columns with their parents while the zeros this stores stay within `allowed`.
+
+    Parameters
+    ----------
+    order, starts, heights, parents : ndarray
+        As :class:`~geodesic_toolkit.linear.supernodal._ordering.Elimination` has them.
+    post : ndarray of shape (G,), int32
+        A postorder of the groups.
+    allowed : tuple of float
+        Share of zeros, as `STRICT` has it.
 
     Returns
     -------
-    starts : ndarray of shape (N + 1,), int64
-    rows : ndarray, int32
-    places : ndarray, int64
-        The position of each entry in the data of A.
+    order : ndarray of shape (N,), int32
+        The vertices in that postorder.
+    first : ndarray of shape (S + 1,), int32
+        The first column of every supernode, and N at the end.
+    tallest : ndarray of shape (S,), int32
+        Rows of each.
+    above : ndarray of shape (S,), int32
+        Their parents, -1 at roots.
     """
-    n = order.size
-    most = (indices.size + n) // 2  # of a symmetric pattern, with every diagonal entry
-    starts = np.zeros(n + 1, np.int64)
-    rows, places = np.empty(most, np.int32), np.empty(most, np.int64)
-    q = 0
-    for j in range(n):
-        _look_ahead(indptr, indices, order, j)
-        for p in range(indptr[order[j]], indptr[order[j] + 1]):
-            i = rank[indices[p]]
-            if i >= j:
-                rows[q], places[q] = i, p
-                q += 1
-        starts[j + 1] = q
-    return starts, rows[:q], places[:q]
-
-
-@kernel(_new32(_int64, _int32, _int32))  # type: ignore[operator]
-def column_counts(starts: IntArray, rows: IndexArray, parent: IndexArray) -> IndexArray:
-    """Return the number of entries in every column of the factor, the diagonal included.
-
-    Column j has an entry in row i where j lies in the subtree of the elimination tree that the
-    entries of row i of A span. The counts are sums over subtrees of +1 at the leaves of these
-    subtrees and -1 where two of them meet.
-
-    J. R. Gilbert, E. G. Ng, B. W. Peyton, *An Efficient Algorithm to Compute Row and Column Counts
-    for Sparse Cholesky Factorization*, 1994, https://doi.org/10.1137/S089547989223692
-    """
-    n = parent.size
-    count = np.zeros(n, np.int32)
-    first = np.full(n, NONE, np.int32)  # the least descendant
-    ancestor = np.empty(n, np.int32)
-    for j in range(n):
-        ancestor[j] = j
-        count[j] = first[j] == NONE
-        k = j
-        while k != NONE and first[k] == NONE:
-            first[k] = j
-            k = parent[k]
-    latest, previous = np.full(n, NONE, np.int32), np.full(n, NONE, np.int32)
-    for j in range(n):
-        if parent[j] != NONE:
-            count[parent[j]] -= 1
-        for p in range(starts[j], starts[j + 1]):
-            i = rows[p]
-            if i == j or first[j] <= latest[i]:  # not a leaf of the subtree of row i
-                continue
-            latest[i] = first[j]
-            count[j] += 1
-            if previous[i] != NONE:  # it meets the leaf before it at their common ancestor
-                meet = previous[i]
-                while meet != ancestor[meet]:
-                    meet = ancestor[meet]
-                count[meet] -= 1
-                k = previous[i]
-                while k != meet:
-                    k, ancestor[k] = ancestor[k], meet
-            previous[i] = j
-        if parent[j] != NONE:
-            ancestor[j] = parent[j]
-    for j in range(n):
-        if parent[j] != NONE:
-            count[parent[j]] += count[j]
-    return count
-
-
-@kernel(_new32(_int32, _int32, types.UniTuple(types.float64, 4)))  # type: ignore[operator]
-def supernodes(
-    parent: IndexArray, counts: IndexArray, allowed: tuple[float, float, float, float]
-) -> IndexArray:
-    """Return the first column of every supernode, and N at the end.
-
-    Columns that follow one another and share their rows form one; a supernode is then merged with
-    the one before it, its child, while the zeros that this stores stay within `allowed`.
-    """
-    n = parent.size
-    first = np.empty(n + 1, np.int32)
-    entries = np.empty(n, np.int64)  # of the factor in the supernode, without the zeros
+    n_groups = post.size
+    position = np.empty(n_groups, np.int32)
+    for k in range(n_groups):
+        position[post[k]] = k
+    vertices, column = np.empty_like(order), 0
+    first, tallest = np.empty(n_groups + 1, np.int32), np.empty(n_groups, np.int32)
+    entries = np.empty(n_groups, np.int64)  # of the factor in the supernode, without the zeros
+    begins, last = np.empty(n_groups, np.int32), np.empty(n_groups, np.int32)  # by positions
     done = 0
-    start = 0
-    while start < n:
-        stop = start + 1
-        while stop < n and parent[stop - 1] == stop and counts[stop - 1] == counts[stop] + 1:
-            stop += 1
-        begin, exact = start, np.int64(0)
-        for j in range(start, stop):
-            exact += counts[j]
+    for k in range(n_groups):
+        begin, height, exact = column, np.int64(heights[post[k]]), np.int64(0)
+        for v in range(starts[post[k]], starts[post[k] + 1]):
+            vertices[column] = order[v]
+            column += 1
+            exact += height
+            height -= 1
+        earliest = k
         while done > 0:
-            above = parent[begin - 1]
-            if not begin <= above < stop:
+            parent = parents[post[last[done - 1]]]
+            if parent == NONE or not earliest <= position[parent] <= k:
                 break
-            merged, columns = first[done - 1], stop - first[done - 1]
-            height = columns + counts[stop - 1] - 1
-            full = np.int64(columns) * height - np.int64(columns) * (columns - 1) // 2
+            columns = column - first[done - 1]
+            whole = columns + height
+            full = columns * whole - columns * (columns - 1) // 2
             zeros = full - exact - entries[done - 1]
             limit = allowed[(columns > 4) + (columns > 16) + (columns > 48)]
             if zeros > limit * full:
                 break
-            begin = merged
-            exact += entries[done - 1]
             done -= 1
-        first[done], entries[done] = begin, exact
+            begin, earliest = first[done], begins[done]
+            exact += entries[done]
+        first[done], tallest[done], entries[done] = begin, column - begin + height, exact
+        begins[done], last[done] = earliest, k
         done += 1
-        start = stop
-    first[done] = n
-    return first[: done + 1].copy()
+    first[done] = column
+    owner = np.empty(n_groups, np.int32)  # the supernode that has become of a group
+    for s in range(done):
+        for k in range(begins[s], last[s] + 1):
+            owner[post[k]] = s
+    above = np.empty(done, np.int32)
+    for s in range(done):
+        parent = parents[post[last[s]]]
+        above[s] = owner[parent] if parent != NONE else NONE
+    return vertices, first[: done + 1].copy(), tallest[:done].copy(), above
 
 
 @kernel(  # type: ignore[operator]
-    types.Tuple((_new64, _new32, _new32))(_int64, _int32, _int32, _int32, _int32)
+    types.Tuple((_new64, _new32, _new64, _new64, _new32))(_int64, *(_int32,) * 6, types.int64)
 )
-def supernode_rows(
-    starts: IntArray, rows: IndexArray, parent: IndexArray, counts: IndexArray, first: IndexArray
-) -> tuple[IntArray, IndexArray, IndexArray]:
-    """Return the rows of every supernode in ascending order, and the tree of supernodes.
+def structure(  # noqa: PLR0917 - kernels take no keywords
+    indptr: IntArray,
+    indices: IndexArray,
+    order: IndexArray,
+    rank: IndexArray,
+    first: IndexArray,
+    tallest: IndexArray,
+    above: IndexArray,
+    n_full: int,
+) -> tuple[IntArray, IndexArray, IntArray, IntArray, IndexArray]:
+    """Return the lower triangle of ``A[order][:, order]`` and the rows of every supernode.
 
     Row i belongs to the supernodes on the ways from its entries of A up the tree to its own.
     Visiting the rows in order leaves each list sorted.
 
+    Parameters
+    ----------
+    indptr, indices : ndarray
+        The pattern of A.
+    order, rank : ndarray of shape (N,), int32
+        A permutation and its inverse.
+    first, tallest, above : ndarray
+        As `supernodes` returns them.
+    n_full : int
+        Rows at the end that are not counted in `tallest`.
+
     Returns
     -------
+    starts : ndarray of shape (N + 1,), int64
+    lower_rows : ndarray, int32
+        The lower triangle by columns.
+    places : ndarray, int64
+        The position of each of its entries in the data of A.
     row_starts : ndarray of shape (S + 1,), int64
-    supernode_rows : ndarray, int32
-        The columns of the supernode itself come first.
-    supernode_parent : ndarray of shape (S,), int32
+    rows : ndarray, int32
+        Those of supernode s, its own columns first, are ``rows[row_starts[s]:row_starts[s + 1]]``.
     """
-    n, n_supernodes = parent.size, first.size - 1
-    owner = np.empty(n, np.int32)
-    row_starts = np.zeros(n_supernodes + 1, np.int64)
-    above = np.full(n_supernodes, NONE, np.int32)
+    n, n_supernodes = order.size, above.size
+    most = (indices.size + n) // 2  # of a symmetric pattern, with every diagonal entry
+    starts = np.zeros(n + 1, np.int64)
+    lower_rows, places = np.empty(most, np.int32), np.empty(most, np.int64)
+    owner, row_starts = np.empty(n, np.int32), np.zeros(n_supernodes + 1, np.int64)
     for s in range(n_supernodes):
-        last = first[s + 1] - 1
-        row_starts[s + 1] = row_starts[s] + (last - first[s]) + counts[last]
+        row_starts[s + 1] = row_starts[s] + min(tallest[s] + n_full, n - first[s])
         for j in range(first[s], first[s + 1]):
             owner[j] = s
-    for s in range(n_supernodes):
-        root = parent[first[s + 1] - 1]
-        above[s] = NONE if root == NONE else owner[root]
-    # The transpose of the lower triangle gives the entries of each row.
-    row_ends = np.zeros(n + 1, np.int64)
-    for p in range(rows.size):
-        row_ends[rows[p] + 1] += 1
-    for i in range(n):
-        row_ends[i + 1] += row_ends[i]
-    fill = row_ends[:-1].copy()
-    columns = np.empty(rows.size, np.int32)
-    for j in range(n):
-        for p in range(starts[j], starts[j + 1]):
-            columns[fill[rows[p]]] = j
-            fill[rows[p]] += 1
-    lists, end = np.empty(row_starts[n_supernodes], np.int32), row_starts[:-1].copy()
+    rows, end = np.empty(row_starts[n_supernodes], np.int32), row_starts[:-1].copy()
     seen = np.full(n_supernodes, NONE, np.int32)
+    q = 0
     for i in range(n):
+        _look_ahead(indptr, indices, order, i)
         own = owner[i]
-        for p in range(row_ends[i], row_ends[i + 1]):
-            s = owner[columns[p]]
-            while seen[s] != i:
-                seen[s] = i
-                lists[end[s]] = i
-                end[s] += 1
-                if s == own:
-                    break
-                s = above[s]
-        if seen[own] != i:  # no entry of A leads here: not even the diagonal is in the pattern
-            lists[end[own]] = i
-            end[own] += 1
-    return row_starts, lists, above
+        seen[own] = i
+        for p in range(indptr[order[i]], indptr[order[i] + 1]):
+            j = rank[indices[p]]
+            if j >= i:
+                lower_rows[q], places[q] = j, p
+                q += 1
+            if j < i:
+                s = owner[j]
+                while seen[s] != i:
+                    seen[s] = i
+                    rows[end[s]] = i
+                    end[s] += 1
+                    s = above[s]
+        rows[end[own]] = i
+        end[own] += 1
+        starts[i + 1] = q
+    kept = np.int64(0)
+    for s in range(n_supernodes):  # close the gaps that full rows may have left
+        begin = row_starts[s]
+        row_starts[s] = kept
+        if kept == begin:
+            kept = end[s]
+            continue
+        for k in range(begin, end[s]):
+            rows[kept] = rows[k]
+            kept += 1
+    row_starts[n_supernodes] = kept
+    return starts, lower_rows[:q], places[:q], row_starts, rows[:kept]
 
 
 @kernel(types.int64(_int32, _int64, _int32))  # type: ignore[operator]

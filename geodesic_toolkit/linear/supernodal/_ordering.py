@@ -7,9 +7,14 @@ Eliminating a vertex joins its neighbours into a clique. The quotient graph stor
 *element*, the list of its members, instead of all its edges; a vertex then has a list of elements
 and a list of *variables* (neighbours that no element covers yet). Variables that became
 indistinguishable are merged and eliminated together.
+
+An element is what the column of the factor has below its diagonal, and it lasts until another one
+absorbs it. So the order comes with the tree in which columns hand down what is left of them, and
+with the number of their rows, and neither has to be found anew from the pattern.
 """
 
 import math
+from typing import NamedTuple
 
 import numba
 import numpy as np
@@ -19,9 +24,12 @@ from numpy.typing import NDArray
 from geodesic_toolkit._pointers import pointer, prefetch, shifted
 from geodesic_toolkit._typing import IndexArray, IntArray
 
-__all__ = ["minimum_degree"]
+__all__ = ["Elimination", "minimum_degree"]
 
 NONE = -1
+
+AHEAD = 16
+"""Groups by which memory is asked for ahead."""
 
 HIGHEST = np.iinfo(np.int32).max
 """Where a list may begin, at the most, and a mark end, for fields of 32 bits to hold them."""
@@ -38,23 +46,46 @@ SIZE = 3  # vertices that a variable stands for: 0 once absorbed, < 0 in the cur
 DEGREE = 4  # approximate degree of a variable; an element's number of vertices
 MARK = 5  # of an element: epoch + |Lₑ \ Lₚ|, or 0 once absorbed
 AFTER, BEFORE = 6, 7  # its neighbours in the list of variables of one degree
+ABSORBER, NUMBER = AFTER, ELEMENTS  # of an element: what has absorbed it; its place in the order
 
 _starts = types.Array(types.int64, 1, "C", readonly=True)
 _indices = types.Array(types.int32, 1, "C", readonly=True)
 
 
-def minimum_degree(indptr: IntArray, indices: IndexArray) -> IndexArray:
-    """Return the vertices of a symmetric pattern in an order of elimination with little fill.
+class Elimination(NamedTuple):
+    """An order of elimination, in groups of vertices that are eliminated together.
+
+    Attributes
+    ----------
+    order : ndarray of shape (N,), int32
+        The vertices.
+    starts : ndarray of shape (G + 1,), int32
+        Group g is ``order[starts[g]:starts[g + 1]]``.
+    heights : ndarray of shape (G,), int32
+        Rows of the factor in the first column of each group, its diagonal included, without those
+        of vertices that are set aside as full: the last group.
+    parents : ndarray of shape (G,), int32
+        The group that takes over what the elimination of a group leaves, -1 where nothing is left.
+        Its rows are among those of that group.
+    n_full : int
+        Vertices that were set aside.
+    """
+
+    order: IndexArray
+    starts: IndexArray
+    heights: IndexArray
+    parents: IndexArray
+    n_full: int
+
+
+def minimum_degree(indptr: IntArray, indices: IndexArray) -> Elimination:
+    """Return an order of elimination of a symmetric pattern that brings little fill.
 
     Parameters
     ----------
     indptr : ndarray of shape (N + 1,), int64
     indices : ndarray of shape (nnz,), int32
         Both halves of the pattern; the diagonal may be there.
-
-    Returns
-    -------
-    ndarray of shape (N,), int32
     """
     n, nnz = len(indptr) - 1, len(indices)
     # NumPy asks the system for large pages, which visits in no order need most; Numba does not.
@@ -64,7 +95,7 @@ def minimum_degree(indptr: IntArray, indices: IndexArray) -> IndexArray:
     fields = np.empty(8 * n + 64, dtype=kind)
     aligned = -(fields.ctypes.data // fields.itemsize) % (64 // fields.itemsize)
     node = fields[aligned : aligned + 8 * n].reshape(n, 8)  # no row on two cache lines
-    return np.asarray(kernel(indptr, indices, lists, node, np.iinfo(kind).max))
+    return Elimination(*kernel(indptr, indices, lists, node, np.iinfo(kind).max))
 
 
 def _eliminate(  # noqa: PLR0912, PLR0915 - its steps share a dozen arrays
@@ -73,8 +104,8 @@ def _eliminate(  # noqa: PLR0912, PLR0915 - its steps share a dozen arrays
     lists: IndexArray,
     node: NDArray[np.signedinteger],
     highest: int,
-) -> IndexArray:
-    """Return the order.
+) -> tuple[IndexArray, IndexArray, IndexArray, IndexArray, int]:
+    """Return the fields of an `Elimination`.
 
     Parameters
     ----------
@@ -97,6 +128,7 @@ def _eliminate(  # noqa: PLR0912, PLR0915 - its steps share a dozen arrays
     )
     last_member, next_member = np.empty(n, np.int32), np.full(n, NONE, np.int32)
     order, ordered = np.empty(n, np.int32), 0
+    starts, n_groups = np.zeros(n + 1, np.int32), 0
 
     end = np.int64(0)
     for i in range(n):
@@ -185,7 +217,7 @@ def _eliminate(  # noqa: PLR0912, PLR0915 - its steps share a dozen arrays
                     if node[i, AFTER] != NONE:
                         node[node[i, AFTER], BEFORE] = node[i, BEFORE]
             if not own:
-                node[e, MARK], node[e, LENGTH] = 0, 0
+                node[e, MARK], node[e, LENGTH], node[e, ABSORBER] = 0, 0, pivot
         node[pivot, ELEMENTS] = 0
         node[pivot, START], node[pivot, LENGTH] = first, end - first
 
@@ -219,7 +251,7 @@ def _eliminate(  # noqa: PLR0912, PLR0915 - its steps share a dozen arrays
                     lists[keep] = e
                     keep += 1
                 elif left != 0:  # all of e lies in the new element: absorb it
-                    node[e, MARK], node[e, LENGTH] = 0, 0
+                    node[e, MARK], node[e, LENGTH], node[e, ABSORBER] = 0, 0, pivot
             kept = keep - begin
             for p in range(variables, stop):
                 j = lists[p]
@@ -312,17 +344,36 @@ def _eliminate(  # noqa: PLR0912, PLR0915 - its steps share a dozen arrays
         node[pivot, SIZE] = pivot_size
         if node[pivot, LENGTH] == 0:
             node[pivot, MARK] = 0
+        node[pivot, ABSORBER], node[pivot, NUMBER] = NONE, n_groups
         v = pivot
         while v != NONE:
             order[ordered] = v
             ordered += 1
             v = next_member[v]
-    return order
+        n_groups += 1
+        starts[n_groups] = ordered
+
+    heights, parents = np.empty(n_groups + 1, np.int32), np.empty(n_groups + 1, np.int32)
+    after = n_groups if n_full else NONE  # what is full takes over from all that is left
+    for g in range(n_groups):
+        if g + AHEAD < n_groups:
+            prefetch(shifted(pointer(node), 8 * np.int64(order[starts[g + AHEAD]])))
+        e = order[starts[g]]
+        heights[g] = node[e, SIZE] + node[e, DEGREE]
+        absorber = node[e, ABSORBER]
+        parents[g] = after if absorber == NONE else node[absorber, NUMBER]
+    if n_full:
+        heights[n_groups], parents[n_groups] = n_full, NONE
+        n_groups += 1
+        starts[n_groups] = n
+    return order, starts[: n_groups + 1], heights[:n_groups], parents[:n_groups], n_full
 
 
 _options = {"cache": True, "nogil": True, "error_model": "numpy"}
 _eliminated = numba.njit(
-    types.int32[::1](_starts, _indices, types.int32[::1], types.int32[:, ::1], types.int64),
+    types.Tuple((*(types.int32[::1],) * 4, types.int64))(
+        _starts, _indices, types.int32[::1], types.int32[:, ::1], types.int64
+    ),
     **_options,
 )(_eliminate)
 _eliminated_by_long = numba.njit(**_options)(_eliminate)  # compiled when it is called, if ever

@@ -147,16 +147,14 @@ def analyze(matrix: csr_array) -> Analysis:
             f"the matrix is not symmetric: it has an entry ({row}, {column}) and none at "
             f"({column}, {row})"
         )
-    order = _ordering.minimum_degree(indptr, indices)
-    parent = _elimination.elimination_tree(indptr, indices, order, _inverse(order))
-    post = _elimination.postorder(parent)
-    order = order[post]
-    parent = _relabelled(parent, post)
+    elimination = _ordering.minimum_degree(indptr, indices)
+    order, first, tallest, above = _elimination.supernodes(
+        *elimination[:4], _elimination.postorder(elimination.parents), _elimination.STRICT
+    )
     rank = _inverse(order)
-    starts, lower_rows, places = _elimination.lower_triangle(indptr, indices, order, rank)
-    counts = _elimination.column_counts(starts, lower_rows, parent)
-    first = _elimination.supernodes(parent, counts, _elimination.STRICT)
-    row_starts, rows, above = _elimination.supernode_rows(starts, lower_rows, parent, counts, first)
+    starts, lower_rows, places, row_starts, rows = _elimination.structure(
+        indptr, indices, order, rank, first, tallest, above, elimination.n_full
+    )
     heights = np.diff(row_starts)
     sizes = heights * np.diff(first)
     return Analysis(
@@ -191,9 +189,3 @@ def _inverse(permutation: IndexArray) -> IndexArray:
     inverse = np.empty_like(permutation)
     inverse[permutation] = np.arange(len(permutation), dtype=permutation.dtype)
     return inverse
-
-
-def _relabelled(parent: IndexArray, order: IndexArray) -> IndexArray:
-    """Return a forest with vertex ``order[k]`` called k."""
-    above = parent[order]
-    return np.where(above >= 0, _inverse(order)[above], above).astype(np.int32)
