@@ -472,7 +472,7 @@ def test_solving_needs_no_clean_room_and_no_more_than_stated(laplacian, columns)
     kernel, size = (
         (_solve.solve_block, 16 * (n + 4))
         if columns
-        else (_solve.solve_column, n + its.tallest + LANES)
+        else (_solve.solve_column, n + 1 + its.tallest + LANES)
     )
     results = []
     for fill in (0.0, np.nan):

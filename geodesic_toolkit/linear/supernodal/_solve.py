@@ -10,9 +10,14 @@ import numba
 import numpy as np
 from numba import types
 
-from geodesic_toolkit._pointers import Pointer, pointer
+from geodesic_toolkit._pointers import Pointer, pointer, shifted
 from geodesic_toolkit._typing import FloatArray, IndexArray, IntArray
-from geodesic_toolkit.linear.supernodal._columns import dot_columns, minus_columns
+from geodesic_toolkit.linear.supernodal._columns import (
+    dot_columns,
+    dot_rows,
+    minus_columns,
+    minus_rows,
+)
 from geodesic_toolkit.linear.supernodal._halves import numbers
 from geodesic_toolkit.linear.supernodal._rows import BLOCK, four_minus, minus_four, minus_one
 from geodesic_toolkit.linear.supernodal._subnormals import flush_subnormals, restore_subnormals
@@ -28,8 +33,81 @@ _block = types.Array(types.float64, 2, "C", readonly=True)
 _symbolic = (_int32, _int32, _int64, _int32, _int64)
 _room = types.float64[::1]
 
+FEW = 4
+"""Columns of a supernode up to which x is worked on where it is."""
+
 # No sum is reordered, so that all columns of a block come out alike, wherever they are in it.
 kernel = numba.njit(cache=True, nogil=True, error_model="numpy", fastmath={"contract", "nsz"})
+
+
+@kernel  # type: ignore[untyped-decorator]
+def _columns(panel: int, height: int, c: int, count: int) -> tuple[int, int, int, int]:
+    """Return where up to four columns of a panel are, from c on, and that of the first for others.
+
+    From their row c on, that is.
+    """
+    p = panel + c * height + c
+    q = p + height if count > 1 else p
+    r = q + height if count > 2 else p
+    s = r + height if count > 3 else p
+    return p, q, r, s
+
+
+@kernel  # type: ignore[untyped-decorator]
+def _forward_four(
+    x: Pointer, c: int, count: int, factor: Pointer, at: tuple[int, int, int, int]
+) -> tuple[float, float, float, float]:
+    """Solve with a triangle of up to four columns, ``x[c:c + count]`` in place; others are 0."""
+    p, q, r, s = at
+    x0, x1, x2, x3 = x[c] * factor[p], 0.0, 0.0, 0.0
+    x[c] = x0
+    if count > 1:
+        x1 = (x[c + 1] - factor[p + 1] * x0) * factor[q + 1]
+        x[c + 1] = x1
+    if count > 2:
+        x2 = x[c + 2] - factor[p + 2] * x0 - factor[q + 2] * x1
+        x2 *= factor[r + 2]
+        x[c + 2] = x2
+    if count > 3:
+        x3 = x[c + 3] - factor[p + 3] * x0 - factor[q + 3] * x1 - factor[r + 3] * x2
+        x3 *= factor[s + 3]
+        x[c + 3] = x3
+    return x0, x1, x2, x3
+
+
+@kernel  # type: ignore[untyped-decorator]
+def _backward_four(  # noqa: PLR0917 - kernels take no keywords
+    x: Pointer,
+    c: int,
+    count: int,
+    factor: Pointer,
+    at: tuple[int, int, int, int],
+    below: tuple[float, float, float, float],
+) -> None:
+    """Solve with the transposed triangle; `below` are the products of the rows below it."""
+    p, q, r, s = at
+    x0, x1, x2, x3 = x[c] - below[0], 0.0, 0.0, 0.0
+    if count > 3:
+        x3 = (x[c + 3] - below[3]) * factor[s + 3]
+        x[c + 3] = x3
+        x0 -= factor[p + 3] * x3
+    if count > 2:
+        x2 = x[c + 2] - below[2]
+        if count > 3:
+            x2 -= factor[r + 3] * x3
+        x2 *= factor[r + 2]
+        x[c + 2] = x2
+        x0 -= factor[p + 2] * x2
+    if count > 1:
+        x1 = x[c + 1] - below[1]
+        if count > 2:
+            x1 -= factor[q + 2] * x2
+        if count > 3:
+            x1 -= factor[q + 3] * x3
+        x1 *= factor[q + 1]
+        x[c + 1] = x1
+        x0 -= factor[p + 1] * x1
+    x[c] = x0 * factor[p]
 
 
 @kernel  # type: ignore[untyped-decorator]
@@ -41,25 +119,10 @@ def _forward(x: Pointer, width: int, height: int, factor: Pointer, panel: int) -
     """
     for c in range(0, width, 4):
         count = min(width - c, 4)
-        p = panel + c * height + c
-        q = p + height if count > 1 else p
-        r = q + height if count > 2 else p
-        s = r + height if count > 3 else p
-        x0, x1, x2, x3 = x[c] * factor[p], 0.0, 0.0, 0.0
-        x[c] = x0
-        if count > 1:
-            x1 = (x[c + 1] - factor[p + 1] * x0) * factor[q + 1]
-            x[c + 1] = x1
-        if count > 2:
-            x2 = x[c + 2] - factor[p + 2] * x0 - factor[q + 2] * x1
-            x2 *= factor[r + 2]
-            x[c + 2] = x2
-        if count > 3:
-            x3 = x[c + 3] - factor[p + 3] * x0 - factor[q + 3] * x1 - factor[r + 3] * x2
-            x3 *= factor[s + 3]
-            x[c + 3] = x3
+        at = _columns(panel, height, c, count)
+        x0, x1, x2, x3 = _forward_four(x, c, count, factor, at)
+        p, q, r, s = at[0] + count, at[1] + count, at[2] + count, at[3] + count
         end = c + count
-        p, q, r, s = p + count, q + count, r + count, s + count
         minus_columns(x, end, height - end, factor, p, q, r, s, x0, x1, x2, x3)
 
 
@@ -68,36 +131,11 @@ def _backward(x: Pointer, width: int, height: int, factor: Pointer, panel: int) 
     """Solve with the transposed triangle of a panel in place, given the solution below it."""
     for c in range((width - 1) // 4 * 4, -1, -4):
         count = min(width - c, 4)
+        at = _columns(panel, height, c, count)
+        p, q, r, s = at[0] + count, at[1] + count, at[2] + count, at[3] + count
         end = c + count
-        p = panel + c * height + c
-        q = p + height if count > 1 else p
-        r = q + height if count > 2 else p
-        s = r + height if count > 3 else p
-        t0, t1, t2, t3 = dot_columns(
-            x, end, height - end, factor, p + count, q + count, r + count, s + count
-        )
-        x0, x1, x2, x3 = x[c] - t0, 0.0, 0.0, 0.0
-        if count > 3:
-            x3 = (x[c + 3] - t3) * factor[s + 3]
-            x[c + 3] = x3
-            x0 -= factor[p + 3] * x3
-        if count > 2:
-            x2 = x[c + 2] - t2
-            if count > 3:
-                x2 -= factor[r + 3] * x3
-            x2 *= factor[r + 2]
-            x[c + 2] = x2
-            x0 -= factor[p + 2] * x2
-        if count > 1:
-            x1 = x[c + 1] - t1
-            if count > 2:
-                x1 -= factor[q + 2] * x2
-            if count > 3:
-                x1 -= factor[q + 3] * x3
-            x1 *= factor[q + 1]
-            x[c + 1] = x1
-            x0 -= factor[p + 1] * x1
-        x[c] = x0 * factor[p]
+        below = dot_columns(x, end, height - end, factor, p, q, r, s)
+        _backward_four(x, c, count, factor, at, below)
 
 
 @numba.njit(  # type: ignore[untyped-decorator]
@@ -124,13 +162,13 @@ def solve_column(  # noqa: PLR0912, PLR0917 - two sweeps; kernels take no keywor
         Fields of the analysis.
     panel_values : ndarray
         The factor.
-    room : ndarray of shape (N + T + LANES,)
+    room : ndarray of shape (N + 1 + T + LANES,)
         To work in, T being the height of the tallest supernode.
     solution : ndarray of shape (N,)
     """
     n, n_supernodes = order.size, first.size - 1
-    x, own = pointer(room), pointer(room[n:])  # `own`: what belongs to the rows of a supernode
-    row, factor = pointer(rows), numbers(panel_values)
+    x, own = pointer(room), pointer(room[n + 1 :])  # x has one more row, which means nothing
+    row, factor = pointer(rows), numbers(panel_values)  # `own`: what belongs to one supernode
     mode = flush_subnormals()
     for j in range(n):
         x[j] = right_hand_side[order[j]]
@@ -138,20 +176,37 @@ def solve_column(  # noqa: PLR0912, PLR0917 - two sweeps; kernels take no keywor
         begin, start = np.int64(first[s]), row_starts[s]
         width, height = first[s + 1] - begin, row_starts[s + 1] - start
         touched = False
+        for j in range(begin, begin + width):
+            touched |= x[j] != 0.0
+        if not touched:
+            continue
+        below = shifted(row, start + width)
+        if width <= FEW:  # most are: no copy, and a loop or two
+            at = _columns(panels[s], height, 0, width)
+            x0, x1, x2, x3 = _forward_four(shifted(x, begin), 0, width, factor, at)
+            p, q, r, t = at[0] + width, at[1] + width, at[2] + width, at[3] + width
+            minus_rows(x, below, height - width, n, factor, p, q, r, t, x0, x1, x2, x3)
+            continue
         for j in range(width):
             own[j] = x[begin + j]
-            touched |= x[begin + j] != 0.0
-        if touched:
-            for k in range(width, height):
-                own[k] = 0.0
-            _forward(own, width, height, factor, panels[s])
-            for j in range(width):
-                x[begin + j] = own[j]
-            for k in range(width, height):
-                x[row[start + k]] += own[k]
+        for k in range(width, height):
+            own[k] = 0.0
+        _forward(own, width, height, factor, panels[s])
+        for j in range(width):
+            x[begin + j] = own[j]
+        for k in range(width, height):
+            x[row[start + k]] += own[k]
+    x[n] = 0.0
     for s in range(n_supernodes - 1, -1, -1):
         begin, start = np.int64(first[s]), row_starts[s]
         width, height = first[s + 1] - begin, row_starts[s + 1] - start
+        if width <= FEW:
+            at = _columns(panels[s], height, 0, width)
+            p, q, r, t = at[0] + width, at[1] + width, at[2] + width, at[3] + width
+            below = shifted(row, start + width)
+            dots = dot_rows(x, below, height - width, n, factor, p, q, r, t)
+            _backward_four(shifted(x, begin), 0, width, factor, at, dots)
+            continue
         for j in range(width):
             own[j] = x[begin + j]
         for k in range(width, height):

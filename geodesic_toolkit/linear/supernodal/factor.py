@@ -70,7 +70,7 @@ class SupernodalFactor(Factor):
         its = self.analysis
         known = (its.order, its.first, its.row_starts, its.rows, its.panels, self._panels)
         if b.ndim == 1 or b.shape[1] <= FEW:
-            with its.room(its.n_vertices + its.tallest + LANES) as room:
+            with its.room(its.n_vertices + 1 + its.tallest + LANES) as room:
                 if b.ndim == 1 or b.shape[1] == 1:
                     _solve.solve_column(b.reshape(-1), *known, room, solution.reshape(-1))
                     return
