@@ -169,8 +169,9 @@ class HeatMethod:
         InvalidSourceError
             No source, an index out of range, something that is no index.
         """
-        (distance,) = self.distances([sources])
-        return np.asarray(distance)
+        distances = np.empty((1, self.n_vertices))
+        self._warn_of(self._solve([self._source_points(sources)], distances))
+        return np.asarray(distances[0])
 
     def distances(
         self, source_sets: Iterable[Any], *, progress: Progress | None = None
@@ -360,15 +361,17 @@ class HeatMethod:
         for k, points in enumerate(block):
             row = distances[k]
             above = points.readings(row)
+            if self._in_one_piece and not points.delayed:
+                _lower(row, above)
+                continue
             home = points.components(self.metric)
             first = points.first_to_start(home)  # others may be overtaken before they start
             parts = [0] if self._in_one_piece else np.unique(home).tolist()
             for part in parts:
-                inside = ... if self._in_one_piece else components == part
-                anchors = above[first & (home == part)]
-                # Of several sources some are below their mean by right; of one, nothing is.
-                lowest = -np.inf if len(anchors) > 1 else 0.0
-                row[inside] = np.maximum(row[inside] - anchors.mean(), lowest)
+                inside = components == part
+                values = row[inside]
+                _lower(values, above[first & (home == part)])
+                row[inside] = values
             if not self._in_one_piece:
                 heated = np.isin(self.diffusion.components, points.components(self.diffusion))
                 row[~(heated & np.isin(components, parts))] = np.inf
@@ -525,6 +528,16 @@ class HeatMethod:
             f"time={self.time:.4g}{boundary}, heat_solver={self.heat_solver!r}, "
             f"poisson_solver={self.poisson_solver!r}, factors of {self.nbytes / 1e6:.1f} MB)"
         )
+
+
+def _lower(values: FloatArray, anchors: FloatArray) -> None:
+    """Take the mean of what sources read off values in place.
+
+    Of several sources some are below their mean by right; of one, nothing is.
+    """
+    values -= anchors.sum() / len(anchors)
+    if len(anchors) == 1:
+        np.maximum(values, 0.0, out=values)
 
 
 def _worse(one: HeatReport | None, other: HeatReport | None) -> HeatReport | None:

@@ -157,7 +157,9 @@ class HeatFlow:
         self, solution: FloatArray, lowest: FloatArray, block: Sequence[SourcePoints]
     ) -> bool:
         """Return whether no value that heat reaches is near underflow, so that one solve is all."""
-        for k in np.flatnonzero(lowest <= SETTLED).tolist():  # most columns are not among them
+        for k, least in enumerate(lowest.tolist()):
+            if least > SETTLED:  # as in most columns
+                continue
             sunk = np.abs(solution[:, k]) <= SETTLED
             if sunk.any() and (sunk & self.reached(block[k])).any():
                 return False
@@ -186,16 +188,16 @@ class HeatFlow:
         """Return right-hand sides (N, K'), the logarithms of their scales, and whose they are."""
         loads = [
             points.delayed_loads(points.components(self.diffusion), self._decay(points))
-            if points.starts.any()
+            if points.delayed
             else [points.load()]
             for points in block
         ]
-        flat = [load for own in loads for load in own]
-        owners = np.repeat(np.arange(len(block)), [len(own) for own in loads])
+        flat = [(k, *load) for k, own in enumerate(loads) for load in own]
         columns = np.zeros((self.diffusion.n_vertices, len(flat)))
-        for k, (vertices, strengths, _) in enumerate(flat):
-            np.add.at(columns[:, k], vertices, strengths)
-        return columns, np.array([log_scale for _, _, log_scale in flat]), owners
+        for column, (_, vertices, strengths, _) in enumerate(flat):
+            np.add.at(columns[:, column], vertices, strengths)
+        owners, _, _, log_scales = zip(*flat, strict=True)
+        return columns, np.array(log_scales), np.array(owners)
 
     def _decay(self, points: SourcePoints) -> FloatArray:
         """Return the powers of e by which heat falls in a unit of length at each point."""

@@ -90,10 +90,15 @@ class SourcePoints:
         above = self.shares * (values[self.vertices] - self.distances)
         return np.add.reduceat(above, self.begins[:-1]) - self.starts
 
+    @cached_property
+    def delayed(self) -> bool:
+        """Whether any of the points starts at something else than 0."""
+        return bool(self.starts.any())
+
     @property
     def radial(self) -> bool:
         """Whether distance grows from 0 in circles about the points: no curve, no head starts."""
-        return bool((self.curvatures > 0).all() and not self.starts.any())
+        return bool((self.curvatures > 0).all() and not self.delayed)
 
     def first_to_start(self, components: IntArray) -> BoolArray:
         """Return the points of which none in the same component starts earlier, of shape (P,).
@@ -102,7 +107,7 @@ class SourcePoints:
         ----------
         components : ndarray of shape (P,), int64
         """
-        if not self.starts.any():
+        if not self.delayed:
             return np.ones(self.count, dtype=np.bool_)
         least = np.full(components.max() + 1, np.inf)
         np.minimum.at(least, components, self.starts)

@@ -58,6 +58,8 @@ def locate_sources(
         None at all, an index out of range, a missing point of a cloud, coordinates that are not
         finite, or something that names no place.
     """
+    if isinstance(sources, int | np.integer):  # what is asked most, and soonest answered
+        return _at_vertices(domain, as_vertices(sources, domain.n_vertices, name), name)
     if isinstance(sources, OffsetSources):
         places = locate_sources(domain, sources.sources, name, passable=passable)
         if isinstance(sources.sources, Curve) or len(sources.offsets) != places.count:
@@ -78,7 +80,10 @@ def locate_sources(
         return _in_space(domain if passable is None else passable, _as_points(array, name), name)
     if array.dtype.kind == "b" and array.shape == (domain.n_vertices,):
         raise InvalidSourceError(f"{name} must be indices, not a mask: use numpy.flatnonzero(mask)")
-    vertices = as_vertices(sources, domain.n_vertices, name)
+    return _at_vertices(domain, as_vertices(sources, domain.n_vertices, name), name)
+
+
+def _at_vertices(domain: Domain, vertices: IntArray, name: str) -> SourcePoints:
     if isinstance(domain, PointCloud) and not domain.present[vertices].all():
         missing = int(vertices[~domain.present[vertices]][0])
         raise InvalidSourceError(f"{name}: point {missing} of the cloud is missing (not finite)")

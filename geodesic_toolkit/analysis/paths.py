@@ -159,7 +159,7 @@ def geodesic_path(solver: GeodesicSolver, source: Any, target: Any) -> GeodesicP
         )
     metric = _with_triangles(solver)
     back = _from_goal(metric, _positions(domain), goal)
-    if sources.starts.any():
+    if sources.delayed:
         sources = _first_to_arrive(sources, back)
     distance = _refined(solver, metric, sources)
     if isinstance(domain, PointCloud):

@@ -174,5 +174,7 @@ def fill_from_neighbours(
         sums = np.bincount(near, weight[known] * around, minlength=len(rows))
         mean = sums[reached] / total[reached]
         solution[rows[reached]] = np.log(mean) + largest[reached] if logarithmic else mean
+        if reached.all():
+            return
         waiting = ~reached[row]
         row, neighbour, weight = row[waiting], neighbour[waiting], weight[waiting]

@@ -139,7 +139,7 @@ def _backward(x: Pointer, width: int, height: int, factor: Pointer, panel: int) 
 
 
 @numba.njit(  # type: ignore[untyped-decorator]
-    [types.void(_values, *_symbolic, factor, _room, _room) for factor in (_values, _halves)],
+    [types.boolean(_values, *_symbolic, factor, _room, _room) for factor in (_values, _halves)],
     cache=True, nogil=True, error_model="numpy",
 )  # fmt: skip
 def solve_column(  # noqa: PLR0912, PLR0917 - two sweeps; kernels take no keywords
@@ -152,8 +152,8 @@ def solve_column(  # noqa: PLR0912, PLR0917 - two sweeps; kernels take no keywor
     panel_values: Panels,
     room: FloatArray,
     solution: FloatArray,
-) -> None:
-    """Write x with ``A x = b`` to `solution`.
+) -> bool:
+    """Write x with ``A x = b`` to `solution`, and return whether all of it is finite.
 
     Parameters
     ----------
@@ -216,9 +216,12 @@ def solve_column(  # noqa: PLR0912, PLR0917 - two sweeps; kernels take no keywor
         _backward(own, width, height, factor, panels[s])
         for j in range(width):
             x[begin + j] = own[j]
+    nothing = 0.0
     for j in range(n):
         solution[order[j]] = x[j]
+        nothing += 0.0 * x[j]
     restore_subnormals(mode)
+    return nothing == 0.0
 
 
 @kernel  # type: ignore[untyped-decorator]
@@ -312,7 +315,7 @@ def _backward_block(  # noqa: PLR0917 - kernels take no keywords
 
 @numba.njit(  # type: ignore[untyped-decorator]
     [
-        types.void(_block, *_symbolic, factor, _room, types.float64[:, ::1])
+        types.boolean(_block, *_symbolic, factor, _room, types.float64[:, ::1])
         for factor in (_values, _halves)
     ],
     cache=True, nogil=True, error_model="numpy",
@@ -327,11 +330,12 @@ def solve_block(  # noqa: PLR0917 - kernels take no keywords
     panel_values: Panels,
     room: FloatArray,
     solution: FloatArray,
-) -> None:
+) -> bool:
     """Write X with ``A X = B`` to `solution`, for up to `BLOCK` columns at once.
 
-    The block is always full inside, so that its loops are unrolled; missing columns are zero.
-    Parameters as for `solve_column`, but `room` has ``BLOCK * (N + 4)`` numbers.
+    Return whether all of it is finite. The block is always full inside, so that its loops are
+    unrolled; missing columns are zero. Parameters as for `solve_column`, but `room` has
+    ``BLOCK * (N + 4)`` numbers.
     """
     n, n_supernodes, n_columns = order.size, first.size - 1, right_hand_sides.shape[1]
     x, head = pointer(room), pointer(room[n * BLOCK :])
@@ -355,8 +359,11 @@ def solve_block(  # noqa: PLR0917 - kernels take no keywords
         start, width = row_starts[s], np.int64(first[s + 1] - first[s])
         height = row_starts[s + 1] - start
         _backward_block(x, head, width, height, factor, panels[s], row, start)
+    nothing = 0.0
     for j in range(n):
         target = solution[order[j]]
         for k in range(n_columns):
             target[k] = x[j * BLOCK + k]
+            nothing += 0.0 * x[j * BLOCK + k]
     restore_subnormals(mode)
+    return nothing == 0.0

@@ -54,39 +54,40 @@ class SupernodalFactor(Factor):
         b = np.ascontiguousarray(given, dtype=np.float64)
         own = not np.may_share_memory(b, given)
         solution = b if own or (over and b.flags.writeable) else np.empty_like(b)
-        self._solve(b, solution)
-        with np.errstate(over="ignore", invalid="ignore"):
-            total = solution.sum()  # finite only if all its terms are; finite ones may overflow
-        if not np.isfinite(total) and not np.isfinite(solution).all():
+        if not self._solve(b, solution):
             raise SolverError(
                 "the solution is not finite: the right-hand side is not, or they are too large"
             )
         return solution
 
-    def _solve(self, b: FloatArray, solution: FloatArray) -> None:
-        """Write x to `solution`, which may be b itself."""
+    def _solve(self, b: FloatArray, solution: FloatArray) -> bool:
+        """Write x to `solution`, which may be b itself, and return whether it is finite."""
         from geodesic_toolkit.linear.supernodal import _solve
 
         its = self.analysis
         known = (its.order, its.first, its.row_starts, its.rows, its.panels, self._panels)
-        if b.ndim == 1 or b.shape[1] <= FEW:
+        count = 1 if b.ndim == 1 else b.shape[1]
+        if count <= FEW:
             with its.room(its.n_vertices + 1 + its.tallest + LANES) as room:
-                if b.ndim == 1 or b.shape[1] == 1:
-                    _solve.solve_column(b.reshape(-1), *known, room, solution.reshape(-1))
-                    return
-                for k in range(b.shape[1]):
+                if count == 1:
+                    return bool(
+                        _solve.solve_column(b.reshape(-1), *known, room, solution.reshape(-1))
+                    )
+                finite = True
+                for k in range(count):
                     column = b[:, k].copy()
-                    _solve.solve_column(column, *known, room, column)
+                    finite &= _solve.solve_column(column, *known, room, column)
                     solution[:, k] = column
-            return
+            return finite
         with its.room(_solve.BLOCK * (its.n_vertices + 4)) as room:
-            if b.shape[1] <= _solve.BLOCK:
-                _solve.solve_block(b, *known, room, solution)
-                return
-            for start in range(0, b.shape[1], _solve.BLOCK):
+            if count <= _solve.BLOCK:
+                return bool(_solve.solve_block(b, *known, room, solution))
+            finite = True
+            for start in range(0, count, _solve.BLOCK):
                 block = b[:, start : start + _solve.BLOCK].copy()
-                _solve.solve_block(block, *known, room, block)
+                finite &= _solve.solve_block(block, *known, room, block)
                 solution[:, start : start + _solve.BLOCK] = block
+        return finite
 
     @property
     def nnz(self) -> int:
