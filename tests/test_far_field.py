@@ -59,14 +59,14 @@ def test_restarts_agree_with_one_solve_where_both_can_be_had():
     discretization = gt.CotanLaplacian().assemble(mesh)
     method = gt.HeatMethod(  # so short a time that one solve passes the threshold of a restart
         discretization,
-        time_factor=0.005,
+        time_factor=0.001,
         heat_solver=gt.SuperLU(),
         poisson_solver=gt.SuperLU(),
     )
     single = method.heat(0)
     log_heat = method.log_heat(0)
     resolved = single > 1e-290
-    assert (single[resolved] < 1e-200).sum() > 50
+    assert (single[resolved] < method._flow.systems()[0].settled).sum() > 20
     np.testing.assert_allclose(log_heat[resolved], np.log(single[resolved]), rtol=1e-11)
     assert method.heat_report(0).stages > 1
 

@@ -7,16 +7,25 @@ from the source. Its logarithm need not.
 import numpy as np
 from scipy.sparse import csr_array
 
-from geodesic_toolkit._typing import BoolArray, FloatArray, IndexArray, IntArray
+from geodesic_toolkit._typing import BoolArray, FloatArray, IntArray
 from geodesic_toolkit.linear.base import Factor
 
-__all__ = ["SETTLED", "fill_from_neighbours", "log_solve"]
+__all__ = ["fill_from_neighbours", "log_solve", "settled_above"]
 
-SETTLED = 1e-200
-"""Smallest scaled value taken as it is; the 1e-108 below it still resolve its neighbours."""
+SETTLED = 1e-260
+"""Smallest scaled value taken as it is; the 1e-48 below it still resolve what it is a sum of."""
 
 ROWS = 4096
 """Rows worked on at once: what comes in between stays in cache, and takes no fresh memory."""
+
+
+def settled_above(diagonal: FloatArray) -> float:
+    """Return the smallest value that is taken as it is, of the solution with such a diagonal.
+
+    What a solve adds up are values times entries of the factor, as large as the roots of the
+    diagonal; where these are small, products are the first to underflow.
+    """
+    return SETTLED / float(np.sqrt(diagonal.min(initial=1.0)))
 
 
 def log_solve(
@@ -36,7 +45,7 @@ def log_solve(
 
     which can be scaled up before solving it with the same factor: the far values come out in
     scaled arithmetic, settle in their turn, and so on until nothing is left. Every stage costs one
-    pair of back-substitutions and reaches some 450 edges further at the default time step.
+    pair of back-substitutions and reaches some 600 edges further at the default time step.
 
     Parameters
     ----------
@@ -61,10 +70,11 @@ def log_solve(
     settled = np.zeros((n_vertices, n_columns), dtype=np.bool_)
     log_scale = np.zeros(n_columns)
     columns = np.arange(n_columns)  # those that still have vertices to settle
+    least = settled_above(matrix.diagonal())
     scaled_rhs = right_hand_side
     for stage in range(1, n_vertices + 2):  # each stage settles a vertex at least
         scaled = solution if solution is not None and stage == 1 else factor.solve(scaled_rhs)
-        is_open = _settle(scaled, log_scale, columns, log_solution, settled)
+        is_open = _settle(scaled, least, log_scale, columns, log_solution, settled)
         if not is_open.any():
             return log_solution, stage
         columns, scaled = columns[is_open], scaled[:, is_open]
@@ -80,14 +90,15 @@ def log_solve(
     return log_solution, n_vertices + 1  # pragma: no cover - every stage settles a vertex
 
 
-def _settle(
+def _settle(  # noqa: PLR0917 - what a stage changes
     scaled: FloatArray,
+    least: float,
     log_scale: FloatArray,
     columns: IntArray,
     log_solution: FloatArray,
     settled: BoolArray,
 ) -> BoolArray:
-    """Take the logarithms of what has not sunk below the threshold, into some `columns` of (N, K).
+    """Take the logarithms of what has not sunk to `least`, into some `columns` of (N, K).
 
     Returns which of these columns made progress and are not done yet.
     """
@@ -96,7 +107,7 @@ def _settle(
     for start in range(0, len(scaled), ROWS):
         rows = slice(start, start + ROWS)
         part, before, logs = scaled[rows], settled[rows, columns], log_solution[rows, columns]
-        new = ~before & (np.abs(part) > SETTLED)
+        new = ~before & (np.abs(part) > least)
         with np.errstate(divide="ignore", invalid="ignore"):
             log_solution[rows, columns] = np.where(
                 new & (part > 0), np.log(part) + log_scale[columns], logs
@@ -110,23 +121,32 @@ def _settle(
 
 def _interface(
     matrix: csr_array, solution: FloatArray, near: BoolArray
-) -> tuple[IndexArray, FloatArray]:
+) -> tuple[IntArray, FloatArray]:
     """Return the rows where A w is not zero for w = (0, u_far), and what it is there, per column.
 
     These are the rows on either side of the interface of near and far.
     """
-    n_vertices = len(near)
-    row = np.repeat(np.arange(n_vertices, dtype=np.int32), np.diff(matrix.indptr))
-    sides = np.packbits(near, axis=1)  # eight columns are compared at once
-    crossing = np.zeros(matrix.nnz, dtype=np.bool_)
-    for side in np.ascontiguousarray(sides.T):
-        crossing |= side[row] != side[matrix.indices]
-    i, j, a = row[crossing], matrix.indices[crossing], matrix.data[crossing]
-    inside = near[i]
+    mixed = np.zeros(len(near), dtype=np.bool_)
+    for side in np.ascontiguousarray(np.packbits(near, axis=1).T):  # eight columns at once
+        around = side[matrix.indices]
+        begins = matrix.indptr[:-1]  # no row is empty: its diagonal is there
+        mixed |= np.bitwise_or.reduceat(around, begins) != np.bitwise_and.reduceat(around, begins)
+    rows = np.flatnonzero(mixed)
+    i, entries = _entries_of(matrix, rows)
+    j, a = matrix.indices[entries], matrix.data[entries]
+    inside = near[rows[i]]
     terms = np.where(inside != near[j], a[:, None] * solution[j], 0.0)
     terms[~inside] *= -1
-    rows, starts = np.unique(i, return_index=True)
+    starts = np.searchsorted(i, np.arange(len(rows)))
     return rows, np.add.reduceat(terms, starts, axis=0) if len(rows) else terms
+
+
+def _entries_of(matrix: csr_array, rows: IntArray) -> tuple[IntArray, IntArray]:
+    """Return the places of all entries in some rows, and which of the rows each is in."""
+    counts = matrix.indptr[rows + 1] - matrix.indptr[rows]
+    row = np.repeat(np.arange(len(rows)), counts)
+    begins = np.cumsum(counts) - counts
+    return row, np.arange(counts.sum()) + np.repeat(matrix.indptr[rows] - begins, counts)
 
 
 def fill_from_neighbours(
@@ -149,10 +169,7 @@ def fill_from_neighbours(
     nothing = -np.inf if logarithmic else 0.0
     solution[missing] = nothing
     rows = np.flatnonzero(missing)
-    counts = matrix.indptr[rows + 1] - matrix.indptr[rows]
-    row = np.repeat(np.arange(len(rows)), counts)
-    begins = np.cumsum(counts) - counts
-    entries = np.arange(counts.sum()) + np.repeat(matrix.indptr[rows] - begins, counts)
+    row, entries = _entries_of(matrix, rows)
     neighbour, value = matrix.indices[entries], matrix.data[entries]
     mass = np.abs(np.bincount(row, value, minlength=len(rows)))
     at_neighbours = (rows[row] != neighbour) & (value != 0)
