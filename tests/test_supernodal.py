@@ -201,7 +201,8 @@ def test_neither_the_range_of_marks_nor_wider_fields_change_an_order(kernel, kin
     n = matrix.shape[0]
     assert 4 * n < highest
     room = np.empty(2 * matrix.nnz + 2 * n + 64, dtype=np.int32), np.empty((n, 8), dtype=kind)
-    found = eliminated_by(kernel, matrix, *room, highest)
+    links = np.full(6 * n + 1, -1, dtype=np.int32)
+    *found, _ = eliminated_by(kernel, matrix, *room, links, highest)
     for own, other in zip(found, elimination_of(matrix), strict=True):
         np.testing.assert_array_equal(own, other)
 
