@@ -20,6 +20,7 @@ __all__ = [
     "edge_lengths",
     "is_sound",
     "mean_edge_length",
+    "measure_lengths",
     "measure_triangles",
     "obtuse_excess",
 ]
@@ -94,6 +95,27 @@ def measure_triangles(
         inverse_frames[f, 2] = ij / doubled
         areas[f] = doubled / 2
     return proper, total, slack
+
+
+@kernel(  # type: ignore[untyped-decorator]
+    types.void(TABLE, types.float64[:, ::1], types.float64[::1]), **options
+)
+def measure_lengths(lengths: FloatArray, inverse_frames: FloatArray, areas: FloatArray) -> None:
+    """Write inverse frames and areas of triangles with the edges opposite their corners, (F, 3).
+
+    By the formulas of :func:`geodesic_toolkit.geometry.triangles.frames_from_lengths`.
+    """
+    for f in range(len(lengths)):
+        jk, ki, ij = lengths[f, 0], lengths[f, 1], lengths[f, 2]
+        along = (ij * ij + (ki - jk) * (ki + jk)) / (2 * ij)
+        a, c = max(jk, ki, ij), min(jk, ki, ij)
+        b = max(min(jk, ki), min(max(jk, ki), ij))
+        product = (a + (b + c)) * (c - (a - b)) * (c + (a - b)) * (a + (b - c))
+        doubled = math.sqrt(max(product, 0.0)) / 2
+        inverse_frames[f, 0] = 1 / ij
+        inverse_frames[f, 1] = -along / doubled
+        inverse_frames[f, 2] = ij / doubled
+        areas[f] = doubled / 2
 
 
 @kernel(types.float64[:, ::1](TABLE), **options)  # type: ignore[untyped-decorator]

@@ -10,6 +10,7 @@ import numba
 import numpy as np
 from numba import types
 
+from geodesic_toolkit._pointers import keep, pointer, prefetch, shifted
 from geodesic_toolkit._typing import BoolArray, FloatArray, IntArray
 
 __all__ = ["flip_edges", "twins"]
@@ -18,42 +19,13 @@ TOLERANCE = 1e-10
 """Sum of two cotangents below zero, over that of 1 and their sizes, from which on an edge is
 flipped: no rounding must flip it back."""
 
+NONE, ONE, AGAINST, ALONG, MORE = range(5)
+"""Half-edges between two vertices: none, one, two that run against or along one another, more."""
+
 kernel = numba.njit
 options = {"cache": True, "nogil": True, "error_model": "numpy"}
 FACES = types.Array(types.int64, 2, "C", readonly=True)
 FLAGS = types.Array(types.boolean, 1, "C", readonly=True)
-
-
-@numba.njit(**options)  # type: ignore[untyped-decorator]
-def _by_lower_end(
-    faces: IntArray, n_vertices: int
-) -> tuple[IntArray, IntArray, IntArray, BoolArray]:
-    """Return the half-edges by their vertex of lower index.
-
-    Those of vertex v are ``gathered[start[v] : start[v + 1]]``, and ``ends`` of the same places are
-    the other vertices. ``upward`` says, for each half-edge, whether it runs to the latter.
-    """
-    start = np.zeros(n_vertices + 1, dtype=np.int64)
-    for f in range(len(faces)):
-        i, j, k = faces[f, 0], faces[f, 1], faces[f, 2]
-        start[min(j, k) + 1] += 1
-        start[min(k, i) + 1] += 1
-        start[min(i, j) + 1] += 1
-    free = np.empty(n_vertices, dtype=np.int64)
-    for v in range(n_vertices):
-        free[v] = start[v]
-        start[v + 1] += start[v]
-    gathered, ends = np.empty(faces.size, dtype=np.int64), np.empty(faces.size, dtype=np.int64)
-    upward = np.empty(faces.size, dtype=np.bool_)
-    half = 0
-    for f in range(len(faces)):
-        i, j, k = faces[f, 0], faces[f, 1], faces[f, 2]
-        for tail, head in ((j, k), (k, i), (i, j)):
-            place = free[min(tail, head)]
-            gathered[place], ends[place], upward[half] = half, max(tail, head), tail < head
-            free[min(tail, head)] = place + 1
-            half += 1
-    return start, gathered, ends, upward
 
 
 @kernel(  # type: ignore[untyped-decorator]
@@ -64,29 +36,57 @@ def twins(faces: IntArray, n_vertices: int) -> tuple[IntArray, bool]:
 
     Only the two half-edges of an edge that has just two are twins; the others have -1.
     """
-    start, gathered, ends, upward = _by_lower_end(faces, n_vertices)
-    twin = np.empty(len(gathered), dtype=np.int64)
-    first = np.empty(n_vertices, dtype=np.int64)  # of the half-edges between v and each vertex
-    count = np.zeros(n_vertices, dtype=np.int64)
+    sides = faces.size
+    starts, taken = np.zeros(n_vertices + 1, np.int64), np.empty(n_vertices, np.int64)
+    halves, others = np.empty(sides, np.int64), np.empty(sides, np.int32)
+    found, firsts = np.empty(sides, np.int64), np.empty(n_vertices, np.int64)
+    met = np.zeros(n_vertices, np.int8)
+    corner, start, free = pointer(faces), pointer(starts), pointer(taken)
+    for f in range(0, sides, 3):
+        i, j, k = corner[f], corner[f + 1], corner[f + 2]
+        start[min(j, k) + 1] += 1
+        start[min(k, i) + 1] += 1
+        start[min(i, j) + 1] += 1
+    for v in range(n_vertices):
+        free[v] = start[v]
+        start[v + 1] += start[v]
+
+    # Half-edges by their vertex of lower index, and ~half for those that run down to it.
+    gathered, end = pointer(halves), pointer(others)
+    half = 0
+    for f in range(0, sides, 3):
+        i, j, k = corner[f], corner[f + 1], corner[f + 2]
+        for tail, head in ((j, k), (k, i), (i, j)):
+            low = min(tail, head)
+            place = free[low]
+            gathered[place], end[place] = half if tail < head else ~half, max(tail, head)
+            free[low] = place + 1
+            half += 1
+
+    twin, first, seen = pointer(found), pointer(firsts), pointer(met)
+    coherent = True
     for v in range(n_vertices):
         for place in range(start[v], start[v + 1]):
-            half, other = gathered[place], ends[place]
+            signed, other = gathered[place], end[place]
+            half = max(signed, ~signed)
+            prefetch(shifted(twin, half))
             twin[half] = -1
-            count[other] += 1
-            if count[other] == 1:
-                first[other] = half
-            elif count[other] == 2:
-                twin[half], twin[first[other]] = first[other], half
-            elif twin[first[other]] >= 0:
-                twin[twin[first[other]]] = -1
-                twin[first[other]] = -1
+            if seen[other] == NONE:
+                first[other], seen[other] = signed, ONE
+                continue
+            mate = max(first[other], ~first[other])
+            if seen[other] == ONE:
+                twin[half], twin[mate] = mate, half
+                seen[other] = AGAINST if (first[other] < 0) != (signed < 0) else ALONG
+            else:
+                if twin[mate] >= 0:
+                    twin[twin[mate]] = twin[mate] = -1
+                seen[other] = MORE
         for place in range(start[v], start[v + 1]):
-            count[ends[place]] = 0
-    coherent = True
-    for half in range(len(twin)):
-        if twin[half] >= 0:
-            coherent &= upward[half] != upward[twin[half]]
-    return twin, coherent
+            coherent &= seen[end[place]] != ALONG
+            seen[end[place]] = NONE
+    keep((starts, taken, halves, others, firsts, met))
+    return found, coherent
 
 
 @numba.njit(**options)  # type: ignore[untyped-decorator]

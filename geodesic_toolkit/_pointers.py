@@ -2,7 +2,8 @@
 
 Handing an array to a compiled function counts a reference up and down again, an atomic operation
 each, and an index that might be negative is looked at before it is used. On supernodes of a few
-columns both cost as much as the arithmetic. A pointer has neither; its array must outlive it.
+columns both cost as much as the arithmetic. A pointer has neither; its array must outlive it, and
+one of a kernel's own making is dropped where it is named last.
 """
 
 from typing import Any, TypeAlias
@@ -11,7 +12,7 @@ from llvmlite import ir
 from numba import types
 from numba.extending import intrinsic
 
-__all__ = ["Pointer", "address", "pointer", "prefetch", "shifted"]
+__all__ = ["Pointer", "keep", "pointer", "prefetch", "shifted"]
 
 Pointer: TypeAlias = Any
 """To type checkers, what `pointer` returns."""
@@ -39,13 +40,13 @@ def shifted(_context: Any, place: Any, _count: Any) -> Any:
 
 
 @intrinsic  # type: ignore[untyped-decorator]
-def address(_context: Any, place: Any) -> Any:
-    """Return a pointer as the number that routines of other languages take."""
+def keep(_context: Any, arrays: Any) -> Any:
+    """Let a tuple of arrays live until here, so that pointers into them are good until here."""
 
-    def code(context: Any, builder: Any, _signature: Any, arguments: Any) -> Any:
-        return builder.ptrtoint(arguments[0], context.get_value_type(types.uintp))
+    def code(context: Any, _builder: Any, _signature: Any, _arguments: Any) -> Any:
+        return context.get_dummy_value()
 
-    return types.uintp(place), code
+    return types.void(arrays), code
 
 
 @intrinsic  # type: ignore[untyped-decorator]

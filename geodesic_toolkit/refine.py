@@ -21,12 +21,7 @@ from numpy.typing import NDArray
 from geodesic_toolkit._typing import BoolArray, FloatArray, IntArray
 from geodesic_toolkit.discretization import Discretization
 from geodesic_toolkit.errors import UnsupportedDomainError
-from geodesic_toolkit.geometry.triangles import (
-    face_areas,
-    frames_from_lengths,
-    inverse_frames,
-    lengths_from_inverse,
-)
+from geodesic_toolkit.geometry.triangles import lengths_from_inverse, measured_by_lengths
 from geodesic_toolkit.gradient import ElementGradient
 
 __all__ = ["WavefrontSweeper"]
@@ -225,8 +220,7 @@ class WavefrontSweeper:
         sharp = ~self.metric.boundary & (np.abs(self._defects) > SHARP)
         if not flip_edges(faces, lengths, twin, sharp):
             return elements, inverse, areas
-        frames = frames_from_lengths(lengths)
-        return faces, inverse_frames(frames), face_areas(frames)
+        return faces, *measured_by_lengths(lengths)
 
     @cached_property
     def _defects(self) -> FloatArray:

@@ -18,6 +18,7 @@ from geodesic_toolkit.geometry.triangles import (
     face_edge_lengths,
     frames_from_lengths,
     inverse_frames,
+    measured_by_lengths,
     mollified_lengths,
 )
 from geodesic_toolkit.testing import shapes
@@ -187,6 +188,14 @@ def test_a_broken_stiffness_is_named_with_kernels_as_without(use, change, messag
         use(kernels)
         with pytest.raises(InvalidDiscretizationError, match=message):
             gt.Discretization(stiffness=broken, **parts)
+
+
+def test_triangles_of_given_edges_are_measured_by_kernels_as_by_numpy(use):
+    rng = np.random.default_rng(0)
+    lengths, _ = mollified_lengths(rng.uniform(0.1, 1, size=(500, 3)))
+    (inverse, areas), (by_kernel, areas_by_kernel) = both(use, lambda: measured_by_lengths(lengths))
+    np.testing.assert_allclose(by_kernel, inverse, rtol=1e-13)
+    np.testing.assert_allclose(areas_by_kernel, areas, rtol=1e-13)
 
 
 # -- flips -------------------------------------------------------------------------------------

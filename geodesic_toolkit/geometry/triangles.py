@@ -24,6 +24,7 @@ __all__ = [
     "lengths_from_inverse",
     "mean_edge_length",
     "mean_squared_edges",
+    "measured_by_lengths",
     "measured_triangles",
     "mollified_lengths",
     "proper_faces",
@@ -84,6 +85,18 @@ def measured_triangles(
     if slack < SLACK:
         return faces, *_mollified(vertices, faces, face_edge_lengths(vertices, faces))
     return faces, inverse, areas, 0.0
+
+
+def measured_by_lengths(lengths: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Return the inverse frames (F, 3) and the areas (F,) of triangles with such edges."""
+    if worthwhile(len(lengths)):
+        from geodesic_toolkit._assembly import measure_lengths
+
+        inverse, areas = np.empty(lengths.shape), np.empty(len(lengths))
+        measure_lengths(np.ascontiguousarray(lengths), inverse, areas)
+        return inverse, areas
+    frames = frames_from_lengths(lengths)
+    return inverse_frames(frames), face_areas(frames)
 
 
 def _mollified(

@@ -13,12 +13,10 @@ from geodesic_toolkit.errors import InvalidOptionError, UnsupportedDomainError
 from geodesic_toolkit.geometry.intrinsic import delaunay_triangles, voronoi_areas
 from geodesic_toolkit.geometry.parts import part_scales
 from geodesic_toolkit.geometry.triangles import (
-    face_areas,
-    frames_from_lengths,
-    inverse_frames,
     lengths_from_inverse,
     mean_edge_length,
     mean_squared_edges,
+    measured_by_lengths,
     measured_triangles,
 )
 from geodesic_toolkit.gradient import ElementGradient
@@ -168,9 +166,7 @@ class CotanLaplacian(LaplaceOperator):
         flip = self._to_be_flipped(faces, parts, excess)
         if flip.any():
             faces, lengths = _flipped(faces, lengths_from_inverse(inverse), flip)
-            frames = frames_from_lengths(lengths)
-            areas = face_areas(frames)
-            gradient = ElementGradient.of_triangles(faces, inverse_frames(frames), areas, count)
+            gradient = ElementGradient.of_triangles(faces, *measured_by_lengths(lengths), count)
             stiffness, thirds, _ = gradient.assembled()
         notes: dict[str, Any] = {
             "dropped_faces": dropped,
