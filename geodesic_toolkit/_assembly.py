@@ -11,7 +11,7 @@ import numba
 import numpy as np
 from numba import types
 
-from geodesic_toolkit._pointers import pointer, prefetch, shifted
+from geodesic_toolkit._pointers import keep, pointer, prefetch, shifted
 from geodesic_toolkit._typing import BoolArray, FloatArray, IndexArray, IntArray
 
 __all__ = [
@@ -297,27 +297,29 @@ def obtuse_excess(
 ) -> FloatArray:
     """Return what :func:`geodesic_toolkit.positivity.obtuse_excess` does, for so many rings."""
     count = len(mass)
-    sums, wider = np.empty((count, 2)), np.empty((count, 2))
+    some, others, mean = np.empty((count, 2)), np.empty((count, 2)), np.zeros(count)
+    begin, head, weight = pointer(indptr), pointer(indices), pointer(data)
+    sums, wider = pointer(some), pointer(others)  # at 2 v those of vertex v, and its area
     for v in range(count):
         wrong, absolute = 0.0, 0.0
-        for entry in range(indptr[v], indptr[v + 1]):
-            if indices[entry] != v:
-                absolute += abs(data[entry])
-                wrong += max(data[entry], 0.0)
-        sums[v, 0] = wrong / absolute * mass[v] if absolute > 0 else 0.0
-        sums[v, 1] = mass[v]
+        for entry in range(begin[v], begin[v + 1]):
+            if head[entry] != v:
+                absolute += abs(weight[entry])
+                wrong += max(weight[entry], 0.0)
+        sums[2 * v] = wrong / absolute * mass[v] if absolute > 0 else 0.0
+        sums[2 * v + 1] = mass[v]
     for _ in range(rings):
         for v in range(count):
             excess, area = 0.0, 0.0
-            for entry in range(indptr[v], indptr[v + 1]):
-                excess += sums[indices[entry], 0]
-                area += sums[indices[entry], 1]
-            wider[v, 0], wider[v, 1] = excess, area
+            for entry in range(begin[v], begin[v + 1]):
+                excess += sums[2 * head[entry]]
+                area += sums[2 * head[entry] + 1]
+            wider[2 * v], wider[2 * v + 1] = excess, area
         sums, wider = wider, sums
-    mean = np.zeros(count)
     for v in range(count):
-        if sums[v, 1] > 0:
-            mean[v] = sums[v, 0] / sums[v, 1]
+        if sums[2 * v + 1] > 0:
+            mean[v] = sums[2 * v] / sums[2 * v + 1]
+    keep((some, others))
     return mean
 
 

@@ -224,9 +224,9 @@ def mean_edge_length(vertices: FloatArray, edges: csr_array) -> float:
 def mean_squared_edges(inverse: FloatArray) -> FloatArray:
     """Return the (F,) mean squared edge length of triangles, from what `inverse_frames` returns."""
     p, q, r = inverse.T
-    squared, height = 1 / p**2, 1 / r
-    along = -q * height / p  # q is -a / (l b), and b the height
-    return np.asarray((squared + along**2 + (1 / p - along) ** 2 + 2 * height**2) / 3)
+    length, height = 1 / p, 1 / r
+    along = -q * height * length  # q is -a / (l b), and b the height
+    return np.asarray((length * (length - along) + along * along + height * height) * (2 / 3))
 
 
 def mollified_lengths(

@@ -11,7 +11,7 @@ import numba
 import numpy as np
 from numba import types
 
-from geodesic_toolkit._pointers import pointer, prefetch, shifted
+from geodesic_toolkit._pointers import keep, pointer, prefetch, shifted
 from geodesic_toolkit._typing import IndexArray, IntArray
 
 __all__ = [
@@ -224,31 +224,34 @@ def structure(  # noqa: PLR0917 - kernels take no keywords
     most = (indices.size + n) // 2  # of a symmetric pattern, with every diagonal entry
     starts = np.zeros(n + 1, np.int64)
     lower_rows, places = np.empty(most, np.int32), np.empty(most, np.int64)
-    owner, row_starts = np.empty(n, np.int32), np.zeros(n_supernodes + 1, np.int64)
+    owners, row_starts = np.empty(n, np.int32), np.zeros(n_supernodes + 1, np.int64)
     for s in range(n_supernodes):
         row_starts[s + 1] = row_starts[s] + min(tallest[s] + n_full, n - first[s])
         for j in range(first[s], first[s + 1]):
-            owner[j] = s
-    rows, end = np.empty(row_starts[n_supernodes], np.int32), row_starts[:-1].copy()
-    seen = np.full(n_supernodes, NONE, np.int32)
-    q = 0
+            owners[j] = s
+    rows, ends = np.empty(row_starts[n_supernodes], np.int32), row_starts[:-1].copy()
+    marks = np.full(n_supernodes, NONE, np.int32)
+    entry, place, ranked, parent = pointer(indices), pointer(indptr), pointer(rank), pointer(above)
+    lower, at, owner = pointer(lower_rows), pointer(places), pointer(owners)
+    row, end, seen = pointer(rows), pointer(ends), pointer(marks)
+    q = np.int64(0)
     for i in range(n):
         _look_ahead(indptr, indices, order, i)
         own = owner[i]
         seen[own] = i
-        for p in range(indptr[order[i]], indptr[order[i] + 1]):
-            j = rank[indices[p]]
+        for p in range(place[order[i]], place[order[i] + 1]):
+            j = ranked[entry[p]]
             if j >= i:
-                lower_rows[q], places[q] = j, p
+                lower[q], at[q] = j, p
                 q += 1
-            if j < i:
-                s = owner[j]
-                while seen[s] != i:
-                    seen[s] = i
-                    rows[end[s]] = i
-                    end[s] += 1
-                    s = above[s]
-        rows[end[own]] = i
+                continue
+            s = owner[j]
+            while seen[s] != i:
+                seen[s] = i
+                row[end[s]] = i
+                end[s] += 1
+                s = parent[s]
+        row[end[own]] = i
         end[own] += 1
         starts[i + 1] = q
     kept = np.int64(0)
@@ -262,6 +265,7 @@ def structure(  # noqa: PLR0917 - kernels take no keywords
             rows[kept] = rows[k]
             kept += 1
     row_starts[n_supernodes] = kept
+    keep((owners, ends, marks))
     return starts, lower_rows[:q], places[:q], row_starts, rows[:kept]
 
 
