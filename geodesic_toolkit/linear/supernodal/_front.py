@@ -25,7 +25,7 @@ __all__ = ["DONE", "eliminate", "packed_size"]
 
 DONE = -1
 
-CHUNK = 64
+CHUNK = 128
 """Columns whose products are summed up at once: what a tile reads of them stays in cache."""
 
 SLAB = 128
