@@ -121,8 +121,10 @@ class HeatFlow:
             solve = system.factor.solve if more else system.factor.solve_over  # others need it too
             solution = solve(first)
             lowest = _lowest(solution)
-            one_solve = not more and len(owners) == len(block)
-            if one_solve and self._is_within_range(solution, lowest, block):
+            far = list(range(len(owners)))
+            if not more and len(owners) == len(block):
+                far = self._beyond_range(solution, lowest, block)
+            if not far:
                 reports = [
                     self._complete_in_range(solution, k, points)
                     if lowest[k] < 0
@@ -130,7 +132,10 @@ class HeatFlow:
                     for k, points in enumerate(block)
                 ]
                 return Heat(solution, logarithmic=False), reports
-            part, stages = log_solve(system.matrix, system.factor, first, solution=solution)
+            part = _log(solution)
+            part[:, far], stages = log_solve(
+                system.matrix, system.factor, first[:, far], solution=solution[:, far]
+            )
         else:  # restarts rest on every entry being right: take what the solver gives
             part, stages = _log(system.factor.solve(first)), 1
         parts = [part]
@@ -153,18 +158,19 @@ class HeatFlow:
         ]
         return Heat(log_heat, logarithmic=True), reports
 
-    def _is_within_range(
+    def _beyond_range(
         self, solution: FloatArray, lowest: FloatArray, block: Sequence[SourcePoints]
-    ) -> bool:
-        """Return whether no value that heat reaches is near underflow, so that one solve is all."""
+    ) -> list[int]:
+        """Return the columns in which heat reaches values near underflow: one solve is not all."""
+        beyond = []
         settled = self.systems()[0].settled
         for k, least in enumerate(lowest.tolist()):
             if least > settled:  # as in most columns
                 continue
             sunk = np.abs(solution[:, k]) <= settled
             if sunk.any() and (sunk & self.reached(block[k])).any():
-                return False
-        return True
+                beyond.append(k)
+        return beyond
 
     def _complete_in_range(self, solution: FloatArray, k: int, points: SourcePoints) -> HeatReport:
         """Fill column k of u in place where heat should be positive and is not."""
