@@ -25,6 +25,9 @@ __all__ = [
     "obtuse_excess",
 ]
 
+HELPERS = "5b7e21d9922a23a1"
+"""Digest of what else is compiled into the kernels: Numba looks at this file only."""
+
 # One signature each, of arrays that are only read: those that may be written to fit as well.
 kernel = numba.njit
 options = {"cache": True, "nogil": True, "error_model": "numpy"}

@@ -15,6 +15,9 @@ from geodesic_toolkit._typing import BoolArray, FloatArray, IntArray
 
 __all__ = ["flip_edges", "twins"]
 
+HELPERS = "5b7e21d9922a23a1"
+"""Digest of what else is compiled into the kernels: Numba looks at this file only."""
+
 TOLERANCE = 1e-10
 """Sum of two cotangents below zero, over that of 1 and their sizes, from which on an edge is
 flipped: no rounding must flip it back."""

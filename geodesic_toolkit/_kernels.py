@@ -109,11 +109,16 @@ def _parts(module: str) -> list[str]:
 
 
 def _is_cached(source: Path) -> bool:
-    """Return whether one of Numba's places holds an index for `source` that is not older."""
+    """Return whether one of Numba's places holds an index for `source` as it stands.
+
+    Numba knows sources by their digests, which stand in the index, and before it did by their
+    times: an index that is not older will do.
+    """
     pattern = f"{source.stem}.*.py{sys.version_info.major}{sys.version_info.minor}*.nbi"
     stamp = source.stat().st_mtime
     indices = [index for place in _places(source.parent) for index in place.glob(pattern)]
-    return any(index.stat().st_mtime >= stamp for index in indices)
+    digest = hashlib.sha256(source.read_bytes()).digest()
+    return any(index.stat().st_mtime >= stamp or digest in index.read_bytes() for index in indices)
 
 
 def _places(folder: Path) -> list[Path]:

@@ -20,6 +20,9 @@ from geodesic_toolkit._typing import BoolArray, IntArray
 
 __all__ = ["VERTEX", "sweep"]
 
+HELPERS = "4d77556b5c679127"
+"""Digest of what else is compiled into the kernels: Numba looks at this file only."""
+
 VERTEX = np.dtype(
     [
         ("distance", np.float64),

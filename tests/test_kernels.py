@@ -1,9 +1,14 @@
 """When is waiting for compiled kernels worth it, and are they there?"""
 
+import hashlib
 import os
+import re
+import subprocess
 import sys
+from pathlib import Path
 
 import pytest
+from numba.core import caching
 
 from geodesic_toolkit import _kernels
 
@@ -117,6 +122,79 @@ def test_an_index_of_another_python_or_an_older_source_does_not_count(package, f
     compile_into(package / "__pycache__", "_one")
     compile_into(package / "deeper" / "__pycache__", "_two", **fault)
     assert not _kernels.cached()
+
+
+def test_an_index_of_the_same_source_counts_however_old_it_is(package):
+    compile_into(package / "__pycache__", "_one")
+    compile_into(package / "deeper" / "__pycache__", "_two", age=3600.0)
+    (index,) = (package / "deeper" / "__pycache__").glob("*.nbi")
+    source = (package / "deeper" / "_two.py").read_bytes()
+    index.write_bytes(b"0.68" + hashlib.sha256(source).digest() + b"the rest")
+    time = (package / "deeper" / "_two.py").stat().st_mtime - 3600.0
+    os.utime(index, (time, time))
+    assert _kernels.cached()
+
+
+def test_an_index_that_numba_writes_is_known_by_its_digest(monkeypatch, tmp_path):
+    source = tmp_path / "_three.py"
+    source.write_text(
+        "import numba\n\n@numba.njit('i8(i8)', cache=True)\ndef f(x):\n    return x\n",
+        encoding="utf-8",
+    )
+    monkeypatch.delenv("NUMBA_CACHE_DIR", raising=False)
+    code = [sys.executable, "-c", "import _three"]
+    subprocess.run(code, cwd=tmp_path, check=True)
+    later = source.stat().st_mtime + 3600.0
+    os.utime(source, (later, later))  # as a checkout of the same source does
+    assert _kernels._is_cached(source) == hasattr(caching, "_hash_source_file")
+
+
+# -- helpers ---------------------------------------------------------------------------------------
+
+ROOT = Path(_kernels.__file__).parent
+IMPORT = re.compile(
+    r"^from geodesic_toolkit\.(\S+) import|^from geodesic_toolkit import (\S+)", re.MULTILINE
+)
+
+
+def compiled_into(source):
+    """What the kernels of a module take from other modules, and what these take in their turn."""
+    found, waiting = set(), [source]
+    while waiting:
+        for match in IMPORT.finditer(waiting.pop().read_text(encoding="utf-8")):
+            helper = ROOT.joinpath(*(match[1] or match[2]).split(".")).with_suffix(".py")
+            if helper.exists() and helper.stem != "_typing" and helper not in found:
+                found.add(helper)
+                if NUMBA.search(helper.read_text(encoding="utf-8")):  # others lend constants
+                    waiting.append(helper)
+    return found - {source}
+
+
+NUMBA = re.compile(r"^(import|from) (numba|llvmlite)", re.MULTILINE)
+
+KERNELS = [
+    source
+    for source in sorted(ROOT.rglob("*.py"))
+    if "cache=True" in source.read_text(encoding="utf-8")
+    or '"cache": True' in source.read_text(encoding="utf-8")
+]
+
+
+@pytest.mark.parametrize("source", KERNELS, ids=lambda source: source.stem)
+def test_kernels_are_compiled_anew_when_what_they_are_made_of_changes(source):
+    """Numba looks at the file of a kernel only, so the file says what else is compiled into it."""
+    helpers = sorted(compiled_into(source))
+    text = source.read_text(encoding="utf-8")
+    if not helpers:
+        assert "HELPERS" not in text
+        return
+    own_line = re.compile(r'^HELPERS = "(\w*)"$', re.MULTILINE)
+    parts = [own_line.sub("", helper.read_text(encoding="utf-8")) for helper in helpers]
+    digest = hashlib.sha256("".join(parts).encode()).hexdigest()[:16]
+    assert own_line.findall(text) == [digest]
+
+
+# -- places ----------------------------------------------------------------------------------------
 
 
 def test_the_folder_that_the_environment_names_is_the_only_one(package, monkeypatch, tmp_path):

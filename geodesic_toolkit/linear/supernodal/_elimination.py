@@ -22,6 +22,9 @@ __all__ = [
     "supernodes",
 ]
 
+HELPERS = "5b7e21d9922a23a1"
+"""Digest of what else is compiled into the kernels: Numba looks at this file only."""
+
 NONE = -1
 
 AHEAD = 8

@@ -23,6 +23,9 @@ from geodesic_toolkit.linear.supernodal._tiles import (
 
 __all__ = ["DONE", "eliminate", "packed_size"]
 
+HELPERS = "75e29588851edc91"
+"""Digest of what else is compiled into the kernels: Numba looks at this file only."""
+
 DONE = -1
 
 CHUNK = 128

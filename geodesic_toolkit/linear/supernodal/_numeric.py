@@ -26,6 +26,9 @@ from geodesic_toolkit.linear.supernodal._subnormals import flush_subnormals, res
 
 __all__ = ["factorize"]
 
+HELPERS = "5f11436c4e541f97"
+"""Digest of what else is compiled into the kernels: Numba looks at this file only."""
+
 AHEAD = 64
 """Entries of the matrix by which memory is asked for ahead: they are taken in no order."""
 

@@ -26,6 +26,9 @@ from geodesic_toolkit._typing import IndexArray, IntArray
 
 __all__ = ["Elimination", "minimum_degree"]
 
+HELPERS = "5b7e21d9922a23a1"
+"""Digest of what else is compiled into the kernels: Numba looks at this file only."""
+
 NONE = -1
 
 AHEAD = 16
