@@ -313,7 +313,7 @@ class GeodesicSolver:
         if self.method.refine or not isinstance(self._passable, TriangleMesh):
             return
         coarse = self._coarse_parts()
-        if not coarse.any():
+        if not len(coarse):
             return
         for places in sets:
             parts = places.components(metric)
@@ -329,14 +329,13 @@ class GeodesicSolver:
                 return
 
     def _coarse_parts(self) -> BoolArray:
-        """Return which components of a mesh are too coarse for plain heat; found on first use."""
+        """Return which components of a mesh are too coarse for plain heat, empty where none is."""
         with self._lock:
             if self._coarse is None:
                 mesh, metric = self._passable, self.method.metric
                 assert isinstance(mesh, TriangleMesh)  # for the type checker
-                self._coarse = coarse_parts(
-                    mesh.vertices, mesh.faces, metric.components, metric.scales
-                )
+                coarse = coarse_parts(mesh.vertices, mesh.faces, metric.components, metric.scales)
+                self._coarse = coarse if coarse.any() else coarse[:0]
             return self._coarse
 
     def _locate_sets(self, source_sets: Any) -> list[SourcePoints]:

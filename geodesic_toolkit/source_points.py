@@ -169,6 +169,8 @@ def as_vertices(sources: Any, n_vertices: int, name: str = "sources") -> IntArra
     InvalidSourceError
         None at all, something that is not an integer, an index out of range.
     """
+    if isinstance(sources, int) and not isinstance(sources, bool) and 0 <= sources < n_vertices:
+        return np.array([sources], dtype=np.int64)  # by far the most frequent
     try:
         array = np.atleast_1d(np.asarray(sources))
     except (ValueError, TypeError) as error:

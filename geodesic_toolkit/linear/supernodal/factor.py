@@ -52,7 +52,7 @@ class SupernodalFactor(Factor):
                 f"not {given.shape}"
             )
         b = np.ascontiguousarray(given, dtype=np.float64)
-        own = not np.may_share_memory(b, given)
+        own = b is not given and not np.may_share_memory(b, given)
         solution = b if own or (over and b.flags.writeable) else np.empty_like(b)
         if not self._solve(b, solution):
             raise SolverError(
