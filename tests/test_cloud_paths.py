@@ -54,12 +54,20 @@ PLANE = solver_of(np.column_stack([RANDOM, np.zeros(600)]), refine=True)
 
 @settings(max_examples=25, deadline=None)
 @given(st.integers(0, 599), st.integers(0, 599))
-@example(121, 227)  # 0.82 % too long; of 400 pairs drawn at random the worst is 0.21 %
+@example(121, 227)  # 0.82 % too long; of 1,711 pairs three are over 0.5 %, the worst 0.85 %
 def test_a_path_on_a_plane_is_straight(source, target):
     path = gt.geodesic_path(PLANE, source, target)
     straight = np.linalg.norm(RANDOM[source] - RANDOM[target])
     assert path.length == pytest.approx(straight, rel=0.01, abs=1e-12)
     assert path.length >= straight * (1 - 1e-9)
+
+
+def test_nearly_all_paths_on_a_plane_are_within_half_a_per_cent():
+    excess = []
+    for source, target in np.random.default_rng(1).choice(600, size=(60, 2)):
+        straight = np.linalg.norm(RANDOM[source] - RANDOM[target])
+        excess.append(gt.geodesic_path(PLANE, source, target).length / straight - 1)
+    assert np.quantile(excess, 0.95) <= 0.005
 
 
 def test_a_path_follows_a_folded_sheet_instead_of_jumping_its_gap():

@@ -25,7 +25,7 @@ from geodesic_toolkit.linear.supernodal.analysis import LANES, Panels
 
 __all__ = ["BLOCK", "solve_block", "solve_column"]
 
-HELPERS = "7734356685cb28d5"
+HELPERS = "cd2c203387421fc0"
 """Digest of what else is compiled into the kernels: Numba looks at this file only."""
 
 _int64 = types.Array(types.int64, 1, "C", readonly=True)

@@ -40,8 +40,8 @@ class Analysis:
     ----------
     indptr, indices : ndarray
         The pattern, as the matrix has it.
-    order, rank : ndarray of shape (N,), int32
-        The permutation and its inverse.
+    order : ndarray of shape (N,), int32
+        The permutation.
     starts, lower_rows, places : ndarray
         The permuted lower triangle by columns, and where its entries are in a matrix's data.
     first : ndarray of shape (S + 1,), int32
@@ -61,7 +61,6 @@ class Analysis:
     indptr: IndexArray | IntArray
     indices: IndexArray | IntArray
     order: IndexArray
-    rank: IndexArray
     starts: IntArray
     lower_rows: IndexArray
     places: IntArray
@@ -151,9 +150,8 @@ def analyze(matrix: csr_array) -> Analysis:
     order, first, tallest, above = _elimination.supernodes(
         *elimination[:4], _elimination.postorder(elimination.parents), _elimination.STRICT
     )
-    rank = _inverse(order)
     starts, lower_rows, places, row_starts, rows = _elimination.structure(
-        indptr, indices, order, rank, first, tallest, above, elimination.n_full
+        indptr, indices, order, _inverse(order), first, tallest, above, elimination.n_full
     )
     heights = np.diff(row_starts)
     sizes = heights * np.diff(first)
@@ -161,7 +159,6 @@ def analyze(matrix: csr_array) -> Analysis:
         indptr=matrix.indptr,
         indices=matrix.indices,
         order=order,
-        rank=rank,
         starts=starts,
         lower_rows=lower_rows,
         places=places,
