@@ -1,17 +1,18 @@
 """The compiled assembly of linear finite elements on triangles, and passes over a stiffness.
 
 A stiffness here is in compressed rows with sorted columns, a diagonal entry in every row, and an
-entry for every edge, be its weight zero. Kernels write into arrays of float64 and int32, the latter
-because rows and columns are half of a sparse matrix's memory.
+entry for every edge, be its weight zero. Rows and columns are int32, because they are half of a
+sparse matrix's memory. Kernels write into arrays that NumPy has made: it asks the system for large
+pages, and what Numba makes itself takes long to compile.
 """
 
 import math
 
-import numba
 import numpy as np
 from numba import types
 
-from geodesic_toolkit._pointers import keep, pointer, prefetch, shifted
+from geodesic_toolkit._compiled import kernel
+from geodesic_toolkit._pointers import pointer, prefetch, shifted
 from geodesic_toolkit._typing import BoolArray, FloatArray, IndexArray, IntArray
 
 __all__ = [
@@ -25,17 +26,15 @@ __all__ = [
     "obtuse_excess",
 ]
 
-HELPERS = "5b7e21d9922a23a1"
+HELPERS = "05e4ccb5caf08178"
 """Digest of what else is compiled into the kernels: Numba looks at this file only."""
 
 # One signature each, of arrays that are only read: those that may be written to fit as well.
-kernel = numba.njit
-options = {"cache": True, "nogil": True, "error_model": "numpy"}
 FACES = types.Array(types.int64, 2, "C", readonly=True)
 TABLE = types.Array(types.float64, 2, "C", readonly=True)
 VALUES = types.Array(types.float64, 1, "C", readonly=True)
 INDICES = types.Array(types.int32, 1, "C", readonly=True)
-NUMBERS = types.int32[::1]  # of the kernels' own making
+NUMBERS = types.int32[::1]  # that are written to
 ROWS = (INDICES, INDICES, VALUES)
 
 BROKEN = 1e-8
@@ -48,11 +47,10 @@ GOLDEN = 0.6180339887498949
 """Multiples of it, without their whole parts, are as good as random."""
 
 
-@kernel(  # type: ignore[untyped-decorator]
+@kernel(
     types.Tuple((types.int64, types.float64, types.float64))(
         TABLE, FACES, types.float64[:, ::1], types.float64[::1]
-    ),
-    **options,
+    )
 )
 def measure_triangles(
     vertices: FloatArray, faces: IntArray, inverse_frames: FloatArray, areas: FloatArray
@@ -74,7 +72,7 @@ def measure_triangles(
     proper, total, slack = 0, 0.0, math.inf
     for f in range(len(faces)):
         i, j, k = faces[f, 0], faces[f, 1], faces[f, 2]
-        proper += i != j and k not in (i, j)
+        proper += (i != j) & (j != k) & (k != i)
         ux = vertices[j, 0] - vertices[i, 0]
         uy = vertices[j, 1] - vertices[i, 1]
         uz = vertices[j, 2] - vertices[i, 2]
@@ -100,9 +98,7 @@ def measure_triangles(
     return proper, total, slack
 
 
-@kernel(  # type: ignore[untyped-decorator]
-    types.void(TABLE, types.float64[:, ::1], types.float64[::1]), **options
-)
+@kernel(types.void(TABLE, types.float64[:, ::1], types.float64[::1]))
 def measure_lengths(lengths: FloatArray, inverse_frames: FloatArray, areas: FloatArray) -> None:
     """Write inverse frames and areas of triangles with the edges opposite their corners, (F, 3).
 
@@ -121,17 +117,15 @@ def measure_lengths(lengths: FloatArray, inverse_frames: FloatArray, areas: Floa
         areas[f] = doubled / 2
 
 
-@kernel(types.float64[:, ::1](TABLE), **options)  # type: ignore[untyped-decorator]
-def edge_lengths(inverse_frames: FloatArray) -> FloatArray:
-    """Return the (E, 3) edges opposite the corners of triangles."""
-    lengths = np.empty((len(inverse_frames), 3))
+@kernel(types.void(TABLE, types.float64[:, ::1]))
+def edge_lengths(inverse_frames: FloatArray, lengths: FloatArray) -> None:
+    """Write the (E, 3) edges opposite the corners of triangles."""
     for e in range(len(inverse_frames)):
         p, q, r = inverse_frames[e, 0], inverse_frames[e, 1], inverse_frames[e, 2]
-        spanned = abs(p * r)
-        lengths[e, 0] = math.sqrt(p * p + (q + r) ** 2) / spanned
+        spanned, s = abs(p * r), q + r
+        lengths[e, 0] = math.sqrt(p * p + s * s) / spanned
         lengths[e, 1] = math.sqrt(p * p + q * q) / spanned
         lengths[e, 2] = abs(r) / spanned
-    return lengths
 
 
 def assemble(
@@ -149,39 +143,51 @@ def assemble(
     boundary : ndarray of shape (N,), bool
         Vertices of edges that one element has.
     """
-    start, heads, weights, thirds = _gathered(elements, inverse_frames, measure, n_vertices)
-    boundary = _merge(start, heads, weights)
-    indptr, indices, data = _mirrored(start, heads, weights)
+    start, thirds = np.zeros(n_vertices + 1, dtype=np.int32), np.zeros(n_vertices)
+    heads, weights = np.empty(3 * len(elements), dtype=np.int32), np.empty(3 * len(elements))
+    room = np.empty(n_vertices, dtype=np.int32)
+    _gather(elements, inverse_frames, measure, start, heads, weights, thirds, room)
+
+    boundary, single = np.zeros(n_vertices, dtype=bool), np.empty(len(heads), dtype=bool)
+    room[:] = 0
+    _merge(start, heads, weights, single, boundary, room)
+
+    n_entries = n_vertices + 2 * int(start[n_vertices])
+    indptr, degree = np.zeros(n_vertices + 1, dtype=np.int32), np.zeros(n_vertices)
+    indices, data = np.empty(n_entries, dtype=np.int32), np.empty(n_entries)
+    _mirror(start, heads, weights, indptr, indices, data, degree, room)
     return indptr, indices, data, thirds, boundary
 
 
-@kernel(  # type: ignore[untyped-decorator]
-    types.Tuple((NUMBERS, NUMBERS, types.float64[::1], types.float64[::1]))(
-        FACES, TABLE, VALUES, types.int64
-    ),
-    **options,
+@kernel(
+    types.void(
+        FACES, TABLE, VALUES, NUMBERS, NUMBERS, types.float64[::1], types.float64[::1], NUMBERS
+    )
 )
-def _gathered(
-    elements: IntArray, inverse_frames: FloatArray, measure: FloatArray, n_vertices: int
-) -> tuple[IndexArray, IndexArray, FloatArray, FloatArray]:
-    """Return the sides of all elements by their vertex of lower index, and the mass.
+def _gather(  # noqa: PLR0917 - kernels take no keywords
+    elements: IntArray,
+    inverse_frames: FloatArray,
+    measure: FloatArray,
+    start: IndexArray,
+    heads: IndexArray,
+    weights: FloatArray,
+    thirds: FloatArray,
+    free: IndexArray,
+) -> None:
+    """Gather the sides of all elements by their vertex of lower index, and the mass.
 
     Side s of vertex v, ``start[v] <= s < start[v + 1]``, goes to ``heads[s]`` and has the weight
-    ``weights[s]``; those of a vertex are in the order of the elements.
+    ``weights[s]``; those of a vertex are in the order of the elements. `start` and `thirds` are
+    zero before.
     """
-    start = np.zeros(n_vertices + 1, dtype=np.int32)
     for e in range(len(elements)):
         i, j, k = elements[e, 0], elements[e, 1], elements[e, 2]
         start[min(i, j) + 1] += i != j
         start[min(i, k) + 1] += i != k
         start[min(j, k) + 1] += j != k
-    free = np.empty(n_vertices, dtype=np.int32)
-    for v in range(n_vertices):
+    for v in range(len(free)):
         free[v] = start[v]
         start[v + 1] += start[v]
-    heads = np.empty(start[n_vertices], dtype=np.int32)
-    weights = np.empty(start[n_vertices])
-    thirds = np.zeros(n_vertices)
     for e in range(len(elements)):
         i, j, k = elements[e, 0], elements[e, 1], elements[e, 2]
         p, q, r = inverse_frames[e, 0], inverse_frames[e, 1], inverse_frames[e, 2]
@@ -194,23 +200,24 @@ def _gathered(
                 side = free[min(a, b)]
                 heads[side], weights[side] = max(a, b), area * product
                 free[min(a, b)] = side + 1
-    return start, heads, weights, thirds
 
 
-@kernel(  # type: ignore[untyped-decorator]
-    types.boolean[::1](NUMBERS, NUMBERS, types.float64[::1]), **options
-)
-def _merge(start: IndexArray, heads: IndexArray, weights: FloatArray) -> BoolArray:
-    """Merge the sides of an edge in place, and return the (N,) ends of edges of a single side.
+@kernel(types.void(NUMBERS, NUMBERS, types.float64[::1], *(types.boolean[::1],) * 2, NUMBERS))
+def _merge(  # noqa: PLR0917 - kernels take no keywords
+    start: IndexArray,
+    heads: IndexArray,
+    weights: FloatArray,
+    single: BoolArray,
+    boundary: BoolArray,
+    edge_to: IndexArray,
+) -> None:
+    """Merge the sides of an edge in place, and mark the (N,) ends of edges of a single side.
 
-    Sides are added in their order, so that an edge's weight is one sum of one order.
+    Sides are added in their order, so that an edge's weight is one sum of one order. `edge_to`, 0
+    before, is the edge from v to a vertex, plus 1; of earlier vertices it is less.
     """
-    n_vertices = len(start) - 1
-    boundary = np.zeros(n_vertices, dtype=np.bool_)
-    single = np.empty(len(heads), dtype=np.bool_)
-    edge_to = np.zeros(n_vertices, dtype=np.int32)  # from v, plus 1; of earlier vertices it is less
     count, begin = np.int32(0), start[0]
-    for v in range(n_vertices):
+    for v in range(len(edge_to)):
         end, start[v] = start[v + 1], count
         for side in range(begin, end):
             head, weight = heads[side], weights[side]
@@ -226,45 +233,46 @@ def _merge(start: IndexArray, heads: IndexArray, weights: FloatArray) -> BoolArr
             boundary[v] |= single[edge]
             boundary[heads[edge]] |= single[edge]
         begin = end
-    start[n_vertices] = count
-    return boundary
+    start[len(edge_to)] = count
 
 
-@kernel(  # type: ignore[untyped-decorator]
-    types.Tuple((NUMBERS, NUMBERS, types.float64[::1]))(NUMBERS, NUMBERS, types.float64[::1]),
-    **options,
+@kernel(
+    types.void(
+        NUMBERS, NUMBERS, types.float64[::1], NUMBERS, NUMBERS, *(types.float64[::1],) * 2, NUMBERS
+    )
 )
-def _mirrored(
-    start: IndexArray, heads: IndexArray, weights: FloatArray
-) -> tuple[IndexArray, IndexArray, FloatArray]:
-    """Return the graph Laplacian of edges that are stored at their vertex of lower index.
+def _mirror(  # noqa: PLR0917 - kernels take no keywords
+    start: IndexArray,
+    heads: IndexArray,
+    weights: FloatArray,
+    indptr: IndexArray,
+    indices: IndexArray,
+    data: FloatArray,
+    degree: FloatArray,
+    diagonal: IndexArray,
+) -> None:
+    """Write the graph Laplacian of edges that are stored at their vertex of lower index.
 
     Rows come out sorted without being sorted: the edges in the order of their lower ends fill what
-    lies left of the diagonal, and then the rows in their order what lies right of it.
+    lies left of the diagonal, and then the rows in their order what lies right of it. `indptr` and
+    `degree` are zero before; `start` is spoilt.
     """
-    n_vertices = len(start) - 1
-    indptr = np.zeros(n_vertices + 1, dtype=np.int32)
-    degree = np.zeros(n_vertices)
+    n_vertices = len(degree)
     for v in range(n_vertices):
         indptr[v + 1] += start[v + 1] - start[v] + 1
         for edge in range(start[v], start[v + 1]):
             indptr[heads[edge] + 1] += 1
             degree[v] += weights[edge]
             degree[heads[edge]] += weights[edge]
-    diagonal = np.empty(
-        n_vertices, dtype=np.int32
-    )  # the next place left of it, until all are taken
     for v in range(n_vertices):
-        diagonal[v] = indptr[v]
+        diagonal[v] = indptr[v]  # the next place left of it, until all are taken
         indptr[v + 1] += indptr[v]
-    indices = np.empty(indptr[n_vertices], dtype=np.int32)
-    data = np.empty(indptr[n_vertices])
     for v in range(n_vertices):
         for edge in range(start[v], start[v + 1]):
             place = diagonal[heads[edge]]
             indices[place], data[place] = v, -weights[edge]
             diagonal[heads[edge]] = place + 1
-    free = np.empty(n_vertices, dtype=np.int32)
+    free = start
     for v in range(n_vertices):
         indices[diagonal[v]], data[diagonal[v]] = v, degree[v]
         free[v] = diagonal[v] + 1
@@ -273,10 +281,9 @@ def _mirrored(
             place = free[indices[left]]
             indices[place], data[place] = row, data[left]
             free[indices[left]] = place + 1
-    return indptr, indices, data
 
 
-@kernel(types.float64(TABLE, INDICES, INDICES), **options)  # type: ignore[untyped-decorator]
+@kernel(types.float64(TABLE, INDICES, INDICES))
 def mean_edge_length(vertices: FloatArray, indptr: IndexArray, indices: IndexArray) -> float:
     """Return the mean length of the edges of a stiffness."""
     total, count = 0.0, 0
@@ -292,15 +299,29 @@ def mean_edge_length(vertices: FloatArray, indptr: IndexArray, indices: IndexArr
     return total / count
 
 
-@kernel(  # type: ignore[untyped-decorator]
-    types.float64[::1](*ROWS, VALUES, types.int64), **options
-)
 def obtuse_excess(
     indptr: IndexArray, indices: IndexArray, data: FloatArray, mass: FloatArray, rings: int
 ) -> FloatArray:
     """Return what :func:`geodesic_toolkit.positivity.obtuse_excess` does, for so many rings."""
     count = len(mass)
-    some, others, mean = np.empty((count, 2)), np.empty((count, 2)), np.zeros(count)
+    mean = np.zeros(count)
+    _average(indptr, indices, data, mass, rings, np.empty(2 * count), np.empty(2 * count), mean)
+    return mean
+
+
+@kernel(types.void(*ROWS, VALUES, types.int64, *(types.float64[::1],) * 3))
+def _average(  # noqa: PLR0917 - kernels take no keywords
+    indptr: IndexArray,
+    indices: IndexArray,
+    data: FloatArray,
+    mass: FloatArray,
+    rings: int,
+    some: FloatArray,
+    others: FloatArray,
+    mean: FloatArray,
+) -> None:
+    """Write the excess of every vertex to `mean`, 0 before; `some` and `others` are to work in."""
+    count = len(mass)
     begin, head, weight = pointer(indptr), pointer(indices), pointer(data)
     sums, wider = pointer(some), pointer(others)  # at 2 v those of vertex v, and its area
     for v in range(count):
@@ -322,19 +343,20 @@ def obtuse_excess(
     for v in range(count):
         if sums[2 * v + 1] > 0:
             mean[v] = sums[2 * v] / sums[2 * v + 1]
-    keep((some, others))
-    return mean
 
 
-@kernel(types.int64[::1](INDICES, INDICES), **options)  # type: ignore[untyped-decorator]
 def components(indptr: IndexArray, indices: IndexArray) -> IntArray:
     """Return the connected component of every vertex, numbered by their first vertices."""
-    count = len(indptr) - 1
-    labels, waiting = np.empty(count, dtype=np.int64), np.empty(count, dtype=np.int64)
-    for v in range(count):
-        labels[v] = -1
+    labels = np.full(len(indptr) - 1, -1)
+    _label(indptr, indices, labels, np.empty_like(labels))
+    return labels
+
+
+@kernel(types.void(INDICES, INDICES, *(types.int64[::1],) * 2))
+def _label(indptr: IndexArray, indices: IndexArray, labels: IntArray, waiting: IntArray) -> None:
+    """Write the components to `labels`, -1 before; `waiting` is as long."""
     label = 0
-    for seed in range(count):
+    for seed in range(len(labels)):
         if labels[seed] >= 0:
             continue
         labels[seed], waiting[0] = label, seed
@@ -351,17 +373,23 @@ def components(indptr: IndexArray, indices: IndexArray) -> IntArray:
                     labels[head], waiting[known] = label, head
                     known += 1
         label += 1
-    return labels
 
 
-@kernel(types.boolean(*ROWS), **options)  # type: ignore[untyped-decorator]
 def is_sound(indptr: IndexArray, indices: IndexArray, data: FloatArray) -> bool:
     """Return whether a matrix is finite, symmetric, kills constants and has no negative diagonal.
 
     Symmetry is checked on one vector without a pattern, which L and Lᵀ take to the same.
     """
     count = len(indptr) - 1
-    skew, scale = np.zeros(count), np.zeros(count)
+    return _balanced(indptr, indices, data, np.zeros(count), np.zeros(count))
+
+
+@kernel(types.boolean(*ROWS, *(types.float64[::1],) * 2))
+def _balanced(
+    indptr: IndexArray, indices: IndexArray, data: FloatArray, skew: FloatArray, scale: FloatArray
+) -> bool:
+    """Do so; what comes last are zeros, (N,)."""
+    count = len(skew)
     for v in range(count):
         at_v = v * GOLDEN % 1.0
         total = 0.0

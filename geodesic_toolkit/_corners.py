@@ -8,6 +8,7 @@ import numpy as np
 from numba import types
 from numpy.typing import NDArray
 
+from geodesic_toolkit._compiled import kernel, part
 from geodesic_toolkit._typing import BoolArray, FloatArray, IntArray
 
 __all__ = [
@@ -19,6 +20,9 @@ __all__ = [
     "star_curvatures",
     "tell_missed",
 ]
+
+HELPERS = "c303783ec15337a2"
+"""Digest of what else is compiled into the kernels: Numba looks at this file only."""
 
 CORNER = np.dtype(
     [
@@ -39,8 +43,6 @@ MANY = 32
 """Corners of a vertex up to which they are sorted: it takes the square of their number."""
 
 # One signature each, of arrays that are only read: those that may be written to fit as well.
-kernel = numba.njit
-options = {"cache": True, "nogil": True, "error_model": "numpy"}
 FACES = types.Array(types.int64, 2, "C", readonly=True)
 TABLE = types.Array(types.float64, 2, "C", readonly=True)
 VALUES = types.Array(types.float64, 1, "C", readonly=True)
@@ -49,7 +51,7 @@ NUMBERS = types.Array(types.int64, 1, "C", readonly=True)
 CORNERS = types.Array(numba.from_dtype(CORNER), 1, "C", readonly=True)
 
 
-@kernel(**options)  # type: ignore[untyped-decorator]
+@part()
 def _swap(one: Any, two: Any) -> None:
     """Let two corners change places."""
     one.a, two.a = two.a, one.a
@@ -59,7 +61,7 @@ def _swap(one: Any, two: Any) -> None:
     one.edge, two.edge = two.edge, one.edge
 
 
-@kernel(**options)  # type: ignore[untyped-decorator]
+@part()
 def _go_round(corners: NDArray[Any]) -> None:
     """Sort the corners of a vertex so that each begins where the last one ended, if one does."""
     for c in range(1, len(corners) - 1):
@@ -70,16 +72,14 @@ def _go_round(corners: NDArray[Any]) -> None:
                 break
 
 
-@kernel(  # type: ignore[untyped-decorator]
+@kernel(
     types.void(
         FACES,
         TABLE,
         types.boolean,
-        types.int64[::1],
-        types.int64[::1],
+        *(types.int64[::1],) * 4,
         numba.from_dtype(CORNER)[::1],
-    ),
-    **options,
+    )
 )
 def gather(  # noqa: PLR0917 - kernels take no keywords
     elements: IntArray,
@@ -87,6 +87,8 @@ def gather(  # noqa: PLR0917 - kernels take no keywords
     stars: bool,
     starts: IntArray,
     ends: IntArray,
+    free: IntArray,
+    free_foreign: IntArray,
     corners: NDArray[Any],
 ) -> None:
     """Sort the corners of triangles by their vertices, and measure the edges.
@@ -108,6 +110,8 @@ def gather(  # noqa: PLR0917 - kernels take no keywords
         Zeros; written.
     ends : ndarray of shape (N,), int64
         Zeros; written.
+    free, free_foreign : ndarray of shape (N,), int64
+        To work in.
     corners : ndarray of shape (3 E,), CORNER
         Written.
     """
@@ -117,7 +121,6 @@ def gather(  # noqa: PLR0917 - kernels take no keywords
         for c in range(3):
             starts[elements[e, c] + 1] += 1
             ends[elements[e, c]] += not (foreign and c > 0)
-    free, free_foreign = np.empty(n_vertices, np.int64), np.empty(n_vertices, np.int64)
     for v in range(n_vertices):
         starts[v + 1] += starts[v]
         free[v] = starts[v]
@@ -128,7 +131,8 @@ def gather(  # noqa: PLR0917 - kernels take no keywords
         i, j, k = elements[e, 0], elements[e, 1], elements[e, 2]
         p, q, r = inverse_frames[e, 0], inverse_frames[e, 1], inverse_frames[e, 2]
         # A hat function's gradient is 1 / height, and any two of them span 1 / (2 area).
-        at_i, at_j, at_k = math.sqrt(p * p + (q + r) ** 2), math.sqrt(p * p + q * q), abs(r)
+        s = q + r
+        at_i, at_j, at_k = math.sqrt(p * p + s * s), math.sqrt(p * p + q * q), abs(r)
         spanned = abs(p * r)
         if spanned > 0:
             jk, ki, ij = at_i / spanned, at_j / spanned, at_k / spanned
@@ -157,16 +161,18 @@ def gather(  # noqa: PLR0917 - kernels take no keywords
             _go_round(corners[starts[v] : ends[v]])
 
 
-@kernel(  # type: ignore[untyped-decorator]
-    types.float64[::1](FACES, TABLE, FLAGS), **options
-)
 def angle_defects(
     elements: IntArray, inverse_frames: FloatArray, boundary: BoolArray
 ) -> FloatArray:
     """Return what the (N,) angles about vertices lack of 2π, where the domain ends of π."""
-    defect = np.empty(len(boundary))
-    for v in range(len(boundary)):
-        defect[v] = math.pi if boundary[v] else 2 * math.pi
+    defect = np.where(boundary, math.pi, 2 * math.pi)
+    _subtract_angles(elements, inverse_frames, defect)
+    return defect
+
+
+@kernel(types.void(FACES, TABLE, types.float64[::1]))
+def _subtract_angles(elements: IntArray, inverse_frames: FloatArray, defect: FloatArray) -> None:
+    """Subtract the angles of triangles from what their vertices have."""
     for e in range(len(elements)):
         p, q, r = inverse_frames[e, 0], inverse_frames[e, 1], inverse_frames[e, 2]
         # An angle is π minus what the other two hat gradients enclose.
@@ -174,13 +180,9 @@ def angle_defects(
         at_i, at_j = math.atan2(spanned, -q * r), math.atan2(spanned, (q + r) * r)
         for c, angle in ((0, at_i), (1, at_j), (2, math.pi - at_i - at_j)):
             defect[elements[e, c]] -= angle
-    return defect
 
 
-@kernel(  # type: ignore[untyped-decorator]
-    types.float64[::1](FACES, VALUES, VALUES, NUMBERS, CORNERS, FLAGS, types.float64), **options
-)
-def curvatures(  # noqa: PLR0917 - kernels take no keywords
+def curvatures(  # noqa: PLR0917 - as its kernel
     elements: IntArray,
     measure: FloatArray,
     defects: FloatArray,
@@ -194,39 +196,14 @@ def curvatures(  # noqa: PLR0917 - kernels take no keywords
     Where K of a vertex, times its area, comes to `coarse` it counts for half; it is 0 where the
     domain ends, and where sheets meet. `starts` and `corners` are those of :func:`gather`.
     """
-    n_vertices = len(boundary)
-    own = np.zeros((n_vertices, 2))  # the defect, and the area
-    for e in range(len(elements)):
-        third = measure[e] / 3
-        for c in range(3):
-            own[elements[e, c], 1] += third
-    seen = np.full(n_vertices, -1)
-    for v in range(n_vertices):
-        neighbours = 0
-        for c in range(starts[v], starts[v + 1]):
-            for other in (corners[c].a, corners[c].b):
-                neighbours += other != v and seen[other] != v
-                seen[other] = v
-        # Where sheets meet there is no angle to fall short of: more faces than neighbours.
-        flat = boundary[v] or starts[v + 1] - starts[v] > neighbours or own[v, 1] == 0
-        own[v, 0] = 0.0 if flat else defects[v]
-    curvature = np.zeros(n_vertices)
-    for v in range(n_vertices):
-        defect, area = 0.0, 0.0
-        for c in range(starts[v], starts[v + 1]):
-            a, b = corners[c].a, corners[c].b
-            defect += own[v, 0] + own[a, 0] + own[b, 0]
-            area += own[v, 1] + own[a, 1] + own[b, 1]
-        if area > 0:
-            mean = defect / area
-            spread = abs(mean) * own[v, 1] * 2 / math.sqrt(3)  # K h², of equilateral triangles
-            curvature[v] = mean / (1 + spread / coarse)
-    return curvature
+    count = len(boundary)
+    own, around = np.zeros((count, 2)), np.zeros((count, 2))
+    _add_rings(
+        elements, measure, defects, starts, corners, boundary, np.full(count, -1), own, around
+    )
+    return _curvature(own, around, coarse)
 
 
-@kernel(  # type: ignore[untyped-decorator]
-    types.float64[::1](FACES, TABLE, FLAGS, types.float64), **options
-)
 def star_curvatures(
     elements: IntArray, inverse_frames: FloatArray, boundary: BoolArray, coarse: float
 ) -> FloatArray:
@@ -240,33 +217,86 @@ def star_curvatures(
     boundary : ndarray of shape (N,), bool
     coarse : float
     """
+    own, around = np.zeros((len(boundary), 2)), np.zeros((len(boundary), 2))
+    _add_stars(elements, inverse_frames, boundary, own, around)
+    return _curvature(own, around, coarse)
+
+
+def _curvature(own: FloatArray, around: FloatArray, coarse: float) -> FloatArray:
+    """Return K from the defect and the area, (N, 2), of vertices and of what is around them."""
+    mean = np.divide(around[:, 0], around[:, 1], out=np.zeros(len(own)), where=around[:, 1] > 0)
+    spread = np.abs(mean) * own[:, 1] * 2 / math.sqrt(3)  # K h², of equilateral triangles
+    return np.asarray(mean / (1 + spread / coarse))
+
+
+@kernel(
+    types.void(
+        FACES, VALUES, VALUES, NUMBERS, CORNERS, FLAGS, types.int64[::1],
+        *(types.float64[:, ::1],) * 2,
+    )
+)  # fmt: skip
+def _add_rings(  # noqa: PLR0917 - kernels take no keywords
+    elements: IntArray,
+    measure: FloatArray,
+    defects: FloatArray,
+    starts: IntArray,
+    corners: NDArray[Any],
+    boundary: BoolArray,
+    seen: IntArray,
+    own: FloatArray,
+    around: FloatArray,
+) -> None:
+    """Add the defect and the area of vertices to `own`, those of their rings to `around`.
+
+    `seen`, (N,), is -1 before.
+    """
     n_vertices = len(boundary)
-    own = np.zeros((n_vertices, 2))  # the angle or its defect, and the area
+    for e in range(len(elements)):
+        third = measure[e] / 3
+        for c in range(3):
+            own[elements[e, c], 1] += third
+    for v in range(n_vertices):
+        neighbours = 0
+        for c in range(starts[v], starts[v + 1]):
+            for other in (corners[c].a, corners[c].b):
+                neighbours += other != v and seen[other] != v
+                seen[other] = v
+        # Where sheets meet there is no angle to fall short of: more faces than neighbours.
+        flat = boundary[v] or starts[v + 1] - starts[v] > neighbours or own[v, 1] == 0
+        own[v, 0] = 0.0 if flat else defects[v]
+    for v in range(n_vertices):
+        for c in range(starts[v], starts[v + 1]):
+            a, b = corners[c].a, corners[c].b
+            for i in range(2):
+                around[v, i] += own[v, i] + own[a, i] + own[b, i]
+
+
+@kernel(types.void(FACES, TABLE, FLAGS, *(types.float64[:, ::1],) * 2))
+def _add_stars(
+    elements: IntArray,
+    inverse_frames: FloatArray,
+    boundary: BoolArray,
+    own: FloatArray,
+    around: FloatArray,
+) -> None:
+    """Add the defect and the area of the centres of stars to `own`, and to `around` their rims'."""
     for e in range(len(elements)):
         p, q, r = inverse_frames[e, 0], inverse_frames[e, 1], inverse_frames[e, 2]
         spanned = abs(p * r)
         if spanned > 0:
             own[elements[e, 0], 0] += math.atan2(spanned, -q * r)
             own[elements[e, 0], 1] += 1 / (6 * spanned)
-    for v in range(n_vertices):
+    for v in range(len(boundary)):
         flat = boundary[v] or own[v, 1] == 0
         own[v, 0] = 0.0 if flat else 2 * math.pi - own[v, 0]
-    around = np.zeros((n_vertices, 2))
     for e in range(len(elements)):
         if inverse_frames[e, 0] * inverse_frames[e, 2] != 0:
             v, a, b = elements[e, 0], elements[e, 1], elements[e, 2]
             for i in range(2):
                 around[v, i] += own[v, i] + own[a, i] + own[b, i]
-    curvature = np.zeros(n_vertices)
-    for v in range(n_vertices):
-        if around[v, 1] > 0:
-            mean = around[v, 0] / around[v, 1]
-            spread = abs(mean) * own[v, 1] * 2 / math.sqrt(3)
-            curvature[v] = mean / (1 + spread / coarse)
-    return curvature
 
 
-@kernel(**options)  # type: ignore[untyped-decorator]
+@part()
 def _among(corner: Any, others: NDArray[Any]) -> bool:
     """Return whether one of `others`, of the same vertex, is the same triangle."""
     a, b = corner.a, corner.b
@@ -276,9 +306,7 @@ def _among(corner: Any, others: NDArray[Any]) -> bool:
     return False
 
 
-@kernel(  # type: ignore[untyped-decorator]
-    types.void(NUMBERS, types.int64[::1], numba.from_dtype(CORNER)[::1]), **options
-)
+@kernel(types.void(NUMBERS, types.int64[::1], numba.from_dtype(CORNER)[::1]))
 def tell_missed(starts: IntArray, ends: IntArray, corners: NDArray[Any]) -> None:
     """Let vertices listen to triangles that both others have in their stars, but they have not.
 

@@ -5,14 +5,20 @@ nothing of the size of the faces is written.
 """
 
 import math
+from typing import Any
 
-import numba
 import numpy as np
+from llvmlite import ir
 from numba import types
+from numba.extending import intrinsic
 
+from geodesic_toolkit._compiled import kernel
 from geodesic_toolkit._typing import FloatArray, IndexArray, IntArray
 
 __all__ = ["descent_load", "descent_loads", "split"]
+
+HELPERS = "381483e95267c54c"
+"""Digest of what else is compiled into the kernels: Numba looks at this file only."""
 
 LOG_2 = math.log(2)
 
@@ -23,8 +29,6 @@ NOTHING = -(2**30)
 """Power of two that stands for no heat at all."""
 
 # One signature each, of arrays that are only read: those that may be written to fit as well.
-kernel = numba.njit
-options = {"cache": True, "nogil": True, "error_model": "numpy"}
 ELEMENTS = types.Array(types.int64, 2, "C", readonly=True)
 TABLE = types.Array(types.float64, 2, "C", readonly=True)
 VALUES = types.Array(types.float64, 1, "C", readonly=True)
@@ -32,9 +36,7 @@ POWERS = types.Array(types.int32, 1, "C", readonly=True)
 POWER_TABLE = types.Array(types.int32, 2, "C", readonly=True)
 
 
-@kernel(  # type: ignore[untyped-decorator]
-    types.void(VALUES, types.float64[::1], types.int32[::1]), **options
-)
+@kernel(types.void(VALUES, types.float64[::1], types.int32[::1]))
 def split(logarithms: FloatArray, fractions: FloatArray, powers: IndexArray) -> None:
     """Write u as ``fractions * 2**powers``, where `logarithms` are log u: doubles of any range.
 
@@ -49,9 +51,23 @@ def split(logarithms: FloatArray, fractions: FloatArray, powers: IndexArray) -> 
             fractions[v], powers[v] = math.exp((power - whole) * LOG_2), np.int32(whole)
 
 
-@kernel(  # type: ignore[untyped-decorator]
-    types.void(ELEMENTS, TABLE, VALUES, VALUES, POWERS, types.float64[::1]), **options
-)
+@intrinsic  # type: ignore[untyped-decorator]
+def _two_to(_context: Any, _power: Any) -> Any:
+    """Return ``2**n``, n <= 0, and 0 where that is no normal number.
+
+    The upper bits of such a double are n + 1023, and all others are 0.
+    """
+
+    def code(_context: Any, builder: Any, _signature: Any, arguments: Any) -> Any:
+        number = ir.IntType(64)
+        upper = builder.add(arguments[0], number(1023))
+        upper = builder.select(builder.icmp_signed(">", upper, number(0)), upper, number(0))
+        return builder.bitcast(builder.shl(upper, number(52)), ir.DoubleType())
+
+    return types.float64(types.int64), code
+
+
+@kernel(types.void(ELEMENTS, TABLE, VALUES, VALUES, POWERS, types.float64[::1]))
 def descent_load(  # noqa: PLR0917 - kernels take no keywords
     elements: IntArray,
     inverse_frames: FloatArray,
@@ -67,17 +83,14 @@ def descent_load(  # noqa: PLR0917 - kernels take no keywords
     frame (p, q, r) the gradient is ``(p (u₁ - u₀), q (u₁ - u₀) + r (u₂ - u₀))``. Its direction does
     not change if the differences are divided by the larger one, and then nothing underflows.
     """
-    scales = np.empty(3)
-    bits = scales.view(np.int64)  # of 2**n the upper ones are n + 1023
     for e in range(len(elements)):
         i, j, k = elements[e, 0], elements[e, 1], elements[e, 2]
         origin, first, second = heat[i], heat[j], heat[k]
         if powers.size:
-            one = 1023 - np.int64(max(powers[i], powers[j], powers[k]))
-            bits[0] = max(one + powers[i], 0) << 52
-            bits[1] = max(one + powers[j], 0) << 52
-            bits[2] = max(one + powers[k], 0) << 52
-            origin, first, second = origin * scales[0], first * scales[1], second * scales[2]
+            top = np.int64(max(powers[i], powers[j], powers[k]))
+            origin *= _two_to(powers[i] - top)
+            first *= _two_to(powers[j] - top)
+            second *= _two_to(powers[k] - top)
         first -= origin
         second -= origin
         scale = 1 / max(abs(first), abs(second), TINY)
@@ -92,9 +105,7 @@ def descent_load(  # noqa: PLR0917 - kernels take no keywords
         load[k] += to_second
 
 
-@kernel(  # type: ignore[untyped-decorator]
-    types.void(ELEMENTS, TABLE, VALUES, TABLE, POWER_TABLE, types.float64[:, ::1]), **options
-)
+@kernel(types.void(ELEMENTS, TABLE, VALUES, TABLE, POWER_TABLE, *(types.float64[:, ::1],) * 2))
 def descent_loads(  # noqa: PLR0917 - kernels take no keywords
     elements: IntArray,
     inverse_frames: FloatArray,
@@ -102,15 +113,15 @@ def descent_loads(  # noqa: PLR0917 - kernels take no keywords
     heat: FloatArray,
     powers: IndexArray,
     loads: FloatArray,
+    room: FloatArray,
 ) -> None:
     """Do as `descent_load` with K columns at once, (N, K): its lines in loops over the columns.
 
     Loops without branches that write to one row each are what compiles to vector instructions.
+    There is `room` of shape (2, K) to work in.
     """
     columns = heat.shape[1]
-    first, second = np.empty(columns), np.empty(columns)
-    scales = np.empty((3, columns))
-    bits = scales.view(np.int64)
+    first, second = room[0], room[1]
     for e in range(len(elements)):
         i, j, k = elements[e, 0], elements[e, 1], elements[e, 2]
         p, q, r = inverse_frames[e, 0], inverse_frames[e, 1], inverse_frames[e, 2]
@@ -119,14 +130,10 @@ def descent_loads(  # noqa: PLR0917 - kernels take no keywords
         if powers.size:
             by_i, by_j, by_k = powers[i], powers[j], powers[k]
             for c in range(columns):
-                one = 1023 - np.int64(max(by_i[c], by_j[c], by_k[c]))
-                bits[0, c] = max(one + by_i[c], 0) << 52
-                bits[1, c] = max(one + by_j[c], 0) << 52
-                bits[2, c] = max(one + by_k[c], 0) << 52
-            for c in range(columns):
-                origin = at_i[c] * scales[0, c]
-                first[c] = at_j[c] * scales[1, c] - origin
-                second[c] = at_k[c] * scales[2, c] - origin
+                top = np.int64(max(by_i[c], by_j[c], by_k[c]))
+                origin = at_i[c] * _two_to(by_i[c] - top)
+                first[c] = at_j[c] * _two_to(by_j[c] - top) - origin
+                second[c] = at_k[c] * _two_to(by_k[c] - top) - origin
         else:
             for c in range(columns):
                 first[c] = at_j[c] - at_i[c]

@@ -6,16 +6,17 @@ corner c + 2, and its twin, on the other side of the edge, runs back.
 
 import math
 
-import numba
 import numpy as np
 from numba import types
+from numpy.typing import NDArray
 
-from geodesic_toolkit._pointers import keep, pointer, prefetch, shifted
-from geodesic_toolkit._typing import BoolArray, FloatArray, IntArray
+from geodesic_toolkit._compiled import kernel, part
+from geodesic_toolkit._pointers import pointer, prefetch, shifted
+from geodesic_toolkit._typing import BoolArray, FloatArray, IndexArray, IntArray
 
 __all__ = ["flip_edges", "twins"]
 
-HELPERS = "5b7e21d9922a23a1"
+HELPERS = "05e4ccb5caf08178"
 """Digest of what else is compiled into the kernels: Numba looks at this file only."""
 
 TOLERANCE = 1e-10
@@ -25,25 +26,43 @@ flipped: no rounding must flip it back."""
 NONE, ONE, AGAINST, ALONG, MORE = range(5)
 """Half-edges between two vertices: none, one, two that run against or along one another, more."""
 
-kernel = numba.njit
-options = {"cache": True, "nogil": True, "error_model": "numpy"}
 FACES = types.Array(types.int64, 2, "C", readonly=True)
 FLAGS = types.Array(types.boolean, 1, "C", readonly=True)
 
 
-@kernel(  # type: ignore[untyped-decorator]
-    types.Tuple((types.int64[::1], types.boolean))(FACES, types.int64), **options
-)
 def twins(faces: IntArray, n_vertices: int) -> tuple[IntArray, bool]:
     """Return the twin of each half-edge, and whether they run against each other everywhere.
 
     Only the two half-edges of an edge that has just two are twins; the others have -1.
     """
     sides = faces.size
-    starts, taken = np.zeros(n_vertices + 1, np.int64), np.empty(n_vertices, np.int64)
-    halves, others = np.empty(sides, np.int64), np.empty(sides, np.int32)
-    found, firsts = np.empty(sides, np.int64), np.empty(n_vertices, np.int64)
-    met = np.zeros(n_vertices, np.int8)
+    found, starts = np.empty(sides, dtype=np.int64), np.zeros(n_vertices + 1, dtype=np.int64)
+    gathered, ends = np.empty(sides, dtype=np.int64), np.empty(sides, dtype=np.int32)
+    free, met = np.empty(n_vertices, dtype=np.int64), np.zeros(n_vertices, dtype=np.int8)
+    coherent = _pair(faces, found, starts, gathered, ends, free, met)
+    return found, coherent
+
+
+@kernel(
+    types.boolean(
+        FACES, *(types.int64[::1],) * 3, types.int32[::1], types.int64[::1], types.int8[::1]
+    )
+)
+def _pair(  # noqa: PLR0917 - kernels take no keywords
+    faces: IntArray,
+    found: IntArray,
+    starts: IntArray,
+    halves: IntArray,
+    others: IndexArray,
+    taken: IntArray,
+    met: NDArray[np.int8],
+) -> bool:
+    """Write the twins to `found`, and return whether they run against each other.
+
+    The rest is to work in: `starts` (N + 1,) and `met` (N,) are zero before, `halves` and `others`
+    have the size of the faces, `taken` is (N,).
+    """
+    sides, n_vertices = faces.size, met.size
     corner, start, free = pointer(faces), pointer(starts), pointer(taken)
     for f in range(0, sides, 3):
         i, j, k = corner[f], corner[f + 1], corner[f + 2]
@@ -66,7 +85,7 @@ def twins(faces: IntArray, n_vertices: int) -> tuple[IntArray, bool]:
             free[low] = place + 1
             half += 1
 
-    twin, first, seen = pointer(found), pointer(firsts), pointer(met)
+    twin, first, seen = pointer(found), free, pointer(met)
     coherent = True
     for v in range(n_vertices):
         for place in range(start[v], start[v + 1]):
@@ -88,11 +107,10 @@ def twins(faces: IntArray, n_vertices: int) -> tuple[IntArray, bool]:
         for place in range(start[v], start[v + 1]):
             coherent &= seen[end[place]] != ALONG
             seen[end[place]] = NONE
-    keep((starts, taken, halves, others, firsts, met))
-    return found, coherent
+    return coherent
 
 
-@numba.njit(**options)  # type: ignore[untyped-decorator]
+@part()
 def _doubled_area(p: float, q: float, r: float) -> float:
     """Return twice the area by Kahan's order of Heron's formula, which does not cancel."""
     a, c = max(p, q, r), min(p, q, r)
@@ -101,7 +119,7 @@ def _doubled_area(p: float, q: float, r: float) -> float:
     return math.sqrt(max(product, 0.0)) / 2
 
 
-@numba.njit(**options)  # type: ignore[untyped-decorator]
+@part()
 def _first_to_look_at(
     lengths: FloatArray, twin: IntArray, waiting: IntArray, is_waiting: BoolArray
 ) -> int:
@@ -117,21 +135,42 @@ def _first_to_look_at(
     return known
 
 
-@kernel(  # type: ignore[untyped-decorator]
-    types.int64(types.int64[:, ::1], types.float64[:, ::1], types.int64[::1], FLAGS), **options
-)
 def flip_edges(faces: IntArray, lengths: FloatArray, twin: IntArray, held: BoolArray) -> int:
     """Flip edges until none has opposite angles of more than π together; return how many.
 
-    Edges at vertices that are `held`, (N,), stay. The other arrays change in place. Half-edges that
-    wait to be looked at are on a stack; whatever a flip may have spoilt goes there again, under the
-    name that it has after the flip.
+    Edges at vertices that are `held`, (N,), stay. The other arrays change in place.
     """
-    waiting, is_waiting = np.empty(len(twin), dtype=np.int64), np.zeros(len(twin), dtype=np.bool_)
+    waiting, is_waiting = np.empty_like(twin), np.zeros(len(twin), dtype=bool)
+    return _flip(faces, lengths, twin, held, waiting, is_waiting, np.empty((3, 4), dtype=np.int64))
+
+
+@kernel(
+    types.int64(
+        types.int64[:, ::1],
+        types.float64[:, ::1],
+        types.int64[::1],
+        FLAGS,
+        types.int64[::1],
+        types.boolean[::1],
+        types.int64[:, ::1],
+    )
+)
+def _flip(  # noqa: PLR0917 - kernels take no keywords
+    faces: IntArray,
+    lengths: FloatArray,
+    twin: IntArray,
+    held: BoolArray,
+    waiting: IntArray,
+    is_waiting: BoolArray,
+    room: IntArray,
+) -> int:
+    """Do so. Half-edges that wait to be looked at are on a stack.
+
+    Whatever a flip may have spoilt goes there again, under the name that it has after the flip.
+    """
     known = _first_to_look_at(lengths, twin, waiting, is_waiting)
     flips = 0
-    old, new = np.empty(4, dtype=np.int64), np.empty(4, dtype=np.int64)
-    across, measures = np.empty(4, dtype=np.int64), np.empty(4)
+    old, new, across = room[0], room[1], room[2]
     while known > 0:
         known -= 1
         half = waiting[known]
@@ -142,12 +181,10 @@ def flip_edges(faces: IntArray, lengths: FloatArray, twin: IntArray, held: BoolA
         f, c, g, d = half // 3, half % 3, mate // 3, mate % 3
         old[0], old[1] = 3 * g + (d + 1) % 3, 3 * f + (c + 2) % 3  # ad and ca, b opposite both
         old[2], old[3] = 3 * f + (c + 1) % 3, 3 * g + (d + 2) % 3  # bc and db, a opposite both
-        for side in range(4):
-            measures[side] = lengths[old[side] // 3, old[side] % 3]
         if held[faces[f, (c + 1) % 3]] or held[faces[f, (c + 2) % 3]]:
             continue
-        ad, ca, bc, db = measures
-        ab = lengths[f, c]
+        ab, bc, ca = lengths[f, c], lengths[f, (c + 1) % 3], lengths[f, (c + 2) % 3]
+        ad, db = lengths[g, (d + 1) % 3], lengths[g, (d + 2) % 3]
         above, below = _doubled_area(ab, bc, ca), _doubled_area(ab, ad, db)
         # Twice the cotangents at c and d, times the doubled area of each triangle.
         at_c, at_d = bc * bc + ca * ca - ab * ab, ad * ad + db * db - ab * ab

@@ -37,6 +37,7 @@ ALL_MODULES = (
     *MODULES,
     "geodesic_toolkit._corners",
     "geodesic_toolkit._wavefront",
+    "geodesic_toolkit.geometry.poles",
     "geodesic_toolkit.geometry.stars",
 )
 """Those, and the kernels of refinement and of point clouds."""

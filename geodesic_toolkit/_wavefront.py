@@ -15,12 +15,13 @@ from numba import types
 from numba.extending import intrinsic
 from numpy.typing import NDArray
 
+from geodesic_toolkit._compiled import kernel, part
 from geodesic_toolkit._corners import CORNERS
 from geodesic_toolkit._typing import BoolArray, IntArray
 
 __all__ = ["VERTEX", "sweep"]
 
-HELPERS = "4d77556b5c679127"
+HELPERS = "08f9ef3aaea67dca"
 """Digest of what else is compiled into the kernels: Numba looks at this file only."""
 
 VERTEX = np.dtype(
@@ -50,9 +51,6 @@ LINE = 64
 WORD = 8
 """Flags that are looked at together."""
 
-options = {"cache": True, "nogil": True, "error_model": "numpy"}
-kernel = numba.njit(**options)
-part_of_its_caller = numba.njit(**options, inline="always")  # calls take a tenth of the time
 NUMBERS = types.Array(types.int64, 1, "C", readonly=True)
 
 
@@ -72,7 +70,7 @@ def _fetch(_context: Any, array: Any, _index: Any) -> Any:
     return types.void(array, types.int64), code
 
 
-@kernel  # type: ignore[untyped-decorator]
+@part()
 def _along(kappa: float, step: float, curvature: float) -> float:
     """Return κ one straight `step` further on a surface of Gaussian curvature K.
 
@@ -85,7 +83,7 @@ def _along(kappa: float, step: float, curvature: float) -> float:
     return planar - curvature * step
 
 
-@kernel  # type: ignore[untyped-decorator]
+@part()
 def _on_edge(kappa_a: float, kappa_b: float, edge: float, mean_distance: float) -> float:
     """Return κ of the front where it crosses an edge, from κ at its ends.
 
@@ -101,7 +99,7 @@ def _on_edge(kappa_a: float, kappa_b: float, edge: float, mean_distance: float) 
     return (kappa_a + kappa_b) / 2
 
 
-@kernel  # type: ignore[untyped-decorator]
+@part()
 def _across(  # noqa: PLR0917 - kernels take no keywords
     d_a: float, d_b: float, kappa: float, edge: float, c_x: float, c_y: float
 ) -> tuple[float, float, float]:
@@ -130,8 +128,8 @@ def _across(  # noqa: PLR0917 - kernels take no keywords
     radius_b = radius + sign * (d_b - mean_distance)
     if radius_a < 0 or radius_b < 0 or radius_a + radius_b < edge:
         return nothing
-    centre_x = (radius_a**2 - radius_b**2 + edge**2) / (2 * edge)
-    below = radius_a**2 - centre_x**2
+    centre_x = (radius_a * radius_a - radius_b * radius_b + edge * edge) / (2 * edge)
+    below = radius_a * radius_a - centre_x * centre_x
     if below < 0:
         return nothing
     centre_y = -sign * math.sqrt(below)
@@ -141,12 +139,13 @@ def _across(  # noqa: PLR0917 - kernels take no keywords
     crossing = c_x - (c_x - centre_x) * c_y / (c_y - centre_y)
     if crossing < 0 or crossing > edge:
         return nothing
-    radius_c = math.sqrt((c_x - centre_x) ** 2 + (c_y - centre_y) ** 2)
+    x, y = c_x - centre_x, c_y - centre_y
+    radius_c = math.sqrt(x * x + y * y)
     step = sign * (radius_c - radius)
     return mean_distance + step, sign / max(radius_c, 1e-12 * edge), step
 
 
-@kernel  # type: ignore[untyped-decorator]
+@part()
 def _may_gain(  # noqa: PLR0917 - kernels take no keywords
     d: float, d_a: float, d_b: float, edge: float, to_a: float, twice: float
 ) -> bool:
@@ -162,7 +161,7 @@ def _may_gain(  # noqa: PLR0917 - kernels take no keywords
     return left > 0 and edge * (left * left - to_a * to_a - x * x) + x * twice > 0
 
 
-@part_of_its_caller  # type: ignore[untyped-decorator]
+@part(inline=True)
 def _through(  # noqa: PLR0917 - kernels take no keywords
     limit: float, a: Any, b: Any, edge: float, to_a: float, to_b: float
 ) -> tuple[float, float, float]:
@@ -183,7 +182,7 @@ def _through(  # noqa: PLR0917 - kernels take no keywords
     return found if min(d_a, d_b) <= found[0] < limit else nothing
 
 
-@kernel  # type: ignore[untyped-decorator]
+@part(inline=True)
 def _nearest(  # noqa: PLR0917 - kernels take no keywords
     vertices: NDArray[Any],
     corners: NDArray[Any],
@@ -224,7 +223,7 @@ def _nearest(  # noqa: PLR0917 - kernels take no keywords
     return best, kappa
 
 
-@part_of_its_caller  # type: ignore[untyped-decorator]
+@part(inline=True)
 def _gains(  # noqa: PLR0917 - kernels take no keywords
     near: Any, v: Any, other: Any, to_v: float, to_other: float, edge: float, tolerance: float
 ) -> bool:
@@ -238,7 +237,7 @@ def _gains(  # noqa: PLR0917 - kernels take no keywords
     return bool(_through(limit, v, other, edge, to_v, to_other)[0] < limit)
 
 
-@kernel  # type: ignore[untyped-decorator]
+@part()
 def _look_ahead(  # noqa: PLR0917 - kernels take no keywords
     order: IntArray,
     rank: int,
@@ -264,7 +263,7 @@ def _look_ahead(  # noqa: PLR0917 - kernels take no keywords
         _fetch(vertices, np.int64(corners[c].a))
 
 
-@numba.njit(  # type: ignore[untyped-decorator]
+@kernel(
     types.int64(
         NUMBERS,
         NUMBERS,
@@ -276,8 +275,7 @@ def _look_ahead(  # noqa: PLR0917 - kernels take no keywords
         types.uint64[::1],
         types.float64,
         types.int64,
-    ),
-    **options,
+    )
 )
 def sweep(  # noqa: PLR0917 - kernels take no keywords
     order: IntArray,

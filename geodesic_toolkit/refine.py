@@ -191,7 +191,8 @@ class WavefrontSweeper:
         ends = np.zeros(gradient.n_vertices, dtype=np.int64)
         corners = np.empty(gradient.elements.size, dtype=CORNER)
         elements, frames, _ = self._triangles
-        gather(elements, frames, gradient.stars, starts, ends, corners)
+        free, free_foreign = np.empty_like(ends), np.empty_like(ends)
+        gather(elements, frames, gradient.stars, starts, ends, free, free_foreign, corners)
         if len(self.metric.surface_frames):
             tell_missed(starts, ends, corners)
         return starts, ends, corners
@@ -229,7 +230,7 @@ class WavefrontSweeper:
 
         gradient = self._gradient
         triangles = (gradient.elements, gradient.inverse_frames)
-        return np.asarray(angle_defects(*triangles, self.metric.boundary))
+        return angle_defects(*triangles, self.metric.boundary)
 
     @cached_property
     def _reflex(self) -> BoolArray:
@@ -259,10 +260,10 @@ class WavefrontSweeper:
             return np.zeros(gradient.n_vertices)
         elements, frames, areas = self._triangles
         if gradient.stars:
-            return np.asarray(star_curvatures(elements, frames, self.metric.boundary, COARSE_STARS))
+            return star_curvatures(elements, frames, self.metric.boundary, COARSE_STARS)
         starts, _, corners = self._corners
         triangles = (elements, areas, self._defects)
-        return np.asarray(curvatures(*triangles, starts, corners, self.metric.boundary, COARSE))
+        return curvatures(*triangles, starts, corners, self.metric.boundary, COARSE)
 
 
 def _falling(values: FloatArray) -> IntArray:

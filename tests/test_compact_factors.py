@@ -142,7 +142,8 @@ def test_what_memory_held_before_does_not_matter_and_none_is_touched_beyond(sphe
         failed = _numeric.factorize(
             sphere_system.data, its.starts, its.lower_rows, its.places, its.first, its.row_starts,
             its.rows, its.above, its.panels, np.empty(0), halves, front, stack[: its.stack], pack,
-            np.zeros(its.n_vertices), np.empty(2 * its.n_vertices, dtype=np.int64),
+            np.zeros(its.n_vertices),
+            np.empty(2 * its.n_vertices + 3 * len(its.above), dtype=np.int64),
         )  # fmt: skip
         assert failed == -1
         assert (halves[-64:] == 7).all()

@@ -175,8 +175,7 @@ NUMBA = re.compile(r"^(import|from) (numba|llvmlite)", re.MULTILINE)
 KERNELS = [
     source
     for source in sorted(ROOT.rglob("*.py"))
-    if "cache=True" in source.read_text(encoding="utf-8")
-    or '"cache": True' in source.read_text(encoding="utf-8")
+    if re.search(r"^@kernel|^\w+ = kernel\(", source.read_text(encoding="utf-8"), re.MULTILINE)
 ]
 
 

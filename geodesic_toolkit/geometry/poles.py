@@ -6,17 +6,21 @@ thin it is, a ball of air touches each of its points from outside, and the direc
 of the largest is the normal: Amenta and Bern's pole of the Voronoi cell (*Surface reconstruction by
 Voronoi filtering*, Discrete & Computational Geometry 22, 1999, https://doi.org/10.1007/PL00009475).
 
-The kernel is compiled by numba on first use and cached.
+The kernels are compiled by numba when they are imported for the first time, and cached.
 """
 
 import math
 
-import numba
 import numpy as np
+from numba import types
 
-from geodesic_toolkit._typing import FloatArray, IntArray
+from geodesic_toolkit._compiled import kernel
+from geodesic_toolkit._typing import BoolArray, FloatArray, IntArray
 
 __all__ = ["pole_normals"]
+
+HELPERS = "c303783ec15337a2"
+"""Digest of what else is compiled into the kernels: Numba looks at this file only."""
 
 POWER = 1.25
 """How fast neighbours lose their say with distance; 1 is the ball, which a single point of a limb
@@ -46,7 +50,11 @@ close neighbours far better. So does the plane of a sheet at its rim, which has 
 AGREED = 0.9
 """Cosine of the angle within which two normals are the same plane, and the one at hand is kept."""
 
-kernel = numba.njit(cache=True, nogil=True)
+CHUNK = 16384
+"""Points whose neighbours are held in arrays of numbers at once."""
+
+TABLE = types.Array(types.float64, 2, "C", readonly=True)
+NUMBERS = types.Array(types.int64, 2, "A", readonly=True)
 
 
 def pole_normals(points: FloatArray, neighbours: IntArray, normals: FloatArray) -> FloatArray:
@@ -68,22 +76,30 @@ def pole_normals(points: FloatArray, neighbours: IntArray, normals: FloatArray) 
     refined distances fell by more than a twentieth on four and rose by that on three, to at most
     1.08 times; :data:`~geodesic_toolkit.geometry.stars.FIRM` included.
     """
-    chosen = _doubtful(points, neighbours[:, :CLOSE], normals)
-    if len(chosen) == 0:
+    doubtful = np.zeros(len(points), dtype=bool)
+    _tell_doubtful(points, neighbours[:, :CLOSE], normals, doubtful)
+    if not doubtful.any():
         return normals
-    poles = _poles(points, neighbours[chosen], chosen, normals[chosen])
-    close = points[neighbours[chosen, :CLOSE]] - points[chosen][:, None]
-    close /= np.linalg.norm(close, axis=2, keepdims=True)
+    result = normals.copy()
+    for chosen in np.array_split(np.flatnonzero(doubtful), 1 + doubtful.sum() // CHUNK):
+        result[chosen] = _corrected(points, neighbours[chosen], points[chosen], normals[chosen])
+    return result
+
+
+def _corrected(
+    points: FloatArray, neighbours: IntArray, centres: FloatArray, normals: FloatArray
+) -> FloatArray:
+    """Return the normals (M, 3) of some points, or their poles where these do better."""
+    seen = points[neighbours] - centres[:, None]
+    poles = _poles(seen, normals)
+    close = seen[:, :CLOSE] / np.linalg.norm(seen[:, :CLOSE], axis=2, keepdims=True)
     away = -close.mean(axis=1)
     away /= np.maximum(np.linalg.norm(away, axis=1, keepdims=True), 1e-12)
     tip = (np.einsum("nkd,nd->nk", close, away) < -POINTED).all(axis=1)
     poles[tip] = away[tip]
-    fits = _left_off(close, normals[chosen]) <= BETTER * _left_off(close, poles)
-    agreed = np.abs(np.einsum("nd,nd->n", poles, normals[chosen])) > AGREED
-    turned = ~(fits | agreed)
-    result = normals.copy()
-    result[chosen[turned]] = poles[turned]
-    return result
+    fits = _left_off(close, normals) <= BETTER * _left_off(close, poles)
+    agreed = np.abs(np.einsum("nd,nd->n", poles, normals)) > AGREED
+    return np.where((fits | agreed)[:, None], normals, poles)
 
 
 def _left_off(close: FloatArray, normals: FloatArray) -> FloatArray:
@@ -92,13 +108,13 @@ def _left_off(close: FloatArray, normals: FloatArray) -> FloatArray:
     return np.asarray(np.minimum(off, CAPPED).sum(axis=1))
 
 
-@kernel  # type: ignore[untyped-decorator]
-def _doubtful(points: FloatArray, close: IntArray, normals: FloatArray) -> IntArray:
-    """Return the points of which a close neighbour is steep over the plane, of shape (M,)."""
-    count, k = close.shape
-    doubtful = np.zeros(count, np.bool_)
-    for centre in range(count):
-        for near in range(k):
+@kernel(types.void(TABLE, NUMBERS, TABLE, types.boolean[::1]))
+def _tell_doubtful(
+    points: FloatArray, close: IntArray, normals: FloatArray, doubtful: BoolArray
+) -> None:
+    """Mark the points of which a close neighbour is steep over the plane."""
+    for centre in range(close.shape[0]):
+        for near in range(close.shape[1]):
             x = points[close[centre, near], 0] - points[centre, 0]
             y = points[close[centre, near], 1] - points[centre, 1]
             z = points[close[centre, near], 2] - points[centre, 2]
@@ -106,48 +122,43 @@ def _doubtful(points: FloatArray, close: IntArray, normals: FloatArray) -> IntAr
             if rise * rise > STEEP * STEEP * (x * x + y * y + z * z):
                 doubtful[centre] = True
                 break
-    return np.flatnonzero(doubtful)
 
 
-@kernel  # type: ignore[untyped-decorator]
-def _poles(
-    points: FloatArray, neighbours: IntArray, chosen: IntArray, normals: FloatArray
-) -> FloatArray:
-    """Return unit vectors n that lessen the largest ``n · x / |x|^(1 + POWER)`` of the neighbours.
+def _poles(seen: FloatArray, normals: FloatArray) -> FloatArray:
+    """Return unit vectors n, (M, 3), that lessen ``n · x / |x|^(1 + POWER)`` of the foremost x.
 
-    By steps away from the neighbour in front, which become smaller.
+    x are the neighbours as `seen` from their points, (M, k, 3).
     """
-    count, k = neighbours.shape
-    poles = np.empty((count, 3))
-    image = np.empty((k, 3))
-    start = np.empty((3, 3))
-    for row in range(count):
-        centre = points[chosen[row]]
-        nearest = 0.0
-        for near in range(k):
-            x = points[neighbours[row, near], 0] - centre[0]
-            y = points[neighbours[row, near], 1] - centre[1]
-            z = points[neighbours[row, near], 2] - centre[2]
-            length = math.sqrt(x * x + y * y + z * z)
-            if near == 0:
-                nearest = length
-            share = (nearest / length) ** POWER / length
-            image[near, 0], image[near, 1], image[near, 2] = x * share, y * share, z * share
-        start[0] = normals[row]
-        axis = np.zeros(3)
-        axis[np.argmin(np.abs(start[0]))] = 1.0
-        start[1] = np.cross(start[0], axis)
-        start[1] /= math.sqrt(start[1] @ start[1])
-        start[2] = np.cross(start[0], start[1])
-        least = np.inf
+    length = np.linalg.norm(seen, axis=2, keepdims=True)
+    images = seen * ((length[:, :1] / length) ** POWER / length)
+    axes = np.zeros((len(normals), 3, 3))  # the normal, and two at right angles to it
+    axes[:, 0] = normals
+    axes[np.arange(len(normals)), 1, np.argmin(np.abs(normals), axis=1)] = 1.0
+    axes[:, 1] = np.cross(normals, axes[:, 1])
+    axes[:, 1] /= np.linalg.norm(axes[:, 1], axis=1, keepdims=True)
+    axes[:, 2] = np.cross(normals, axes[:, 1])
+    poles = np.empty((len(normals), 3))
+    _descend(images, axes, poles)
+    return poles
+
+
+@kernel(types.void(*(types.float64[:, :, ::1],) * 2, types.float64[:, ::1]))
+def _descend(images: FloatArray, axes: FloatArray, poles: FloatArray) -> None:
+    """Write the poles: from the axes, either way, by steps away from the foremost image.
+
+    The steps become smaller.
+    """
+    for row in range(len(poles)):
+        image, start = images[row], axes[row]
+        least = math.inf
         for direction in range(6):
             sign = 1.0 if direction % 2 == 0 else -1.0
             nx = sign * start[direction // 2, 0]
             ny = sign * start[direction // 2, 1]
             nz = sign * start[direction // 2, 2]
             for step in range(STEPS + 1):
-                front, foremost = -np.inf, 0
-                for near in range(k):
+                front, foremost = -math.inf, 0
+                for near in range(len(image)):
                     ahead = image[near, 0] * nx + image[near, 1] * ny + image[near, 2] * nz
                     if ahead > front:
                         front, foremost = ahead, near
@@ -164,4 +175,3 @@ def _poles(
                 nx, ny, nz = nx - stride * gx, ny - stride * gy, nz - stride * gz
                 length = math.sqrt(nx * nx + ny * ny + nz * nz)
                 nx, ny, nz = nx / length, ny / length, nz / length
-    return poles

@@ -8,13 +8,16 @@ The kernels are compiled by numba when they are imported for the first time, and
 
 import math
 
-import numba
 import numpy as np
 from numba import types
 
+from geodesic_toolkit._compiled import kernel, part
 from geodesic_toolkit._typing import BoolArray, FloatArray, IntArray
 
 __all__ = ["delaunay_stars"]
+
+HELPERS = "c303783ec15337a2"
+"""Digest of what else is compiled into the kernels: Numba looks at this file only."""
 
 STEEP = math.sqrt(0.5)
 """Sine of 45°: a neighbour that is farther along the normal than along the surface lies on
@@ -50,8 +53,6 @@ to drown rounding, so that the stars of a square grid agree on its diagonals."""
 CHUNK = 16384
 """Points whose stars are held in padded arrays at once."""
 
-options = {"cache": True, "nogil": True}
-kernel = numba.njit(**options)
 TABLE = types.Array(types.float64, 2, "C", readonly=True)
 VALUES = types.Array(types.float64, 1, "C", readonly=True)
 NUMBERS = types.Array(types.int64, 2, "C", readonly=True)
@@ -116,6 +117,8 @@ def delaunay_stars(
     weights = np.einsum("nd,nd->n", nearest, nearest) * JITTER
     weights *= np.random.default_rng(0).random(count)  # the same ones every time
     is_open = np.ones(count, dtype=np.bool_)
+    planar, numbers = np.empty((2, widest, 2)), np.empty((2, widest), dtype=np.int64)
+    hull = np.empty(2 * widest + 2, dtype=np.int64)
     triangles, frames = [], []
     for start in range(0, count, CHUNK):
         centres = np.arange(start, min(start + CHUNK, count))
@@ -124,7 +127,7 @@ def delaunay_stars(
         sizes = np.zeros(len(centres), dtype=np.int64)
         _stars(
             points, normals, weights, neighbours, start, min(k, widest), oriented, smooth,
-            rims, measures, sizes, is_open,
+            rims, measures, sizes, is_open, planar, numbers, hull,
         )  # fmt: skip
         used = np.arange(widest) < sizes[:, None]
         triangles.append(np.column_stack([np.repeat(centres, sizes), rims[used]]))
@@ -132,7 +135,7 @@ def delaunay_stars(
     return np.concatenate(triangles), np.concatenate(frames), is_open
 
 
-@kernel  # type: ignore[untyped-decorator]
+@part()
 def _project(  # noqa: PLR0917 - kernels take no keywords
     points: FloatArray,
     normals: FloatArray,
@@ -196,10 +199,7 @@ def _project(  # noqa: PLR0917 - kernels take no keywords
     return count, math.sqrt(squared), True
 
 
-@numba.njit(  # type: ignore[untyped-decorator]
-    types.int64(types.float64[:, ::1], types.int64[::1], types.int64, types.int64, types.int64),
-    **options,
-)
+@part()
 def _append(image: FloatArray, hull: IntArray, size: int, kept: int, item: int) -> int:
     """Add a point to a chain, after taking away those that it leaves inside."""
     while size > kept:
@@ -213,10 +213,9 @@ def _append(image: FloatArray, hull: IntArray, size: int, kept: int, item: int) 
     return size + 1
 
 
-@kernel  # type: ignore[untyped-decorator]
-def _hull(image: FloatArray, count: int, hull: IntArray) -> int:
+@part()
+def _hull(image: FloatArray, count: int, hull: IntArray, order: IntArray) -> int:
     """Write the convex hull of the images, counter-clockwise, and return its size (Andrew 1979)."""
-    order = np.empty(count, np.int64)
     for i in range(count):
         j = i
         while j > 0 and (
@@ -235,7 +234,7 @@ def _hull(image: FloatArray, count: int, hull: IntArray) -> int:
     return size - 1
 
 
-@kernel  # type: ignore[untyped-decorator]
+@part()
 def _star(  # noqa: PLR0917 - kernels take no keywords
     place: FloatArray,
     index: IntArray,
@@ -261,7 +260,7 @@ def _star(  # noqa: PLR0917 - kernels take no keywords
         if cross <= THIN * a * b:
             closed = False
             continue
-        c = math.sqrt((ax - bx) ** 2 + (ay - by) ** 2)
+        c = math.sqrt((ax - bx) * (ax - bx) + (ay - by) * (ay - by))
         dot = ax * bx + ay * by
         diameter = a * b * c / cross  # of the circle through all three
         if diameter > radius:
@@ -278,7 +277,7 @@ def _star(  # noqa: PLR0917 - kernels take no keywords
     return size, closed, certain
 
 
-@numba.njit(  # type: ignore[untyped-decorator]
+@kernel(
     types.void(
         TABLE,
         TABLE,
@@ -292,8 +291,10 @@ def _star(  # noqa: PLR0917 - kernels take no keywords
         types.float64[:, :, ::1],
         types.int64[::1],
         types.boolean[::1],
-    ),
-    **options,
+        types.float64[:, :, ::1],
+        types.int64[:, ::1],
+        types.int64[::1],
+    )
 )
 def _stars(  # noqa: PLR0917 - kernels take no keywords
     points: FloatArray,
@@ -308,13 +309,18 @@ def _stars(  # noqa: PLR0917 - kernels take no keywords
     measures: FloatArray,
     sizes: IntArray,
     is_open: BoolArray,
+    planar: FloatArray,
+    numbers: IntArray,
+    hull: IntArray,
 ) -> None:
-    """Fill in the stars of the points from `start` on."""
+    """Fill in the stars of the points from `start` on.
+
+    There is room for the neighbours of a point: `planar` (2, m, 2), `numbers` (2, m), and `hull` of
+    2 m + 2 numbers.
+    """
     widest = neighbours.shape[1]
-    place = np.empty((widest, 2))
-    image = np.empty((widest, 2))
-    index = np.empty(widest, np.int64)
-    hull = np.empty(2 * widest + 2, np.int64)
+    place, image = planar[0], planar[1]
+    index, order = numbers[0], numbers[1]
     for row in range(sizes.shape[0]):
         centre = start + row
         known = k if smooth else widest
@@ -325,7 +331,7 @@ def _stars(  # noqa: PLR0917 - kernels take no keywords
             )  # fmt: skip
             if count < 2:
                 break
-            corners = _hull(image, count, hull)
+            corners = _hull(image, count, hull, order)
             last = all_taken or wanted == widest
             sizes[row], closed, certain = _star(
                 place, index, hull, corners, radius, last, rims[row], measures[row]

@@ -178,7 +178,9 @@ def lengths_from_inverse(inverse: FloatArray) -> FloatArray:
     if worthwhile(len(inverse)):
         from geodesic_toolkit._assembly import edge_lengths
 
-        return np.asarray(edge_lengths(np.ascontiguousarray(inverse)))
+        lengths = np.empty((len(inverse), 3))
+        edge_lengths(np.ascontiguousarray(inverse), lengths)
+        return lengths
     length, height = 1 / inverse[:, 0], 1 / inverse[:, 2]
     along = -inverse[:, 1] * length * height
     return np.column_stack([np.hypot(length - along, height), np.hypot(along, height), length])

@@ -200,8 +200,11 @@ class ElementGradient(Gradient):
             split(heat.reshape(-1), fractions.reshape(-1), powers.reshape(-1))
             heat = fractions
         load = np.zeros_like(heat)
-        add = descent_load if heat.ndim == 1 else descent_loads
-        add(self.elements, self.inverse_frames, self.measure, heat, powers, load)
+        known = (self.elements, self.inverse_frames, self.measure, heat, powers, load)
+        if heat.ndim == 1:
+            descent_load(*known)
+        else:
+            descent_loads(*known, np.empty((2, heat.shape[1])))
         return load
 
     def adjoint(self, field: FloatArray) -> FloatArray:

@@ -7,11 +7,11 @@ J. W. H. Liu, *The Role of Elimination Trees in Sparse Factorization*, SIAM J. M
 11, 1990, https://doi.org/10.1137/0611010
 """
 
-import numba
 import numpy as np
 from numba import types
 
-from geodesic_toolkit._pointers import keep, pointer, prefetch, shifted
+from geodesic_toolkit._compiled import kernel, part
+from geodesic_toolkit._pointers import pointer, prefetch, shifted
 from geodesic_toolkit._typing import IndexArray, IntArray
 
 __all__ = [
@@ -22,7 +22,7 @@ __all__ = [
     "supernodes",
 ]
 
-HELPERS = "5b7e21d9922a23a1"
+HELPERS = "05e4ccb5caf08178"
 """Digest of what else is compiled into the kernels: Numba looks at this file only."""
 
 NONE = -1
@@ -42,31 +42,32 @@ _int32 = types.Array(types.int32, 1, "C", readonly=True)
 _new64, _new32 = types.int64[::1], types.int32[::1]
 
 
-def kernel(signature: object) -> object:
-    """Compile for one signature, or load what an earlier process has compiled."""
-    return numba.njit(signature, cache=True, nogil=True, error_model="numpy")
-
-
-@kernel(types.boolean(_int64, _int32))  # type: ignore[operator]
 def is_symmetric(indptr: IntArray, indices: IndexArray) -> bool:
     """Return whether every entry of a pattern with sorted indices has its mirror image.
 
-    Rows visited in order meet the entries of each column in order too. The other kernels trust this
-    and would write to places that are not theirs.
+    The other kernels trust this and would write to places that are not theirs.
     """
-    n, last = indptr.size - 1, indices.size - 1
-    mirrored = indptr[:-1].copy()
-    for i in range(n):
+    return _mirrored(indptr, indices, indptr[:-1].copy())
+
+
+@kernel(types.boolean(_int64, _int32, _new64))
+def _mirrored(indptr: IntArray, indices: IndexArray, mirror: IntArray) -> bool:
+    """Do so; `mirror` is where the next entry of each column should have its image.
+
+    Rows visited in order meet the entries of each column in order too.
+    """
+    last = indices.size - 1
+    for i in range(mirror.size):
         for p in range(indptr[i], indptr[i + 1]):
-            prefetch(shifted(pointer(indices), mirrored[indices[min(p + AHEAD, last)]]))
+            prefetch(shifted(pointer(indices), mirror[indices[min(p + AHEAD, last)]]))
             j = indices[p]
-            if mirrored[j] == indptr[j + 1] or indices[mirrored[j]] != i:
+            if mirror[j] == indptr[j + 1] or indices[mirror[j]] != i:
                 return False
-            mirrored[j] += 1
+            mirror[j] += 1
     return True
 
 
-@numba.njit(cache=True, nogil=True, error_model="numpy", forceinline=True)  # type: ignore[untyped-decorator]
+@part(inline=True)
 def _look_ahead(indptr: IntArray, indices: IndexArray, order: IndexArray, i: int) -> None:
     """Fetch the rows that follow row ``order[i]``: they come in no order, and memory takes long."""
     if i + 2 * AHEAD < order.size:
@@ -74,17 +75,27 @@ def _look_ahead(indptr: IntArray, indices: IndexArray, order: IndexArray, i: int
         prefetch(shifted(pointer(indices), indptr[order[i + AHEAD]]))
 
 
-@kernel(_new32(_int32))  # type: ignore[operator]
 def postorder(parent: IndexArray) -> IndexArray:
     """Return the vertices of a forest, children before parents and subtrees together."""
-    n = parent.size
-    first_child, sibling = np.full(n, NONE, np.int32), np.full(n, NONE, np.int32)
+    order, stack = np.empty_like(parent), np.empty_like(parent)
+    _traverse(parent, np.full_like(parent, NONE), np.full_like(parent, NONE), stack, order)
+    return order
+
+
+@kernel(types.void(_int32, *(_new32,) * 4))
+def _traverse(
+    parent: IndexArray,
+    first_child: IndexArray,
+    sibling: IndexArray,
+    stack: IndexArray,
+    order: IndexArray,
+) -> None:
+    """Write the postorder; `first_child` and `sibling` are NONE before."""
+    n, done = parent.size, 0
     for v in range(n - 1, -1, -1):
         if parent[v] != NONE:
             sibling[v] = first_child[parent[v]]
             first_child[parent[v]] = v
-    order, done = np.empty(n, np.int32), 0
-    stack = np.empty(n, np.int32)
     for root in range(n):
         if parent[root] != NONE:
             continue
@@ -101,13 +112,9 @@ def postorder(parent: IndexArray) -> IndexArray:
                 first_child[v] = sibling[child]
                 depth += 1
                 stack[depth] = child
-    return order
 
 
-@kernel(  # type: ignore[operator]
-    types.Tuple((_new32,) * 4)(*(_int32,) * 5, types.UniTuple(types.float64, 4))
-)
-def supernodes(  # noqa: PLR0917 - kernels take no keywords
+def supernodes(  # noqa: PLR0917 - as the order has them
     order: IndexArray,
     starts: IndexArray,
     heights: IndexArray,
@@ -137,15 +144,44 @@ def supernodes(  # noqa: PLR0917 - kernels take no keywords
     above : ndarray of shape (S,), int32
         Their parents, -1 at roots.
     """
-    n_groups = post.size
-    position = np.empty(n_groups, np.int32)
+    n_groups = len(post)
+    vertices, first = np.empty_like(order), np.empty(n_groups + 1, dtype=np.int32)
+    tallest, above, position, begins, last, owner = np.empty((6, n_groups), dtype=np.int32)
+    entries = np.empty(n_groups, dtype=np.int64)
+    count = _amalgamate(
+        order, starts, heights, parents, post, allowed, vertices, first, tallest, above,
+        position, begins, last, owner, entries,
+    )  # fmt: skip
+    return vertices, first[: count + 1].copy(), tallest[:count].copy(), above[:count].copy()
+
+
+@kernel(types.int64(*(_int32,) * 5, types.UniTuple(types.float64, 4), *(_new32,) * 8, _new64))
+def _amalgamate(  # noqa: PLR0917 - kernels take no keywords
+    order: IndexArray,
+    starts: IndexArray,
+    heights: IndexArray,
+    parents: IndexArray,
+    post: IndexArray,
+    allowed: tuple[float, float, float, float],
+    vertices: IndexArray,
+    first: IndexArray,
+    tallest: IndexArray,
+    above: IndexArray,
+    position: IndexArray,
+    begins: IndexArray,
+    last: IndexArray,
+    owner: IndexArray,
+    entries: IntArray,
+) -> int:
+    """Write what `supernodes` returns, and return how many there are.
+
+    Of groups: their `position` in the postorder, and what supernode is their `owner`. Of
+    supernodes: from where to where in that order they are (`begins`, `last`), and how many
+    `entries` of the factor they hold, without the zeros.
+    """
+    n_groups, column, done = post.size, 0, 0
     for k in range(n_groups):
         position[post[k]] = k
-    vertices, column = np.empty_like(order), 0
-    first, tallest = np.empty(n_groups + 1, np.int32), np.empty(n_groups, np.int32)
-    entries = np.empty(n_groups, np.int64)  # of the factor in the supernode, without the zeros
-    begins, last = np.empty(n_groups, np.int32), np.empty(n_groups, np.int32)  # by positions
-    done = 0
     for k in range(n_groups):
         begin, height, exact = column, np.int64(heights[post[k]]), np.int64(0)
         for v in range(starts[post[k]], starts[post[k] + 1]):
@@ -172,21 +208,16 @@ def supernodes(  # noqa: PLR0917 - kernels take no keywords
         begins[done], last[done] = earliest, k
         done += 1
     first[done] = column
-    owner = np.empty(n_groups, np.int32)  # the supernode that has become of a group
     for s in range(done):
         for k in range(begins[s], last[s] + 1):
             owner[post[k]] = s
-    above = np.empty(done, np.int32)
     for s in range(done):
         parent = parents[post[last[s]]]
         above[s] = owner[parent] if parent != NONE else NONE
-    return vertices, first[: done + 1].copy(), tallest[:done].copy(), above
+    return done
 
 
-@kernel(  # type: ignore[operator]
-    types.Tuple((_new64, _new32, _new64, _new64, _new32))(_int64, *(_int32,) * 6, types.int64)
-)
-def structure(  # noqa: PLR0917 - kernels take no keywords
+def structure(  # noqa: PLR0917 - as the analysis has them
     indptr: IntArray,
     indices: IndexArray,
     order: IndexArray,
@@ -223,21 +254,49 @@ def structure(  # noqa: PLR0917 - kernels take no keywords
     rows : ndarray, int32
         Those of supernode s, its own columns first, are ``rows[row_starts[s]:row_starts[s + 1]]``.
     """
+    n, n_supernodes = len(order), len(above)
+    most = (len(indices) + n) // 2  # of a symmetric pattern, with every diagonal entry
+    starts = np.zeros(n + 1, dtype=np.int64)
+    lower_rows, places = np.empty(most, dtype=np.int32), np.empty(most, dtype=np.int64)
+    row_starts = np.zeros(n_supernodes + 1, dtype=np.int64)
+    np.cumsum(np.minimum(tallest + n_full, n - first[:-1]), out=row_starts[1:])
+    rows = np.empty(row_starts[-1], dtype=np.int32)
+    owners = np.repeat(np.arange(n_supernodes, dtype=np.int32), np.diff(first))
+    marks = np.full(n_supernodes, NONE, dtype=np.int32)
+    count = _trace(
+        indptr, indices, order, rank, above, owners, row_starts[:-1].copy(), marks,
+        starts, lower_rows, places, row_starts, rows,
+    )  # fmt: skip
+    return starts, lower_rows[:count], places[:count], row_starts, rows[: row_starts[-1]]
+
+
+@kernel(types.int64(_int64, *(_int32,) * 5, _new64, _new32, _new64, _new32, _new64, _new64, _new32))
+def _trace(  # noqa: PLR0917 - kernels take no keywords
+    indptr: IntArray,
+    indices: IndexArray,
+    order: IndexArray,
+    rank: IndexArray,
+    above: IndexArray,
+    owners: IndexArray,
+    ends: IntArray,
+    marks: IndexArray,
+    starts: IntArray,
+    lower_rows: IndexArray,
+    places: IntArray,
+    row_starts: IntArray,
+    rows: IndexArray,
+) -> int:
+    """Write what `structure` returns, and return how many entries the lower triangle has.
+
+    `owners` are the supernodes of the columns. Rows of supernode s begin at ``row_starts[s]``, of
+    which `ends` is a copy, and go up to the next; of supernodes `marks`, NONE before, are the rows
+    that were there last.
+    """
     n, n_supernodes = order.size, above.size
-    most = (indices.size + n) // 2  # of a symmetric pattern, with every diagonal entry
-    starts = np.zeros(n + 1, np.int64)
-    lower_rows, places = np.empty(most, np.int32), np.empty(most, np.int64)
-    owners, row_starts = np.empty(n, np.int32), np.zeros(n_supernodes + 1, np.int64)
-    for s in range(n_supernodes):
-        row_starts[s + 1] = row_starts[s] + min(tallest[s] + n_full, n - first[s])
-        for j in range(first[s], first[s + 1]):
-            owners[j] = s
-    rows, ends = np.empty(row_starts[n_supernodes], np.int32), row_starts[:-1].copy()
-    marks = np.full(n_supernodes, NONE, np.int32)
     entry, place, ranked, parent = pointer(indices), pointer(indptr), pointer(rank), pointer(above)
     lower, at, owner = pointer(lower_rows), pointer(places), pointer(owners)
     row, end, seen = pointer(rows), pointer(ends), pointer(marks)
-    q = np.int64(0)
+    q = 0
     for i in range(n):
         _look_ahead(indptr, indices, order, i)
         own = owner[i]
@@ -257,7 +316,7 @@ def structure(  # noqa: PLR0917 - kernels take no keywords
         row[end[own]] = i
         end[own] += 1
         starts[i + 1] = q
-    kept = np.int64(0)
+    kept = 0
     for s in range(n_supernodes):  # close the gaps that full rows may have left
         begin = row_starts[s]
         row_starts[s] = kept
@@ -268,20 +327,22 @@ def structure(  # noqa: PLR0917 - kernels take no keywords
             rows[kept] = rows[k]
             kept += 1
     row_starts[n_supernodes] = kept
-    keep((owners, ends, marks))
-    return starts, lower_rows[:q], places[:q], row_starts, rows[:kept]
+    return q
 
 
-@kernel(types.int64(_int32, _int64, _int32))  # type: ignore[operator]
 def stack_peak(first: IndexArray, row_starts: IntArray, above: IndexArray) -> int:
     """Return how many numbers the stack of update matrices holds at the most."""
-    n_supernodes = above.size
-    of_children = np.zeros(n_supernodes, np.int64)
-    height, peak = np.int64(0), np.int64(1)
-    for s in range(n_supernodes):
+    return _peak(first, row_starts, above, np.zeros(len(above), dtype=np.int64))
+
+
+@kernel(types.int64(_int32, _int64, _int32, _new64))
+def _peak(first: IndexArray, row_starts: IntArray, above: IndexArray, of_children: IntArray) -> int:
+    """Return that; `of_children`, 0 before, is what the children of each supernode leave."""
+    height, peak = 0, 1
+    for s in range(above.size):
         below = (row_starts[s + 1] - row_starts[s]) - (first[s + 1] - first[s])
         peak = max(peak, height + below * below)
         height += below * below - of_children[s]
         if above[s] != NONE:
             of_children[above[s]] += below * below
-    return int(peak)
+    return peak

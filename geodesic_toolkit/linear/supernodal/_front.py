@@ -9,8 +9,7 @@ their turn comes, and behind it all that follow at once.
 
 import math
 
-import numba
-
+from geodesic_toolkit._compiled import part
 from geodesic_toolkit._pointers import Pointer, shifted
 from geodesic_toolkit.linear.supernodal._tiles import (
     ACROSS,
@@ -23,9 +22,6 @@ from geodesic_toolkit.linear.supernodal._tiles import (
 
 __all__ = ["DONE", "eliminate", "packed_size"]
 
-HELPERS = "75e29588851edc91"
-"""Digest of what else is compiled into the kernels: Numba looks at this file only."""
-
 DONE = -1
 
 CHUNK = 128
@@ -37,15 +33,13 @@ SLAB = 128
 PACKED = 320
 """Rows from which on they are copied before use, so that one column is not pages from the next."""
 
-kernel = numba.njit(cache=True, nogil=True, error_model="numpy", fastmath={"contract", "nsz"})
-
 
 def packed_size(tallest: int) -> int:
     """Return how many numbers of room `eliminate` needs for fronts of up to so many rows."""
     return CHUNK * (tallest + TALL) if tallest > PACKED else 0
 
 
-@kernel  # type: ignore[untyped-decorator]
+@part(inline=True)
 def _pack(room: Pointer, source: Pointer, height: int, n_rows: int, depth: int) -> None:
     """Copy columns, `height` apart, so that what a tile reads is in one piece: rows by TALL."""
     for top in range(0, n_rows, TALL):
@@ -55,7 +49,7 @@ def _pack(room: Pointer, source: Pointer, height: int, n_rows: int, depth: int) 
                 room[top * depth + c * TALL + k] = source[c * height + top + k]
 
 
-@kernel  # type: ignore[untyped-decorator]
+@part(fused=True)
 def _subtract_products(  # noqa: PLR0917 - kernels take no keywords
     target: Pointer,
     stride: int,
@@ -99,7 +93,7 @@ def _subtract_products(  # noqa: PLR0917 - kernels take no keywords
                 row += LANES
 
 
-@kernel  # type: ignore[untyped-decorator]
+@part(inline=True)
 def _eliminate_four(panel: Pointer, height: int, c: int, count: int) -> int:
     """Eliminate up to four columns from c on; return the first one with a pivot <= 0, or -1."""
     for j in range(c, c + count):
@@ -112,7 +106,7 @@ def _eliminate_four(panel: Pointer, height: int, c: int, count: int) -> int:
             elif value > 0:
                 value = 1 / math.sqrt(value)
             else:  # nor is NaN
-                return int(j)
+                return j
             panel[j * height + i] = value
     p = c * height
     q = p + height if count > 1 else p
@@ -129,7 +123,7 @@ def _eliminate_four(panel: Pointer, height: int, c: int, count: int) -> int:
     return DONE
 
 
-@kernel  # type: ignore[untyped-decorator]
+@part(inline=True)
 def eliminate(panel: Pointer, update: Pointer, height: int, width: int, room: Pointer) -> int:
     """Eliminate the columns of a front in place; return the first one with a pivot <= 0, or -1.
 
@@ -143,22 +137,20 @@ def eliminate(panel: Pointer, update: Pointer, height: int, width: int, room: Po
     room : pointer
         `packed_size` numbers.
     """
-    below = height - width
     for begin in range(0, width, CHUNK):
         end = min(begin + CHUNK, width)
-        for c in range(begin, end, ACROSS):
-            count = min(end - c, ACROSS)
-            row = shifted(panel, begin * height + c)
-            own = shifted(panel, c * height + c)
-            _subtract_products(own, height, height - c, count, row, height, c - begin, False, room)
+        for c in range(begin, end + 1, ACROSS):
+            count = min(end - c, ACROSS) if c < end else width - end
+            row, own = shifted(panel, begin * height + c), shifted(panel, c * height + c)
+            depth, below = c - begin, height - c
+            if depth > 0:
+                _subtract_products(own, height, below, count, row, height, depth, False, room)
+            if c == end:
+                break
             failed = _eliminate_four(panel, height, c, count)
             if failed != DONE:
-                return int(failed)
-        row = shifted(panel, begin * height + end)
-        later = shifted(panel, end * height + end)
-        _subtract_products(
-            later, height, height - end, width - end, row, height, end - begin, False, room
-        )
+                return failed
+    below = height - width
     for begin in range(0, width, CHUNK):
         depth = min(CHUNK, width - begin)
         row = shifted(panel, begin * height + width)

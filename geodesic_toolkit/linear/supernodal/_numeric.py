@@ -13,11 +13,11 @@ On an M-matrix every sum here is one of numbers of one sign, so that each entry 
 accurate relative to itself.
 """
 
-import numba
 import numpy as np
 from numba import types
 from numpy.typing import NDArray
 
+from geodesic_toolkit._compiled import kernel, part
 from geodesic_toolkit._pointers import Pointer, pointer, prefetch, shifted
 from geodesic_toolkit._typing import FloatArray, IndexArray, IntArray
 from geodesic_toolkit.linear.supernodal._front import DONE, eliminate
@@ -26,7 +26,7 @@ from geodesic_toolkit.linear.supernodal._subnormals import flush_subnormals, res
 
 __all__ = ["factorize"]
 
-HELPERS = "5f11436c4e541f97"
+HELPERS = "69ebcbf5c303ba1c"
 """Digest of what else is compiled into the kernels: Numba looks at this file only."""
 
 AHEAD = 64
@@ -38,10 +38,8 @@ _int64 = types.Array(types.int64, 1, "C", readonly=True)
 _int32 = types.Array(types.int32, 1, "C", readonly=True)
 _values = types.Array(types.float64, 1, "C", readonly=True)
 
-kernel = numba.njit(cache=True, nogil=True, error_model="numpy", fastmath={"contract", "nsz"})
 
-
-@kernel  # type: ignore[untyped-decorator]
+@part(fused=True)
 def _add(  # noqa: PLR0917 - kernels take no keywords
     target: Pointer, stride: int, child: Pointer, places: Pointer, count: int, begin: int, end: int
 ) -> None:
@@ -55,7 +53,7 @@ def _add(  # noqa: PLR0917 - kernels take no keywords
             target[column + places[i]] += child[source + i]
 
 
-@kernel  # type: ignore[untyped-decorator]
+@part(inline=True)
 def _locate(places: Pointer, local: Pointer, rows: Pointer, count: int, width: int) -> int:
     """Write the places of rows in a front; return how many are among its columns."""
     inside = 0
@@ -65,20 +63,20 @@ def _locate(places: Pointer, local: Pointer, rows: Pointer, count: int, width: i
     return inside
 
 
-@kernel  # type: ignore[untyped-decorator]
+@part(fused=True)
 def _below(s: int, first: IndexArray, row_starts: IntArray) -> tuple[int, int]:
     """Return where the rows below the columns of a supernode begin, and how many there are."""
     begin = row_starts[s] + first[s + 1] - first[s]
     return begin, row_starts[s + 1] - begin
 
 
-@numba.njit(  # type: ignore[untyped-decorator]
+@kernel(
     types.int64(
         _values, _int64, _int32, _int64, _int32, _int64, _int32, _int32, _int64,
         types.float64[::1], types.uint32[::1],
         *(types.float64[::1],) * 4, types.int64[::1],
     ),
-    cache=True, nogil=True, error_model="numpy",
+    fused=True,
 )  # fmt: skip
 def factorize(  # noqa: PLR0912, PLR0915, PLR0917 - one sweep; kernels take no keywords
     data: FloatArray,
@@ -117,22 +115,22 @@ def factorize(  # noqa: PLR0912, PLR0915, PLR0917 - one sweep; kernels take no k
         Room for :func:`~geodesic_toolkit.linear.supernodal._front.eliminate`.
     pivots : ndarray of shape (N,)
         Receives the share of each diagonal entry that elimination leaves.
-    room : ndarray of shape (2 N,), int64
+    room : ndarray of shape (2 N + 3 S,), int64
+        To work in, too.
     """
-    n_supernodes = above.size
-    waiting, waiting_at = np.empty(n_supernodes, np.int32), np.empty(n_supernodes, np.int64)
-    odd = np.zeros(n_supernodes, np.bool_)
+    n, n_supernodes = pivots.size, above.size
+    local, child_rows, waiting = pointer(room), pointer(room[n:]), pointer(room[2 * n :])
+    waiting_at, odd = shifted(waiting, n_supernodes), shifted(waiting, 2 * n_supernodes)
     for s in range(n_supernodes - 1, -1, -1):
         odd[s] = above[s] != NONE and not odd[above[s]]
-    n_waiting, low, high = 0, np.int64(0), np.int64(stack.size)
+    n_waiting, low, high = 0, 0, stack.size
     kept, updates, row = numbers(halves), pointer(stack), pointer(rows)
     by_halves = halves.size > 0
     own_panels = pointer(front if by_halves else factor)
-    local, child_rows = pointer(room), pointer(room[pivots.size :])
     values, last, packed = pointer(data), places.size - 1, pointer(pack)
     mode = flush_subnormals()
     for s in range(n_supernodes):
-        start, begin = row_starts[s], np.int64(first[s])
+        start, begin = row_starts[s], first[s]
         height, width = row_starts[s + 1] - start, first[s + 1] - begin
         below = height - width
         panel = shifted(own_panels, 0 if by_halves else panels[s])

@@ -14,19 +14,20 @@ with the number of their rows, and neither has to be found anew from the pattern
 """
 
 import math
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
-import numba
 import numpy as np
 from numba import types
 from numpy.typing import NDArray
 
+from geodesic_toolkit._compiled import kernel
+from geodesic_toolkit._pointers import keep as keep_alive
 from geodesic_toolkit._pointers import pointer, prefetch, shifted
 from geodesic_toolkit._typing import IndexArray, IntArray
 
 __all__ = ["Elimination", "minimum_degree"]
 
-HELPERS = "5b7e21d9922a23a1"
+HELPERS = "05e4ccb5caf08178"
 """Digest of what else is compiled into the kernels: Numba looks at this file only."""
 
 NONE = -1
@@ -95,24 +96,34 @@ def minimum_degree(indptr: IntArray, indices: IndexArray) -> Elimination:
     # NumPy asks the system for large pages, which visits in no order need most; Numba does not.
     lists = np.empty(2 * nnz + 2 * n + 64, dtype=np.int32)
     narrow = len(lists) < HIGHEST
-    kernel, kind = (_eliminated, np.int32) if narrow else (_eliminated_by_long, np.int64)
+    eliminate, kind = (_eliminated, np.int32) if narrow else (_eliminated_by_long, np.int64)
     fields = np.empty(FIELDS * n + 64, dtype=kind)
     aligned = -(fields.ctypes.data // fields.itemsize) % (64 // fields.itemsize)
     node = fields[aligned : aligned + FIELDS * n].reshape(n, FIELDS)  # no row on two cache lines
     links = np.full(6 * n + 1, NONE, dtype=np.int32)
-    *found, _ = kernel(indptr, indices, lists, node, links, np.iinfo(kind).max)
-    return Elimination(*found)
+    order, starts = np.empty(n, dtype=np.int32), np.zeros(n + 1, dtype=np.int32)
+    heights, parents = np.empty(n, dtype=np.int32), np.empty(n, dtype=np.int32)
+    n_groups, n_full = eliminate(
+        indptr, indices, lists, node, links, np.iinfo(kind).max, order, starts, heights, parents
+    )
+    return Elimination(
+        order, starts[: n_groups + 1], heights[:n_groups], parents[:n_groups], n_full
+    )
 
 
 def _eliminate(  # noqa: PLR0912, PLR0915, PLR0917 - its steps share a dozen arrays
     indptr: IntArray,
     indices: IndexArray,
     storage: IndexArray,
-    fields: NDArray[np.signedinteger],
+    fields: NDArray[Any],
     links: IndexArray,
     highest: int,
-) -> tuple[IndexArray, IndexArray, IndexArray, IndexArray, int, IndexArray]:
-    """Return the fields of an `Elimination`, and the room for lists, which so lives until the end.
+    vertices: IndexArray,
+    starts: IndexArray,
+    heights: IndexArray,
+    parents: IndexArray,
+) -> tuple[int, int]:
+    """Write an `Elimination`, and return how many groups it has and how many vertices are full.
 
     Parameters
     ----------
@@ -126,6 +137,8 @@ def _eliminate(  # noqa: PLR0912, PLR0915, PLR0917 - its steps share a dozen arr
         Lists of vertices that are linked from one to the next, all empty: NONE everywhere.
     highest : int
         The largest number that a field holds.
+    vertices, starts, heights, parents : ndarray of shape (N,) or, `starts`, (N + 1,)
+        Receive the fields of an `Elimination`; `starts` is zero before.
     """
     n = indptr.size - 1
     nnz = indptr[n]
@@ -135,37 +148,37 @@ def _eliminate(  # noqa: PLR0912, PLR0915, PLR0917 - its steps share a dozen arr
     head, bucket = pointer(links), pointer(links[n + 1 :])  # the first vertex of a degree, a hash
     bucket_next, hashes = pointer(links[2 * n + 1 :]), pointer(links[3 * n + 1 :])
     last_member, next_member = pointer(links[4 * n + 1 :]), pointer(links[5 * n + 1 :])
-    vertices, ordered = np.empty(n, np.int32), 0
-    order = pointer(vertices)
-    starts, n_groups = np.zeros(n + 1, np.int32), 0
+    order, ordered, n_groups = pointer(vertices), 0, 0
 
     end = np.int64(0)
     for i in range(n):
+        its = shifted(node, FIELDS * i)
         last_member[i] = i
-        node[FIELDS * i + START] = end
+        its[START] = end
         for p in range(indptr[i], indptr[i + 1]):
             if neighbours[p] != i:
                 lists[end] = neighbours[p]
                 end += 1
-        node[FIELDS * i + LENGTH] = node[FIELDS * i + DEGREE] = end - node[FIELDS * i + START]
-        node[FIELDS * i + SIZE], node[FIELDS * i + ELEMENTS], node[FIELDS * i + MARK] = 1, 0, 1
-        node[FIELDS * i + AFTER], node[FIELDS * i + BEFORE] = NONE, NONE
+        its[LENGTH] = its[DEGREE] = end - its[START]
+        its[SIZE], its[ELEMENTS], its[MARK] = 1, 0, 1
+        its[AFTER], its[BEFORE] = NONE, NONE
     # Rows that are nearly full belong at the end whatever the rest does, and are dear to update.
-    full = max(16, int(10 * math.sqrt(n)))
+    full = max(16, np.int64(10 * math.sqrt(n)))
     eliminated = 0
     n_full = 0
     for i in range(n - 1, -1, -1):
-        if node[FIELDS * i + DEGREE] > full:
+        its = shifted(node, FIELDS * i)
+        if its[DEGREE] > full:
             n_full += 1
             eliminated += 1
-            node[FIELDS * i + SIZE] = 0
+            its[SIZE] = 0
             order[n - n_full] = i
         else:
-            follower = head[node[FIELDS * i + DEGREE]]
-            node[FIELDS * i + AFTER] = follower
+            follower = head[its[DEGREE]]
+            its[AFTER] = follower
             if follower != NONE:
                 node[FIELDS * follower + BEFORE] = i
-            head[node[FIELDS * i + DEGREE]] = i
+            head[its[DEGREE]] = i
 
     mask = 1
     while 2 * mask <= n:
@@ -182,22 +195,21 @@ def _eliminate(  # noqa: PLR0912, PLR0915, PLR0917 - its steps share a dozen arr
         while head[least] == NONE:
             least += 1
         pivot = head[least]
-        head[least] = node[FIELDS * pivot + AFTER]
-        if node[FIELDS * pivot + AFTER] != NONE:
-            node[FIELDS * node[FIELDS * pivot + AFTER] + BEFORE] = NONE
-        upcoming = np.int64(node[FIELDS * pivot + AFTER])  # the next pivot, most of the time
-        if upcoming != NONE:
-            prefetch(shifted(node, FIELDS * upcoming))
-        pivot_size = node[FIELDS * pivot + SIZE]
+        own = shifted(node, FIELDS * pivot)
+        follower = own[AFTER]  # the next pivot, most of the time
+        upcoming = shifted(node, FIELDS * np.int64(follower))
+        head[least] = follower
+        if follower != NONE:
+            upcoming[BEFORE] = NONE
+            prefetch(upcoming)
+        pivot_size = own[SIZE]
         eliminated += pivot_size
-        node[FIELDS * pivot + SIZE] = -pivot_size
+        own[SIZE] = -pivot_size
 
         # -- its element Lₚ: its variables, and those of its elements, which it absorbs ------------
-        needed = np.int64(node[FIELDS * pivot + LENGTH] - node[FIELDS * pivot + ELEMENTS])
-        for p in range(
-            node[FIELDS * pivot + START],
-            node[FIELDS * pivot + START] + node[FIELDS * pivot + ELEMENTS],
-        ):
+        begin, count = own[START], own[ELEMENTS]
+        needed = np.int64(own[LENGTH] - count)
+        for p in range(begin, begin + count):
             needed += node[FIELDS * lists[p] + LENGTH]
         if end + needed > storage.size:
             live = np.int64(0)
@@ -206,99 +218,92 @@ def _eliminate(  # noqa: PLR0912, PLR0915, PLR0917 - its steps share a dozen arr
             moved = np.empty(live + needed + nnz, np.int32)
             end = np.int64(0)
             for i in range(n):
-                old = node[FIELDS * i + START]
-                node[FIELDS * i + START] = end
-                for p in range(old, old + node[FIELDS * i + LENGTH]):
+                its = shifted(node, FIELDS * i)
+                old = its[START]
+                its[START] = end
+                for p in range(old, old + its[LENGTH]):
                     moved[end] = lists[p]
                     end += 1
             storage, lists = moved, pointer(moved)
         first, members = end, 0
-        for q in range(node[FIELDS * pivot + ELEMENTS] + 1):
-            own = q == node[FIELDS * pivot + ELEMENTS]
-            e = pivot if own else lists[node[FIELDS * pivot + START] + q]
-            begin = node[FIELDS * e + START] + (node[FIELDS * pivot + ELEMENTS] if own else 0)
-            for p in range(begin, node[FIELDS * e + START] + node[FIELDS * e + LENGTH]):
+        for q in range(count + 1):
+            last = q == count
+            e = pivot if last else lists[own[START] + q]
+            element = shifted(node, FIELDS * e)
+            begin = element[START]
+            for p in range(begin + count if last else begin, begin + element[LENGTH]):
                 i = lists[p]
-                own_size = node[FIELDS * i + SIZE]
-                if own_size > 0:
-                    members += own_size
-                    node[FIELDS * i + SIZE] = -own_size
+                its = shifted(node, FIELDS * i)
+                size = its[SIZE]
+                if size > 0:
+                    members += size
+                    its[SIZE] = -size
                     lists[end] = i
                     end += 1
-                    prefetch(shifted(lists, np.int64(node[FIELDS * i + START])))
-                    if node[FIELDS * i + BEFORE] != NONE:
-                        node[FIELDS * node[FIELDS * i + BEFORE] + AFTER] = node[FIELDS * i + AFTER]
+                    prefetch(shifted(lists, np.int64(its[START])))
+                    before, after = its[BEFORE], its[AFTER]
+                    if before != NONE:
+                        node[FIELDS * before + AFTER] = after
                     else:
-                        head[node[FIELDS * i + DEGREE]] = node[FIELDS * i + AFTER]
-                    if node[FIELDS * i + AFTER] != NONE:
-                        node[FIELDS * node[FIELDS * i + AFTER] + BEFORE] = node[FIELDS * i + BEFORE]
-            if not own:
-                node[FIELDS * e + MARK], node[FIELDS * e + LENGTH], node[FIELDS * e + ABSORBER] = (
-                    0,
-                    0,
-                    pivot,
-                )
-        node[FIELDS * pivot + ELEMENTS] = 0
-        node[FIELDS * pivot + START], node[FIELDS * pivot + LENGTH] = first, end - first
+                        head[its[DEGREE]] = after
+                    if after != NONE:
+                        node[FIELDS * after + BEFORE] = before
+            if not last:
+                element[MARK], element[LENGTH], element[ABSORBER] = 0, 0, pivot
+        own[ELEMENTS], own[START], own[LENGTH] = 0, first, end - first
 
         # -- |Lₑ \ Lₚ| for every element e that touches Lₚ -----------------------------------------
         epoch += 1
-        if upcoming != NONE:
-            prefetch(shifted(lists, np.int64(node[FIELDS * upcoming + START])))
+        if follower != NONE:
+            prefetch(shifted(lists, np.int64(upcoming[START])))
         for k in range(first, end):
-            i = lists[k]
-            own_size = -node[FIELDS * i + SIZE]
-            for p in range(
-                node[FIELDS * i + START], node[FIELDS * i + START] + node[FIELDS * i + ELEMENTS]
-            ):
-                e = lists[p]
-                left = node[FIELDS * e + MARK]
+            its = shifted(node, FIELDS * lists[k])
+            size = -its[SIZE]
+            for p in range(its[START], its[START] + its[ELEMENTS]):
+                element = shifted(node, FIELDS * lists[p])
+                left = element[MARK]
                 if left >= epoch:
-                    node[FIELDS * e + MARK] = left - own_size
+                    element[MARK] = left - size
                 elif left != 0:
-                    node[FIELDS * e + MARK] = node[FIELDS * e + DEGREE] + epoch - own_size
+                    element[MARK] = element[DEGREE] + epoch - size
 
         # -- new lists and approximate degrees of the members --------------------------------------
         for k in range(first, end):
             i = lists[k]
-            begin, stop = (
-                node[FIELDS * i + START],
-                node[FIELDS * i + START] + node[FIELDS * i + LENGTH],
-            )
-            variables = begin + node[FIELDS * i + ELEMENTS]
+            its = shifted(node, FIELDS * i)
+            begin, stop = its[START], its[START] + its[LENGTH]
+            variables = begin + its[ELEMENTS]
             outside, fold, keep = 0, np.int64(0), begin
             for p in range(begin, variables):
                 e = lists[p]
-                left = node[FIELDS * e + MARK]
+                element = shifted(node, FIELDS * e)
+                left = element[MARK]
                 if left > epoch:
                     outside += left - epoch
                     fold += e
                     lists[keep] = e
                     keep += 1
                 elif left != 0:  # all of e lies in the new element: absorb it
-                    (
-                        node[FIELDS * e + MARK],
-                        node[FIELDS * e + LENGTH],
-                        node[FIELDS * e + ABSORBER],
-                    ) = 0, 0, pivot
+                    element[MARK], element[LENGTH], element[ABSORBER] = 0, 0, pivot
             kept = keep - begin
             for p in range(variables, stop):
                 j = lists[p]
-                own_size = node[FIELDS * j + SIZE]
-                if own_size > 0:
-                    outside += own_size
+                size = node[FIELDS * j + SIZE]
+                if size > 0:
+                    outside += size
                     fold += j
                     lists[keep] = j
                     keep += 1
             if keep == begin:  # nothing but the new element: eliminated along with the pivot
-                pivot_size -= node[FIELDS * i + SIZE]
-                eliminated -= node[FIELDS * i + SIZE]
-                members += node[FIELDS * i + SIZE]
-                node[FIELDS * i + SIZE], node[FIELDS * i + LENGTH] = 0, 0
+                size = its[SIZE]
+                pivot_size -= size
+                eliminated -= size
+                members += size
+                its[SIZE], its[LENGTH] = 0, 0
                 next_member[last_member[pivot]] = i
                 last_member[pivot] = last_member[i]
                 continue
-            node[FIELDS * i + DEGREE] = min(node[FIELDS * i + DEGREE], outside)
+            its[DEGREE] = min(its[DEGREE], outside)
             # The new element goes first. Its place was that of an element or a variable which is
             # there no longer, as it brought i into Lₚ.
             if keep > begin + kept:
@@ -306,18 +311,15 @@ def _eliminate(  # noqa: PLR0912, PLR0915, PLR0917 - its steps share a dozen arr
             if kept > 0:
                 lists[begin + kept] = lists[begin]
             lists[begin] = pivot
-            node[FIELDS * i + ELEMENTS], node[FIELDS * i + LENGTH] = kept + 1, keep - begin + 1
-            hashes[i] = (fold + pivot) & mask
-            bucket_next[i] = bucket[hashes[i]]
-            bucket[hashes[i]] = i
-        node[FIELDS * pivot + DEGREE] = members
+            its[ELEMENTS], its[LENGTH] = kept + 1, keep - begin + 1
+            key = (fold + pivot) & mask
+            hashes[i], bucket_next[i] = key, bucket[key]
+            bucket[key] = i
+        own[DEGREE] = members
         largest = max(largest, members)
 
-        if upcoming != NONE:
-            for p in range(
-                node[FIELDS * upcoming + START],
-                node[FIELDS * upcoming + START] + node[FIELDS * upcoming + LENGTH],
-            ):
+        if follower != NONE:
+            for p in range(upcoming[START], upcoming[START] + upcoming[LENGTH]):
                 prefetch(shifted(node, FIELDS * np.int64(lists[p])))
 
         # -- members with equal lists become one variable ------------------------------------------
@@ -330,29 +332,23 @@ def _eliminate(  # noqa: PLR0912, PLR0915, PLR0917 - its steps share a dozen arr
             bucket[key] = NONE
             while i != NONE and bucket_next[i] != NONE:
                 epoch += 1
-                for p in range(
-                    node[FIELDS * i + START] + 1,
-                    node[FIELDS * i + START] + node[FIELDS * i + LENGTH],
-                ):
+                its = shifted(node, FIELDS * i)
+                length, count = its[LENGTH], its[ELEMENTS]
+                for p in range(its[START] + 1, its[START] + length):
                     node[FIELDS * lists[p] + MARK] = epoch
                 previous, j = i, bucket_next[i]
                 while j != NONE:
-                    same = (
-                        node[FIELDS * j + LENGTH] == node[FIELDS * i + LENGTH]
-                        and node[FIELDS * j + ELEMENTS] == node[FIELDS * i + ELEMENTS]
-                    )
+                    other = shifted(node, FIELDS * j)
+                    same = other[LENGTH] == length and other[ELEMENTS] == count
                     if same:
-                        for p in range(
-                            node[FIELDS * j + START] + 1,
-                            node[FIELDS * j + START] + node[FIELDS * j + LENGTH],
-                        ):
+                        for p in range(other[START] + 1, other[START] + length):
                             if node[FIELDS * lists[p] + MARK] != epoch:
                                 same = False
                                 break
                     following = bucket_next[j]
                     if same:
-                        node[FIELDS * i + SIZE] += node[FIELDS * j + SIZE]
-                        node[FIELDS * j + SIZE], node[FIELDS * j + LENGTH] = 0, 0
+                        its[SIZE] += other[SIZE]
+                        other[SIZE], other[LENGTH] = 0, 0
                         next_member[last_member[i]] = j
                         last_member[i] = last_member[j]
                         bucket_next[previous] = following
@@ -364,28 +360,26 @@ def _eliminate(  # noqa: PLR0912, PLR0915, PLR0917 - its steps share a dozen arr
 
         # -- back into the lists of degrees; out with the pivot ------------------------------------
         end = first
-        for k in range(first, first + node[FIELDS * pivot + LENGTH]):
+        for k in range(first, first + own[LENGTH]):
             i = lists[k]
-            if node[FIELDS * i + SIZE] == 0:
+            its = shifted(node, FIELDS * i)
+            size = -its[SIZE]
+            if size == 0:
                 continue
-            node[FIELDS * i + SIZE] = -node[FIELDS * i + SIZE]
-            node[FIELDS * i + DEGREE] = max(
-                0,
-                min(node[FIELDS * i + DEGREE] + members, n - eliminated) - node[FIELDS * i + SIZE],
-            )
-            follower = head[node[FIELDS * i + DEGREE]]
-            node[FIELDS * i + AFTER], node[FIELDS * i + BEFORE] = follower, NONE
-            if follower != NONE:
-                node[FIELDS * follower + BEFORE] = i
-            head[node[FIELDS * i + DEGREE]] = i
-            least = min(least, node[FIELDS * i + DEGREE])
+            its[SIZE] = size
+            degree = max(min(its[DEGREE] + members, n - eliminated) - size, 0)
+            following = head[degree]
+            its[DEGREE], its[AFTER], its[BEFORE] = degree, following, NONE
+            if following != NONE:
+                node[FIELDS * following + BEFORE] = i
+            head[degree] = i
+            least = min(least, degree)
             lists[end] = i
             end += 1
-        node[FIELDS * pivot + LENGTH] = end - first
-        node[FIELDS * pivot + SIZE] = pivot_size
-        if node[FIELDS * pivot + LENGTH] == 0:
-            node[FIELDS * pivot + MARK] = 0
-        node[FIELDS * pivot + ABSORBER], node[FIELDS * pivot + NUMBER] = NONE, n_groups
+        own[LENGTH], own[SIZE] = end - first, pivot_size
+        if end == first:
+            own[MARK] = 0
+        own[ABSORBER], own[NUMBER] = NONE, n_groups
         v = pivot
         while v != NONE:
             order[ordered] = v
@@ -394,28 +388,26 @@ def _eliminate(  # noqa: PLR0912, PLR0915, PLR0917 - its steps share a dozen arr
         n_groups += 1
         starts[n_groups] = ordered
 
-    heights, parents = np.empty(n_groups + 1, np.int32), np.empty(n_groups + 1, np.int32)
     after = n_groups if n_full else NONE  # what is full takes over from all that is left
     for g in range(n_groups):
         if g + AHEAD < n_groups:
             prefetch(shifted(node, FIELDS * np.int64(order[starts[g + AHEAD]])))
-        e = order[starts[g]]
-        heights[g] = node[FIELDS * e + SIZE] + node[FIELDS * e + DEGREE]
-        absorber = node[FIELDS * e + ABSORBER]
+        element = shifted(node, FIELDS * order[starts[g]])
+        heights[g] = element[SIZE] + element[DEGREE]
+        absorber = element[ABSORBER]
         parents[g] = after if absorber == NONE else node[FIELDS * absorber + NUMBER]
     if n_full:
         heights[n_groups], parents[n_groups] = n_full, NONE
         n_groups += 1
         starts[n_groups] = n
-    starts, heights, parents = starts[: n_groups + 1], heights[:n_groups], parents[:n_groups]
-    return vertices, starts, heights, parents, n_full, storage
+    keep_alive((storage,))
+    return n_groups, n_full
 
 
-_options = {"cache": True, "nogil": True, "error_model": "numpy"}
-_eliminated = numba.njit(
-    types.Tuple((*(types.int32[::1],) * 4, types.int64, types.int32[::1]))(
-        _starts, _indices, types.int32[::1], types.int32[:, ::1], types.int32[::1], types.int64
-    ),
-    **_options,
+_new = types.int32[::1]
+_eliminated = kernel(
+    types.UniTuple(types.int64, 2)(
+        _starts, _indices, _new, types.int32[:, ::1], _new, types.int64, *(_new,) * 4
+    )
 )(_eliminate)
-_eliminated_by_long = numba.njit(**_options)(_eliminate)  # compiled when it is called, if ever
+_eliminated_by_long = kernel()(_eliminate)  # compiled when it is called, if ever

@@ -6,10 +6,10 @@ subtree, so is the solution of ``L y = b``, and the forward substitution passes 
 vertex touches only the way from there to the root.
 """
 
-import numba
 import numpy as np
 from numba import types
 
+from geodesic_toolkit._compiled import kernel, part
 from geodesic_toolkit._pointers import Pointer, pointer, shifted
 from geodesic_toolkit._typing import FloatArray, IndexArray, IntArray
 from geodesic_toolkit.linear.supernodal._columns import (
@@ -25,7 +25,7 @@ from geodesic_toolkit.linear.supernodal.analysis import LANES, Panels
 
 __all__ = ["BLOCK", "solve_block", "solve_column"]
 
-HELPERS = "cd2c203387421fc0"
+HELPERS = "673c9bda3edeaf6f"
 """Digest of what else is compiled into the kernels: Numba looks at this file only."""
 
 _int64 = types.Array(types.int64, 1, "C", readonly=True)
@@ -39,11 +39,8 @@ _room = types.float64[::1]
 FEW = 4
 """Columns of a supernode up to which x is worked on where it is."""
 
-# No sum is reordered, so that all columns of a block come out alike, wherever they are in it.
-kernel = numba.njit(cache=True, nogil=True, error_model="numpy", fastmath={"contract", "nsz"})
 
-
-@kernel  # type: ignore[untyped-decorator]
+@part(fused=True)
 def _columns(panel: int, height: int, c: int, count: int) -> tuple[int, int, int, int]:
     """Return where up to four columns of a panel are, from c on, and that of the first for others.
 
@@ -56,32 +53,31 @@ def _columns(panel: int, height: int, c: int, count: int) -> tuple[int, int, int
     return p, q, r, s
 
 
-@kernel  # type: ignore[untyped-decorator]
+@part(fused=True)
 def _forward_four(
-    x: Pointer, c: int, count: int, factor: Pointer, at: tuple[int, int, int, int]
+    x: Pointer, count: int, factor: Pointer, at: tuple[int, int, int, int]
 ) -> tuple[float, float, float, float]:
-    """Solve with a triangle of up to four columns, ``x[c:c + count]`` in place; others are 0."""
+    """Solve with a triangle of up to four columns, ``x[:count]`` in place; others are 0."""
     p, q, r, s = at
-    x0, x1, x2, x3 = x[c] * factor[p], 0.0, 0.0, 0.0
-    x[c] = x0
+    x0, x1, x2, x3 = x[0] * factor[p], 0.0, 0.0, 0.0
+    x[0] = x0
     if count > 1:
-        x1 = (x[c + 1] - factor[p + 1] * x0) * factor[q + 1]
-        x[c + 1] = x1
+        x1 = (x[1] - factor[p + 1] * x0) * factor[q + 1]
+        x[1] = x1
     if count > 2:
-        x2 = x[c + 2] - factor[p + 2] * x0 - factor[q + 2] * x1
+        x2 = x[2] - factor[p + 2] * x0 - factor[q + 2] * x1
         x2 *= factor[r + 2]
-        x[c + 2] = x2
+        x[2] = x2
     if count > 3:
-        x3 = x[c + 3] - factor[p + 3] * x0 - factor[q + 3] * x1 - factor[r + 3] * x2
+        x3 = x[3] - factor[p + 3] * x0 - factor[q + 3] * x1 - factor[r + 3] * x2
         x3 *= factor[s + 3]
-        x[c + 3] = x3
+        x[3] = x3
     return x0, x1, x2, x3
 
 
-@kernel  # type: ignore[untyped-decorator]
-def _backward_four(  # noqa: PLR0917 - kernels take no keywords
+@part(fused=True)
+def _backward_four(
     x: Pointer,
-    c: int,
     count: int,
     factor: Pointer,
     at: tuple[int, int, int, int],
@@ -89,31 +85,31 @@ def _backward_four(  # noqa: PLR0917 - kernels take no keywords
 ) -> None:
     """Solve with the transposed triangle; `below` are the products of the rows below it."""
     p, q, r, s = at
-    x0, x1, x2, x3 = x[c] - below[0], 0.0, 0.0, 0.0
+    x0, x1, x2, x3 = x[0] - below[0], 0.0, 0.0, 0.0
     if count > 3:
-        x3 = (x[c + 3] - below[3]) * factor[s + 3]
-        x[c + 3] = x3
+        x3 = (x[3] - below[3]) * factor[s + 3]
+        x[3] = x3
         x0 -= factor[p + 3] * x3
     if count > 2:
-        x2 = x[c + 2] - below[2]
+        x2 = x[2] - below[2]
         if count > 3:
             x2 -= factor[r + 3] * x3
         x2 *= factor[r + 2]
-        x[c + 2] = x2
+        x[2] = x2
         x0 -= factor[p + 2] * x2
     if count > 1:
-        x1 = x[c + 1] - below[1]
+        x1 = x[1] - below[1]
         if count > 2:
             x1 -= factor[q + 2] * x2
         if count > 3:
             x1 -= factor[q + 3] * x3
         x1 *= factor[q + 1]
-        x[c + 1] = x1
+        x[1] = x1
         x0 -= factor[p + 1] * x1
-    x[c] = x0 * factor[p]
+    x[0] = x0 * factor[p]
 
 
-@kernel  # type: ignore[untyped-decorator]
+@part(inline=True)
 def _forward(x: Pointer, width: int, height: int, factor: Pointer, panel: int) -> None:
     """Solve with the triangle of a panel in place, and subtract what that means for the rows below.
 
@@ -123,13 +119,13 @@ def _forward(x: Pointer, width: int, height: int, factor: Pointer, panel: int) -
     for c in range(0, width, 4):
         count = min(width - c, 4)
         at = _columns(panel, height, c, count)
-        x0, x1, x2, x3 = _forward_four(x, c, count, factor, at)
+        x0, x1, x2, x3 = _forward_four(shifted(x, c), count, factor, at)
         p, q, r, s = at[0] + count, at[1] + count, at[2] + count, at[3] + count
         end = c + count
         minus_columns(x, end, height - end, factor, p, q, r, s, x0, x1, x2, x3)
 
 
-@kernel  # type: ignore[untyped-decorator]
+@part(inline=True)
 def _backward(x: Pointer, width: int, height: int, factor: Pointer, panel: int) -> None:
     """Solve with the transposed triangle of a panel in place, given the solution below it."""
     for c in range((width - 1) // 4 * 4, -1, -4):
@@ -138,13 +134,13 @@ def _backward(x: Pointer, width: int, height: int, factor: Pointer, panel: int) 
         p, q, r, s = at[0] + count, at[1] + count, at[2] + count, at[3] + count
         end = c + count
         below = dot_columns(x, end, height - end, factor, p, q, r, s)
-        _backward_four(x, c, count, factor, at, below)
+        _backward_four(shifted(x, c), count, factor, at, below)
 
 
-@numba.njit(  # type: ignore[untyped-decorator]
-    [types.boolean(_values, *_symbolic, factor, _room, _room) for factor in (_values, _halves)],
-    cache=True, nogil=True, error_model="numpy",
-)  # fmt: skip
+@kernel(
+    *(types.boolean(_values, *_symbolic, factor, _room, _room) for factor in (_values, _halves)),
+    fused=True,
+)
 def solve_column(  # noqa: PLR0912, PLR0917 - two sweeps; kernels take no keywords
     right_hand_side: FloatArray,
     order: IndexArray,
@@ -186,7 +182,7 @@ def solve_column(  # noqa: PLR0912, PLR0917 - two sweeps; kernels take no keywor
         below = shifted(row, start + width)
         if width <= FEW:  # most are: no copy, and a loop or two
             at = _columns(panels[s], height, 0, width)
-            x0, x1, x2, x3 = _forward_four(shifted(x, begin), 0, width, factor, at)
+            x0, x1, x2, x3 = _forward_four(shifted(x, begin), width, factor, at)
             p, q, r, t = at[0] + width, at[1] + width, at[2] + width, at[3] + width
             minus_rows(x, below, height - width, n, factor, p, q, r, t, x0, x1, x2, x3)
             continue
@@ -208,7 +204,7 @@ def solve_column(  # noqa: PLR0912, PLR0917 - two sweeps; kernels take no keywor
             p, q, r, t = at[0] + width, at[1] + width, at[2] + width, at[3] + width
             below = shifted(row, start + width)
             dots = dot_rows(x, below, height - width, n, factor, p, q, r, t)
-            _backward_four(shifted(x, begin), 0, width, factor, at, dots)
+            _backward_four(shifted(x, begin), width, factor, at, dots)
             continue
         for j in range(width):
             own[j] = x[begin + j]
@@ -227,7 +223,7 @@ def solve_column(  # noqa: PLR0912, PLR0917 - two sweeps; kernels take no keywor
     return nothing == 0.0
 
 
-@kernel  # type: ignore[untyped-decorator]
+@part(fused=True)
 def _forward_block(  # noqa: PLR0917 - kernels take no keywords
     x: Pointer,
     head: Pointer,
@@ -273,7 +269,7 @@ def _forward_block(  # noqa: PLR0917 - kernels take no keywords
         c += 1
 
 
-@kernel  # type: ignore[untyped-decorator]
+@part(fused=True)
 def _backward_block(  # noqa: PLR0917 - kernels take no keywords
     x: Pointer,
     head: Pointer,
@@ -316,13 +312,12 @@ def _backward_block(  # noqa: PLR0917 - kernels take no keywords
             x[j + k] = head[k] * factor[p]
 
 
-@numba.njit(  # type: ignore[untyped-decorator]
-    [
+@kernel(
+    *(
         types.boolean(_block, *_symbolic, factor, _room, types.float64[:, ::1])
         for factor in (_values, _halves)
-    ],
-    cache=True, nogil=True, error_model="numpy",
-)  # fmt: skip
+    )
+)
 def solve_block(  # noqa: PLR0917 - kernels take no keywords
     right_hand_sides: FloatArray,
     order: IndexArray,
@@ -355,11 +350,11 @@ def solve_block(  # noqa: PLR0917 - kernels take no keywords
         for j in range(first[s] * BLOCK, first[s + 1] * BLOCK):
             touched |= x[j] != 0.0
         if touched:
-            start, width = row_starts[s], np.int64(first[s + 1] - first[s])
+            start, width = row_starts[s], first[s + 1] - first[s]
             height = row_starts[s + 1] - start
             _forward_block(x, head, width, height, factor, panels[s], row, start)
     for s in range(n_supernodes - 1, -1, -1):
-        start, width = row_starts[s], np.int64(first[s + 1] - first[s])
+        start, width = row_starts[s], first[s + 1] - first[s]
         height = row_starts[s + 1] - start
         _backward_block(x, head, width, height, factor, panels[s], row, start)
     nothing = 0.0

@@ -167,7 +167,7 @@ def analyze(matrix: csr_array) -> Analysis:
         rows=rows,
         above=above,
         panels=np.concatenate([[0], np.cumsum(sizes)]),
-        stack=int(_elimination.stack_peak(first, row_starts, above)),
+        stack=_elimination.stack_peak(first, row_starts, above),
         tallest=int(heights.max(initial=0)),
         largest=int(sizes.max(initial=0)),
     )

@@ -70,9 +70,7 @@ class SupernodalFactor(Factor):
         if count <= FEW:
             with its.room(its.n_vertices + 1 + its.tallest + LANES) as room:
                 if count == 1:
-                    return bool(
-                        _solve.solve_column(b.reshape(-1), *known, room, solution.reshape(-1))
-                    )
+                    return _solve.solve_column(b.reshape(-1), *known, room, solution.reshape(-1))
                 finite = True
                 for k in range(count):
                     column = b[:, k].copy()
@@ -81,7 +79,7 @@ class SupernodalFactor(Factor):
             return finite
         with its.room(_solve.BLOCK * (its.n_vertices + 4)) as room:
             if count <= _solve.BLOCK:
-                return bool(_solve.solve_block(b, *known, room, solution))
+                return _solve.solve_block(b, *known, room, solution)
             finite = True
             for start in range(0, count, _solve.BLOCK):
                 block = b[:, start : start + _solve.BLOCK].copy()
@@ -154,7 +152,7 @@ def factorize(matrix: csr_array, analysis: Analysis, *, halves: bool = False) ->
         stack,
         np.empty(_front.packed_size(analysis.tallest)),
         pivots,
-        np.empty(2 * n, dtype=np.int64),
+        np.empty(2 * n + 3 * len(analysis.above), dtype=np.int64),
     )
     if failed >= 0 or not pivots.min(initial=1.0) > SINGULAR * math.sqrt(n):  # nor is NaN
         column = int(failed if failed >= 0 else pivots.argmin())
