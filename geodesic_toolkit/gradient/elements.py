@@ -191,7 +191,7 @@ class ElementGradient(Gradient):
         """Return ``Gᵀ W X`` with ``X = -∇u/|∇u|``, (N,) or (N, K); on triangles in one pass."""
         if not (self.of_planes and self._is_compiled):
             return super().descent_load(heat, logarithmic=logarithmic)
-        from geodesic_toolkit._descent import descent_load, descent_loads, split
+        from geodesic_toolkit._descent import AT_ONCE, descent_load, descent_loads, split
 
         heat = np.ascontiguousarray(heat, dtype=np.float64)
         powers = np.empty((0,) * heat.ndim, dtype=np.int32)
@@ -202,7 +202,7 @@ class ElementGradient(Gradient):
         load = np.zeros_like(heat)
         known = (self.elements, self.inverse_frames, self.measure, heat, powers, load)
         if heat.ndim == 1:
-            descent_load(*known)
+            descent_load(*known, np.empty((2, AT_ONCE)))
         else:
             descent_loads(*known, np.empty((2, heat.shape[1])))
         return load
