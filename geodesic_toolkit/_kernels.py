@@ -26,6 +26,7 @@ MODULES = (
     "geodesic_toolkit._assembly",
     "geodesic_toolkit._descent",
     "geodesic_toolkit._flipping",
+    "geodesic_toolkit.linear._filling",
     "geodesic_toolkit.linear.supernodal._ordering",
     "geodesic_toolkit.linear.supernodal._elimination",
     "geodesic_toolkit.linear.supernodal._numeric",

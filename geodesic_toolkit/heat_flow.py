@@ -193,6 +193,11 @@ class HeatFlow:
 
     def _loads(self, block: Sequence[SourcePoints]) -> tuple[FloatArray, FloatArray, IntArray]:
         """Return right-hand sides (N, K'), the logarithms of their scales, and whose they are."""
+        if not any(points.delayed for points in block):
+            columns = np.zeros((self.diffusion.n_vertices, len(block)))
+            for column, points in enumerate(block):
+                np.add.at(columns[:, column], points.vertices, points.shares)
+            return columns, np.zeros(len(block)), np.arange(len(block))
         loads = [
             points.delayed_loads(points.components(self.diffusion), self._decay(points))
             if points.delayed
@@ -284,7 +289,7 @@ class _HeatSystem:
 
     def load(self, delta: FloatArray) -> FloatArray:
         """Return the right-hand sides that put the heat δ, (N, K), where the condition allows."""
-        if not self.held.any():
+        if self.free is self.matrix:  # none is held
             return delta
         spikes = np.where(self.held[:, None], delta, 0.0) / self.diagonal[:, None]
         if not spikes.any():

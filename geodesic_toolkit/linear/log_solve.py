@@ -7,6 +7,7 @@ from the source. Its logarithm need not.
 import numpy as np
 from scipy.sparse import csr_array
 
+from geodesic_toolkit._kernels import loaded
 from geodesic_toolkit._typing import BoolArray, FloatArray, IntArray
 from geodesic_toolkit.linear.base import Factor
 
@@ -169,6 +170,14 @@ def fill_from_neighbours(
     nothing = -np.inf if logarithmic else 0.0
     solution[missing] = nothing
     rows = np.flatnonzero(missing)
+    if not logarithmic and loaded() and matrix.indices.dtype == np.int32:
+        from geodesic_toolkit.linear._filling import fill
+
+        fill(
+            matrix.indptr, matrix.indices, matrix.data, solution, rows.astype(np.int32),
+            np.empty(len(rows)),
+        )  # fmt: skip
+        return
     row, entries = _entries_of(matrix, rows)
     neighbour, value = matrix.indices[entries], matrix.data[entries]
     mass = np.abs(np.bincount(row, value, minlength=len(rows)))
