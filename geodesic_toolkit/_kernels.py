@@ -50,7 +50,7 @@ COMPILING = 200_000
 """Vertices from which on it takes longer than compiling them. Measured: SuperLU factorises 173,000
 in 3 s, and had not done with 557,000 after nine minutes."""
 
-LOADING_TIME, COMPILING_TIME = 1.0, 20.0
+LOADING_TIME, COMPILING_TIME = 1.0, 15.0
 """Seconds that loading and compiling take."""
 
 BUILD_TIME, SOLVE_TIME = 2e-6, 4e-7
