@@ -45,6 +45,9 @@ WARM_UP = 2562
 LARGE = 300_000
 """Vertices from which on there are fewer rounds: other libraries take a minute for a build."""
 
+SMALL = 10_000
+"""Vertices up to which there are more rounds: a shared machine changes its pace while one lasts."""
+
 HOPELESS = {f"{libraries.SOLVER}superlu": LARGE}
 """Vertices from which on a column is left out: SuperLU had no factor of 556,000 in nine minutes."""
 
@@ -71,6 +74,7 @@ class Setting:
         self.limit: float = arguments.limit
         self.rounds: int = arguments.rounds
         self.large_rounds: int = arguments.large_rounds
+        self.small_rounds: int = arguments.small_rounds
         self.libraries: list[str] = arguments.libraries
         self.meshes: dict[str, dict[str, Any]] = {}
         self.warm_up = self._keep(folder / "warm-up.npz", shapes.sphere(WARM_UP))
@@ -87,6 +91,8 @@ class Setting:
         return str(path)
 
     def rounds_at(self, n_vertices: int) -> int:
+        if n_vertices <= SMALL:
+            return self.small_rounds
         return self.large_rounds if n_vertices > LARGE else self.rounds
 
     def worker(self, library: str, size: str) -> Process:
@@ -338,6 +344,7 @@ def main() -> None:
     parser.add_argument("--sizes", default=SIZES, help=f"of {SIZES}, or of spheres: 10k, 1M")
     parser.add_argument("--generated", action="store_true", help="spheres instead of real meshes")
     parser.add_argument("--rounds", type=int, default=7)
+    parser.add_argument("--small-rounds", type=int, default=41, help=f"up to {SMALL:,} vertices")
     parser.add_argument("--large-rounds", type=int, default=3, help=f"from {LARGE:,} vertices on")
     parser.add_argument("--libraries", help="columns, separated by semicolons")
     parser.add_argument("--parts", default=",".join(PARTS), help=f"of {', '.join(PARTS)}")
