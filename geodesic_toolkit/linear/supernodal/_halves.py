@@ -17,7 +17,10 @@ from numba import types
 from numba.core.typeconv import Conversion
 from numba.extending import intrinsic, lower_cast, models, register_model
 
-__all__ = ["numbers"]
+__all__ = ["numbers", "per_line"]
+
+LINE = 64
+"""Bytes that memory gives at a time."""
 
 _bits, _upper = ir.IntType(64), ir.IntType(32)
 _shift, _rounding = ir.Constant(_bits, 32), ir.Constant(_bits, 1 << 31)
@@ -66,3 +69,14 @@ def numbers(_context: Any, array: Any) -> Any:
         return context.make_array(signature.args[0])(context, builder, arguments[0]).data
 
     return types.CPointer(_half if array.dtype == types.uint32 else types.float64)(array), code
+
+
+@intrinsic  # type: ignore[untyped-decorator]
+def per_line(_context: Any, factor: Any) -> Any:
+    """Return how many of the numbers at a pointer come from memory at a time."""
+
+    def code(context: Any, _builder: Any, _signature: Any, _arguments: Any) -> Any:
+        size = context.get_abi_sizeof(context.get_data_type(factor.dtype))
+        return context.get_constant(types.int64, LINE // size)
+
+    return types.int64(factor), code

@@ -10,7 +10,7 @@ import numpy as np
 from numba import types
 
 from geodesic_toolkit._compiled import kernel, part
-from geodesic_toolkit._pointers import Pointer, pointer, shifted
+from geodesic_toolkit._pointers import Pointer, pointer, prefetch, shifted
 from geodesic_toolkit._typing import FloatArray, IndexArray, IntArray
 from geodesic_toolkit.linear.supernodal._columns import (
     dot_columns,
@@ -18,14 +18,14 @@ from geodesic_toolkit.linear.supernodal._columns import (
     minus_columns,
     minus_rows,
 )
-from geodesic_toolkit.linear.supernodal._halves import numbers
+from geodesic_toolkit.linear.supernodal._halves import numbers, per_line
 from geodesic_toolkit.linear.supernodal._rows import BLOCK, four_minus, minus_four, minus_one
 from geodesic_toolkit.linear.supernodal._subnormals import flush_subnormals, restore_subnormals
 from geodesic_toolkit.linear.supernodal.analysis import LANES, Panels
 
 __all__ = ["BLOCK", "solve_block", "solve_column"]
 
-HELPERS = "673c9bda3edeaf6f"
+HELPERS = "cfe88908707bfae2"
 """Digest of what else is compiled into the kernels: Numba looks at this file only."""
 
 _int64 = types.Array(types.int64, 1, "C", readonly=True)
@@ -39,6 +39,14 @@ _room = types.float64[::1]
 FEW = 4
 """Columns of a supernode up to which x is worked on where it is."""
 
+AHEAD = 1024
+"""Numbers of a factor between those that a single column meets and those that are fetched: most
+runs of a panel end before a processor has foreseen how they go on."""
+
+CACHED = 2**20
+"""Bytes of a factor that stays in the cache from one solve to the next, where nothing is fetched.
+"""
+
 
 @part(fused=True)
 def _columns(panel: int, height: int, c: int, count: int) -> tuple[int, int, int, int]:
@@ -51,6 +59,18 @@ def _columns(panel: int, height: int, c: int, count: int) -> tuple[int, int, int
     r = q + height if count > 2 else p
     s = r + height if count > 3 else p
     return p, q, r, s
+
+
+@part(fused=True)
+def _fetch(factor: Pointer, begin: int, count: int, ahead: int) -> None:
+    """Ask for what is `ahead` of some numbers of a factor, be it behind its end; of 0, for nothing.
+
+    A negative number is ahead of those who go backward.
+    """
+    if ahead == 0:
+        return
+    for k in range(begin + ahead, begin + ahead + count, per_line(factor)):
+        prefetch(shifted(factor, k))
 
 
 @part(fused=True)
@@ -110,7 +130,9 @@ def _backward_four(
 
 
 @part(inline=True)
-def _forward(x: Pointer, width: int, height: int, factor: Pointer, panel: int) -> None:
+def _forward(  # noqa: PLR0917 - kernels take no keywords
+    x: Pointer, width: int, height: int, factor: Pointer, panel: int, ahead: int
+) -> None:
     """Solve with the triangle of a panel in place, and subtract what that means for the rows below.
 
     Four columns at a time, so that x is read and written a quarter as often. Where fewer are left,
@@ -119,6 +141,7 @@ def _forward(x: Pointer, width: int, height: int, factor: Pointer, panel: int) -
     for c in range(0, width, 4):
         count = min(width - c, 4)
         at = _columns(panel, height, c, count)
+        _fetch(factor, at[0], count * height, ahead)
         x0, x1, x2, x3 = _forward_four(shifted(x, c), count, factor, at)
         p, q, r, s = at[0] + count, at[1] + count, at[2] + count, at[3] + count
         end = c + count
@@ -126,11 +149,14 @@ def _forward(x: Pointer, width: int, height: int, factor: Pointer, panel: int) -
 
 
 @part(inline=True)
-def _backward(x: Pointer, width: int, height: int, factor: Pointer, panel: int) -> None:
+def _backward(  # noqa: PLR0917 - kernels take no keywords
+    x: Pointer, width: int, height: int, factor: Pointer, panel: int, ahead: int
+) -> None:
     """Solve with the transposed triangle of a panel in place, given the solution below it."""
     for c in range((width - 1) // 4 * 4, -1, -4):
         count = min(width - c, 4)
         at = _columns(panel, height, c, count)
+        _fetch(factor, at[0], count * height, -ahead)
         p, q, r, s = at[0] + count, at[1] + count, at[2] + count, at[3] + count
         end = c + count
         below = dot_columns(x, end, height - end, factor, p, q, r, s)
@@ -168,6 +194,7 @@ def solve_column(  # noqa: PLR0912, PLR0917 - two sweeps; kernels take no keywor
     n, n_supernodes = order.size, first.size - 1
     x, own = pointer(room), pointer(room[n + 1 :])  # x has one more row, which means nothing
     row, factor = pointer(rows), numbers(panel_values)  # `own`: what belongs to one supernode
+    ahead = AHEAD if panel_values.size * panel_values.itemsize > CACHED else 0
     mode = flush_subnormals()
     for j in range(n):
         x[j] = right_hand_side[order[j]]
@@ -182,6 +209,7 @@ def solve_column(  # noqa: PLR0912, PLR0917 - two sweeps; kernels take no keywor
         below = shifted(row, start + width)
         if width <= FEW:  # most are: no copy, and a loop or two
             at = _columns(panels[s], height, 0, width)
+            _fetch(factor, panels[s], width * height, ahead)
             x0, x1, x2, x3 = _forward_four(shifted(x, begin), width, factor, at)
             p, q, r, t = at[0] + width, at[1] + width, at[2] + width, at[3] + width
             minus_rows(x, below, height - width, n, factor, p, q, r, t, x0, x1, x2, x3)
@@ -190,7 +218,7 @@ def solve_column(  # noqa: PLR0912, PLR0917 - two sweeps; kernels take no keywor
             own[j] = x[begin + j]
         for k in range(width, height):
             own[k] = 0.0
-        _forward(own, width, height, factor, panels[s])
+        _forward(own, width, height, factor, panels[s], ahead)
         for j in range(width):
             x[begin + j] = own[j]
         for k in range(width, height):
@@ -201,6 +229,7 @@ def solve_column(  # noqa: PLR0912, PLR0917 - two sweeps; kernels take no keywor
         width, height = first[s + 1] - begin, row_starts[s + 1] - start
         if width <= FEW:
             at = _columns(panels[s], height, 0, width)
+            _fetch(factor, panels[s], width * height, -ahead)
             p, q, r, t = at[0] + width, at[1] + width, at[2] + width, at[3] + width
             below = shifted(row, start + width)
             dots = dot_rows(x, below, height - width, n, factor, p, q, r, t)
@@ -212,7 +241,7 @@ def solve_column(  # noqa: PLR0912, PLR0917 - two sweeps; kernels take no keywor
             own[k] = x[row[start + k]]
         for k in range(height, height + LANES):
             own[k] = 0.0
-        _backward(own, width, height, factor, panels[s])
+        _backward(own, width, height, factor, panels[s], ahead)
         for j in range(width):
             x[begin + j] = own[j]
     nothing = 0.0
