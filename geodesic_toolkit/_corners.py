@@ -165,21 +165,24 @@ def angle_defects(
     elements: IntArray, inverse_frames: FloatArray, boundary: BoolArray
 ) -> FloatArray:
     """Return what the (N,) angles about vertices lack of 2π, where the domain ends of π."""
+    p, q, r = inverse_frames.T
+    spanned = np.abs(p * r)
+    # An angle is π minus what the other two hat gradients enclose. NumPy takes many at a time.
+    first, second = np.arctan2(spanned, -q * r), np.arctan2(spanned, (q + r) * r)
     defect = np.where(boundary, math.pi, 2 * math.pi)
-    _subtract_angles(elements, inverse_frames, defect)
+    _subtract_angles(elements, first, second, defect)
     return defect
 
 
-@kernel(types.void(FACES, TABLE, types.float64[::1]))
-def _subtract_angles(elements: IntArray, inverse_frames: FloatArray, defect: FloatArray) -> None:
-    """Subtract the angles of triangles from what their vertices have."""
+@kernel(types.void(FACES, VALUES, VALUES, types.float64[::1]))
+def _subtract_angles(
+    elements: IntArray, first: FloatArray, second: FloatArray, defect: FloatArray
+) -> None:
+    """Subtract the angles of triangles, of which two are given, from what their vertices have."""
     for e in range(len(elements)):
-        p, q, r = inverse_frames[e, 0], inverse_frames[e, 1], inverse_frames[e, 2]
-        # An angle is π minus what the other two hat gradients enclose.
-        spanned = abs(p * r)
-        at_i, at_j = math.atan2(spanned, -q * r), math.atan2(spanned, (q + r) * r)
-        for c, angle in ((0, at_i), (1, at_j), (2, math.pi - at_i - at_j)):
-            defect[elements[e, c]] -= angle
+        defect[elements[e, 0]] -= first[e]
+        defect[elements[e, 1]] -= second[e]
+        defect[elements[e, 2]] -= math.pi - first[e] - second[e]
 
 
 def curvatures(  # noqa: PLR0917 - as its kernel
@@ -198,9 +201,8 @@ def curvatures(  # noqa: PLR0917 - as its kernel
     """
     count = len(boundary)
     own, around = np.zeros((count, 2)), np.zeros((count, 2))
-    _add_rings(
-        elements, measure, defects, starts, corners, boundary, np.full(count, -1), own, around
-    )
+    closed, seen = np.zeros(count, dtype=np.bool_), np.full(count, -1)
+    _add_rings(elements, measure, defects, starts, corners, boundary, closed, seen, own, around)
     return _curvature(own, around, coarse)
 
 
@@ -229,9 +231,21 @@ def _curvature(own: FloatArray, around: FloatArray, coarse: float) -> FloatArray
     return np.asarray(mean / (1 + spread / coarse))
 
 
+@part()
+def _all_the_way_round(corners: NDArray[Any], begin: int, end: int) -> bool:
+    """Return whether each of the corners begins where the last one ended."""
+    if begin == end:
+        return False
+    last, together = corners[end - 1].b, True
+    for c in range(begin, end):
+        together &= corners[c].a == last
+        last = corners[c].b
+    return together
+
+
 @kernel(
     types.void(
-        FACES, VALUES, VALUES, NUMBERS, CORNERS, FLAGS, types.int64[::1],
+        FACES, VALUES, VALUES, NUMBERS, CORNERS, FLAGS, types.boolean[::1], types.int64[::1],
         *(types.float64[:, ::1],) * 2,
     )
 )  # fmt: skip
@@ -242,33 +256,44 @@ def _add_rings(  # noqa: PLR0917 - kernels take no keywords
     starts: IntArray,
     corners: NDArray[Any],
     boundary: BoolArray,
+    closed: BoolArray,
     seen: IntArray,
     own: FloatArray,
     around: FloatArray,
 ) -> None:
     """Add the defect and the area of vertices to `own`, those of their rings to `around`.
 
-    `seen`, (N,), is -1 before.
+    `closed`, (N,), is whether corners go all the way round, and `seen`, (N,), is -1 before.
     """
-    n_vertices = len(boundary)
     for e in range(len(elements)):
         third = measure[e] / 3
         for c in range(3):
             own[elements[e, c], 1] += third
-    for v in range(n_vertices):
-        neighbours = 0
-        for c in range(starts[v], starts[v + 1]):
-            for other in (corners[c].a, corners[c].b):
-                neighbours += other != v and seen[other] != v
-                seen[other] = v
+    for v in range(len(boundary)):
+        begin, end = starts[v], starts[v + 1]
+        neighbours = end - begin
+        closed[v] = _all_the_way_round(corners, begin, end)
+        if not closed[v] and not boundary[v]:
+            neighbours = 0
+            for c in range(begin, end):
+                for other in (corners[c].a, corners[c].b):
+                    neighbours += other != v and seen[other] != v
+                    seen[other] = v
         # Where sheets meet there is no angle to fall short of: more faces than neighbours.
-        flat = boundary[v] or starts[v + 1] - starts[v] > neighbours or own[v, 1] == 0
+        flat = boundary[v] or end - begin > neighbours or own[v, 1] == 0
         own[v, 0] = 0.0 if flat else defects[v]
-    for v in range(n_vertices):
+    for v in range(len(boundary)):
+        count = float(starts[v + 1] - starts[v])
+        twice = 2.0 if closed[v] else 1.0  # each neighbour is one's a and another's b
+        defect, area = count * own[v, 0], count * own[v, 1]
         for c in range(starts[v], starts[v + 1]):
             a, b = corners[c].a, corners[c].b
-            for i in range(2):
-                around[v, i] += own[v, i] + own[a, i] + own[b, i]
+            defect += twice * own[a, 0]
+            area += twice * own[a, 1]
+            if not closed[v]:
+                defect += own[b, 0]
+                area += own[b, 1]
+        around[v, 0], around[v, 1] = defect, area
 
 
 @kernel(types.void(FACES, TABLE, FLAGS, *(types.float64[:, ::1],) * 2))

@@ -21,7 +21,7 @@ from geodesic_toolkit._typing import BoolArray, IntArray
 
 __all__ = ["VERTEX", "sweep"]
 
-HELPERS = "08f9ef3aaea67dca"
+HELPERS = "f5903f42dc01d853"
 """Digest of what else is compiled into the kernels: Numba looks at this file only."""
 
 VERTEX = np.dtype(
