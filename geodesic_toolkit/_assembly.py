@@ -7,26 +7,30 @@ pages, and what Numba makes itself takes long to compile.
 """
 
 import math
+from typing import Any
 
 import numpy as np
 from numba import types
+from numpy.typing import NDArray
 
 from geodesic_toolkit._compiled import kernel
 from geodesic_toolkit._pointers import pointer, prefetch, shifted
+from geodesic_toolkit._sides import SIDES, Sides
 from geodesic_toolkit._typing import BoolArray, FloatArray, IndexArray, IntArray
 
 __all__ = [
-    "assemble",
     "components",
     "edge_lengths",
+    "edge_sums",
     "is_sound",
     "mean_edge_length",
     "measure_lengths",
     "measure_triangles",
+    "mirrored",
     "obtuse_excess",
 ]
 
-HELPERS = "05e4ccb5caf08178"
+HELPERS = "e9abb208a7d7abf9"
 """Digest of what else is compiled into the kernels: Numba looks at this file only."""
 
 # One signature each, of arrays that are only read: those that may be written to fit as well.
@@ -40,7 +44,7 @@ ROWS = (INDICES, INDICES, VALUES)
 BROKEN = 1e-8
 """Part of a row's absolute sum from which on L 1 or L - Lᵀ is not zero."""
 
-AHEAD = 8
+AHEAD = 16
 """Steps by which memory is asked for ahead, where it is visited in no order."""
 
 GOLDEN = 0.6180339887498949
@@ -128,159 +132,165 @@ def edge_lengths(inverse_frames: FloatArray, lengths: FloatArray) -> None:
         lengths[e, 2] = abs(r) / spanned
 
 
-def assemble(
-    elements: IntArray, inverse_frames: FloatArray, measure: FloatArray, n_vertices: int
+def edge_sums(
+    elements: IntArray, sides: Sides, inverse_frames: FloatArray, measure: FloatArray
 ) -> tuple[IndexArray, IndexArray, FloatArray, FloatArray, BoolArray]:
-    """Return the stiffness of triangles, their barycentric mass, and the ends of boundary edges.
+    """Return what lies right of the diagonal of the stiffness of triangles, mass, and boundary.
 
     Returns
     -------
     indptr, indices : ndarray of int32
     data : ndarray of float64
-        L = Gᵀ W G in compressed rows, symmetric to the bit.
+        The strict upper triangle of L = Gᵀ W G in compressed rows, in no order within them.
     thirds : ndarray of shape (N,), float64
         A third of the measure of the elements around each vertex.
     boundary : ndarray of shape (N,), bool
         Vertices of edges that one element has.
     """
-    start, thirds = np.zeros(n_vertices + 1, dtype=np.int32), np.zeros(n_vertices)
-    heads, weights = np.empty(3 * len(elements), dtype=np.int32), np.empty(3 * len(elements))
-    room = np.empty(n_vertices, dtype=np.int32)
-    _gather(elements, inverse_frames, measure, start, heads, weights, thirds, room)
+    n_vertices, n_sides = len(sides.starts) - 1, len(sides.halves)
+    thirds, entries = np.zeros(n_vertices), np.empty(n_sides)
+    _weigh(elements, inverse_frames, measure, entries, thirds)
+    indptr, boundary = np.empty(n_vertices + 1, dtype=np.int32), np.zeros(n_vertices, dtype=bool)
+    indices, data = np.empty(n_sides, dtype=np.int32), np.empty(n_sides)
+    single, room = np.empty(n_sides, dtype=np.int8), np.zeros(n_vertices, dtype=np.int32)
+    _merge(sides.starts, sides.halves, entries, single, room, indptr, indices, data, boundary)
+    n_edges = int(indptr[-1])
+    return indptr, indices[:n_edges], data[:n_edges], thirds, boundary
 
-    boundary, single = np.zeros(n_vertices, dtype=bool), np.empty(len(heads), dtype=bool)
-    room[:] = 0
-    _merge(start, heads, weights, single, boundary, room)
 
-    n_entries = n_vertices + 2 * int(start[n_vertices])
-    indptr, degree = np.zeros(n_vertices + 1, dtype=np.int32), np.zeros(n_vertices)
-    indices, data = np.empty(n_entries, dtype=np.int32), np.empty(n_entries)
-    _mirror(start, heads, weights, indptr, indices, data, degree, room)
-    return indptr, indices, data, thirds, boundary
+@kernel(types.void(FACES, TABLE, VALUES, *(types.float64[::1],) * 2))
+def _weigh(
+    elements: IntArray,
+    inverse_frames: FloatArray,
+    measure: FloatArray,
+    entries: FloatArray,
+    thirds: FloatArray,
+) -> None:
+    """Write the stiffness of each half-edge, and add the mass to `thirds`, zero before."""
+    for e in range(len(elements)):
+        p, q, r = inverse_frames[e, 0], inverse_frames[e, 1], inverse_frames[e, 2]
+        area, s, third = measure[e], q + r, measure[e] / 3
+        entries[3 * e] = area * (q * r)
+        entries[3 * e + 1] = -(area * (s * r))
+        entries[3 * e + 2] = -(area * (p * p + s * q))
+        for c in range(3):
+            thirds[elements[e, c]] += third
 
 
 @kernel(
     types.void(
-        FACES, TABLE, VALUES, NUMBERS, NUMBERS, types.float64[::1], types.float64[::1], NUMBERS
+        INDICES, SIDES, VALUES, types.int8[::1], *(NUMBERS,) * 3, types.float64[::1],
+        types.boolean[::1],
     )
-)
-def _gather(  # noqa: PLR0917 - kernels take no keywords
-    elements: IntArray,
-    inverse_frames: FloatArray,
-    measure: FloatArray,
-    start: IndexArray,
-    heads: IndexArray,
-    weights: FloatArray,
-    thirds: FloatArray,
-    free: IndexArray,
-) -> None:
-    """Gather the sides of all elements by their vertex of lower index, and the mass.
-
-    Side s of vertex v, ``start[v] <= s < start[v + 1]``, goes to ``heads[s]`` and has the weight
-    ``weights[s]``; those of a vertex are in the order of the elements. `start` and `thirds` are
-    zero before.
-    """
-    for e in range(len(elements)):
-        i, j, k = elements[e, 0], elements[e, 1], elements[e, 2]
-        start[min(i, j) + 1] += i != j
-        start[min(i, k) + 1] += i != k
-        start[min(j, k) + 1] += j != k
-    for v in range(len(free)):
-        free[v] = start[v]
-        start[v + 1] += start[v]
-    for e in range(len(elements)):
-        i, j, k = elements[e, 0], elements[e, 1], elements[e, 2]
-        p, q, r = inverse_frames[e, 0], inverse_frames[e, 1], inverse_frames[e, 2]
-        area, s, third = measure[e], q + r, measure[e] / 3
-        thirds[i] += third
-        thirds[j] += third
-        thirds[k] += third
-        for a, b, product in ((i, j, p * p + s * q), (i, k, s * r), (j, k, -(q * r))):
-            if a != b:
-                side = free[min(a, b)]
-                heads[side], weights[side] = max(a, b), area * product
-                free[min(a, b)] = side + 1
-
-
-@kernel(types.void(NUMBERS, NUMBERS, types.float64[::1], *(types.boolean[::1],) * 2, NUMBERS))
+)  # fmt: skip
 def _merge(  # noqa: PLR0917 - kernels take no keywords
-    start: IndexArray,
-    heads: IndexArray,
-    weights: FloatArray,
-    single: BoolArray,
-    boundary: BoolArray,
+    starts: IndexArray,
+    halves: NDArray[Any],
+    entries: FloatArray,
+    single: NDArray[np.int8],
     edge_to: IndexArray,
+    indptr: IndexArray,
+    indices: IndexArray,
+    data: FloatArray,
+    boundary: BoolArray,
 ) -> None:
-    """Merge the sides of an edge in place, and mark the (N,) ends of edges of a single side.
+    """Add up the sides of each edge, and mark the (N,) ends of edges of a single side.
 
     Sides are added in their order, so that an edge's weight is one sum of one order. `edge_to`, 0
     before, is the edge from v to a vertex, plus 1; of earlier vertices it is less.
     """
-    count, begin = np.int32(0), start[0]
-    for v in range(len(edge_to)):
-        end, start[v] = start[v + 1], count
-        for side in range(begin, end):
-            head, weight = heads[side], weights[side]
-            edge = edge_to[head] - 1
-            new = edge < start[v]
-            if new:
-                edge = count
-            heads[edge], single[edge] = head, new
-            weights[edge] = weight if new else weights[edge] + weight
-            edge_to[head] = edge + 1
-            count += new
-        for edge in range(start[v], count):
-            boundary[v] |= single[edge]
-            boundary[heads[edge]] |= single[edge]
-        begin = end
-    start[len(edge_to)] = count
-
-
-@kernel(
-    types.void(
-        NUMBERS, NUMBERS, types.float64[::1], NUMBERS, NUMBERS, *(types.float64[::1],) * 2, NUMBERS
+    count, last = np.int64(0), len(halves) - 1
+    start, entry, begin, head_of = (
+        pointer(starts),
+        pointer(entries),
+        pointer(indptr),
+        pointer(indices),
     )
-)
+    sum_of, alone, known = pointer(data), pointer(single), pointer(edge_to)
+    for v in range(len(edge_to)):
+        begin[v], old = count, count
+        for side in range(start[v], start[v + 1]):
+            head, signed = halves[side].head, halves[side].half
+            soon = halves[min(side + AHEAD, last)].half
+            prefetch(shifted(entry, np.int64(max(soon, ~soon))))
+            value = entry[max(signed, ~signed)]
+            if head == v:  # from a vertex to itself
+                continue
+            edge = known[head] - 1
+            if edge < old:
+                head_of[count], alone[count], sum_of[count] = head, 1, value
+                count += 1
+                known[head] = count
+            else:
+                alone[edge] = 0
+                sum_of[edge] += value
+        for edge in range(old, count):
+            boundary[v] |= alone[edge] != 0
+            boundary[head_of[edge]] |= alone[edge] != 0
+    begin[len(edge_to)] = count
+
+
+def mirrored(
+    indptr: IndexArray, indices: IndexArray, data: FloatArray
+) -> tuple[IndexArray, IndexArray, FloatArray]:
+    """Return a stiffness from what lies right of its diagonal: symmetric to the bit, L 1 = 0."""
+    n_vertices = len(indptr) - 1
+    n_entries = n_vertices + 2 * len(indices)
+    starts, diagonal = np.zeros_like(indptr), np.zeros(n_vertices)
+    columns, entries = np.empty(n_entries, dtype=np.int32), np.empty(n_entries)
+    room = np.empty((2, n_vertices), dtype=np.int32)
+    _mirror(indptr, indices, data, starts, columns, entries, diagonal, room)
+    return starts, columns, entries
+
+
+@kernel(types.void(*ROWS, NUMBERS, NUMBERS, *(types.float64[::1],) * 2, types.int32[:, ::1]))
 def _mirror(  # noqa: PLR0917 - kernels take no keywords
-    start: IndexArray,
-    heads: IndexArray,
-    weights: FloatArray,
     indptr: IndexArray,
     indices: IndexArray,
     data: FloatArray,
-    degree: FloatArray,
-    diagonal: IndexArray,
+    starts: IndexArray,
+    columns: IndexArray,
+    entries: FloatArray,
+    diagonal: FloatArray,
+    room: IndexArray,
 ) -> None:
-    """Write the graph Laplacian of edges that are stored at their vertex of lower index.
+    """Write both triangles and the diagonal.
 
     Rows come out sorted without being sorted: the edges in the order of their lower ends fill what
-    lies left of the diagonal, and then the rows in their order what lies right of it. `indptr` and
-    `degree` are zero before; `start` is spoilt.
+    lies left of the diagonal, and then the rows in their order what lies right of it. `starts` and
+    `diagonal` are zero before.
     """
-    n_vertices = len(degree)
+    n_vertices = len(diagonal)
+    begin, head, weight = pointer(indptr), pointer(indices), pointer(data)
+    start, column, entry, degree = (
+        pointer(starts),
+        pointer(columns),
+        pointer(entries),
+        pointer(diagonal),
+    )
+    middle, free = pointer(room[0]), pointer(room[1])
     for v in range(n_vertices):
-        indptr[v + 1] += start[v + 1] - start[v] + 1
-        for edge in range(start[v], start[v + 1]):
-            indptr[heads[edge] + 1] += 1
-            degree[v] += weights[edge]
-            degree[heads[edge]] += weights[edge]
+        start[v + 1] += begin[v + 1] - begin[v] + 1
+        for edge in range(begin[v], begin[v + 1]):
+            start[head[edge] + 1] += 1
+            degree[v] -= weight[edge]
+            degree[head[edge]] -= weight[edge]
     for v in range(n_vertices):
-        diagonal[v] = indptr[v]  # the next place left of it, until all are taken
-        indptr[v + 1] += indptr[v]
+        middle[v] = start[v]  # the next place left of it, until all are taken
+        start[v + 1] += start[v]
     for v in range(n_vertices):
-        for edge in range(start[v], start[v + 1]):
-            place = diagonal[heads[edge]]
-            indices[place], data[place] = v, -weights[edge]
-            diagonal[heads[edge]] = place + 1
-    free = start
+        for edge in range(begin[v], begin[v + 1]):
+            place = middle[head[edge]]
+            column[place], entry[place] = v, weight[edge]
+            middle[head[edge]] = place + 1
     for v in range(n_vertices):
-        indices[diagonal[v]], data[diagonal[v]] = v, degree[v]
-        free[v] = diagonal[v] + 1
+        column[middle[v]], entry[middle[v]] = v, degree[v]
+        free[v] = middle[v] + 1
     for row in range(n_vertices):
-        for left in range(indptr[row], diagonal[row]):
-            place = free[indices[left]]
-            indices[place], data[place] = row, data[left]
-            free[indices[left]] = place + 1
+        for left in range(start[row], middle[row]):
+            place = free[column[left]]
+            column[place], entry[place] = row, entry[left]
+            free[column[left]] = place + 1
 
 
 @kernel(types.float64(TABLE, INDICES, INDICES))
@@ -305,7 +315,7 @@ def obtuse_excess(
     """Return what :func:`geodesic_toolkit.positivity.obtuse_excess` does, for so many rings."""
     count = len(mass)
     mean = np.zeros(count)
-    _average(indptr, indices, data, mass, rings, np.empty(2 * count), np.empty(2 * count), mean)
+    _average(indptr, indices, data, mass, rings, np.zeros(2 * count), np.empty(2 * count), mean)
     return mean
 
 
@@ -320,24 +330,35 @@ def _average(  # noqa: PLR0917 - kernels take no keywords
     others: FloatArray,
     mean: FloatArray,
 ) -> None:
-    """Write the excess of every vertex to `mean`, 0 before; `some` and `others` are to work in."""
+    """Write the excess of every vertex to `mean`; that and `some` are 0 before, `others` is room.
+
+    Of the stiffness only what lies right of the diagonal is looked at.
+    """
     count = len(mass)
     begin, head, weight = pointer(indptr), pointer(indices), pointer(data)
     sums, wider = pointer(some), pointer(others)  # at 2 v those of vertex v, and its area
     for v in range(count):
-        wrong, absolute = 0.0, 0.0
         for entry in range(begin[v], begin[v + 1]):
-            if head[entry] != v:
-                absolute += abs(weight[entry])
-                wrong += max(weight[entry], 0.0)
-        sums[2 * v] = wrong / absolute * mass[v] if absolute > 0 else 0.0
+            if head[entry] > v:
+                for end in (v, np.int64(head[entry])):
+                    sums[2 * end] += max(weight[entry], 0.0)
+                    sums[2 * end + 1] += abs(weight[entry])
+    for v in range(count):
+        absolute = sums[2 * v + 1]
+        sums[2 * v] = sums[2 * v] / absolute * mass[v] if absolute > 0 else 0.0
         sums[2 * v + 1] = mass[v]
     for _ in range(rings):
+        for place in range(2 * count):
+            wider[place] = sums[place]
         for v in range(count):
-            excess, area = 0.0, 0.0
+            excess, area = wider[2 * v], wider[2 * v + 1]
             for entry in range(begin[v], begin[v + 1]):
-                excess += sums[2 * head[entry]]
-                area += sums[2 * head[entry] + 1]
+                if head[entry] > v:
+                    other = 2 * np.int64(head[entry])
+                    excess += sums[other]
+                    area += sums[other + 1]
+                    wider[other] += sums[2 * v]
+                    wider[other + 1] += sums[2 * v + 1]
             wider[2 * v], wider[2 * v + 1] = excess, area
         sums, wider = wider, sums
     for v in range(count):
@@ -346,33 +367,41 @@ def _average(  # noqa: PLR0917 - kernels take no keywords
 
 
 def components(indptr: IndexArray, indices: IndexArray) -> IntArray:
-    """Return the connected component of every vertex, numbered by their first vertices."""
-    labels = np.full(len(indptr) - 1, -1)
-    _label(indptr, indices, labels, np.empty_like(labels))
+    """Return the connected component of every vertex, numbered by their first vertices.
+
+    Edges that are entries right of the diagonal are enough.
+    """
+    labels = np.empty(len(indptr) - 1, dtype=np.int64)
+    _label(indptr, indices, labels)
     return labels
 
 
-@kernel(types.void(INDICES, INDICES, *(types.int64[::1],) * 2))
-def _label(indptr: IndexArray, indices: IndexArray, labels: IntArray, waiting: IntArray) -> None:
-    """Write the components to `labels`, -1 before; `waiting` is as long."""
-    label = 0
-    for seed in range(len(labels)):
-        if labels[seed] >= 0:
-            continue
-        labels[seed], waiting[0] = label, seed
-        done, known = 0, 1
-        while done < known:
-            prefetch(shifted(pointer(indptr), waiting[min(done + 2 * AHEAD, known - 1)]))
-            soon = indptr[waiting[min(done + AHEAD, known - 1)]]
-            prefetch(shifted(pointer(indices), np.int64(soon)))
-            v = waiting[done]
-            done += 1
-            for entry in range(indptr[v], indptr[v + 1]):
-                head = indices[entry]
-                if labels[head] < 0:
-                    labels[head], waiting[known] = label, head
-                    known += 1
-        label += 1
+@kernel(types.void(INDICES, INDICES, types.int64[::1]))
+def _label(indptr: IndexArray, indices: IndexArray, labels: IntArray) -> None:
+    """Write the components to `labels`, by union and find.
+
+    Until the end they are vertices: each names an earlier one of its component, the first itself.
+    """
+    first = pointer(labels)
+    for v in range(len(labels)):
+        first[v] = v
+    for v in range(len(labels)):
+        for entry in range(indptr[v], indptr[v + 1]):
+            one, other = v, np.int64(indices[entry])
+            while first[one] != one:
+                first[one] = first[first[one]]
+                one = first[one]
+            while first[other] != other:
+                first[other] = first[first[other]]
+                other = first[other]
+            first[max(one, other)] = min(one, other)
+    count = 0
+    for v in range(len(labels)):
+        if first[v] == v:
+            first[v] = count
+            count += 1
+        else:
+            first[v] = first[first[v]]
 
 
 def is_sound(indptr: IndexArray, indices: IndexArray, data: FloatArray) -> bool:

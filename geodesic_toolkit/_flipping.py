@@ -1,10 +1,11 @@
 """The compiled edge flips of :mod:`geodesic_toolkit.geometry.intrinsic`.
 
-Half-edge ``3 f + c`` is the side of face f opposite its corner c. It runs from corner c + 1 to
-corner c + 2, and its twin, on the other side of the edge, runs back.
+The twin of a half-edge, on the other side of its edge, runs back. Half-edges have the numbers that
+:mod:`geodesic_toolkit._sides` gives them.
 """
 
 import math
+from typing import Any
 
 import numpy as np
 from numba import types
@@ -12,11 +13,12 @@ from numpy.typing import NDArray
 
 from geodesic_toolkit._compiled import kernel, part
 from geodesic_toolkit._pointers import pointer, prefetch, shifted
+from geodesic_toolkit._sides import SIDES, Sides
 from geodesic_toolkit._typing import BoolArray, FloatArray, IndexArray, IntArray
 
 __all__ = ["flip_edges", "twins"]
 
-HELPERS = "05e4ccb5caf08178"
+HELPERS = "e9abb208a7d7abf9"
 """Digest of what else is compiled into the kernels: Numba looks at this file only."""
 
 TOLERANCE = 1e-10
@@ -26,72 +28,39 @@ flipped: no rounding must flip it back."""
 NONE, ONE, AGAINST, ALONG, MORE = range(5)
 """Half-edges between two vertices: none, one, two that run against or along one another, more."""
 
-FACES = types.Array(types.int64, 2, "C", readonly=True)
 FLAGS = types.Array(types.boolean, 1, "C", readonly=True)
 
 
-def twins(faces: IntArray, n_vertices: int) -> tuple[IntArray, bool]:
+def twins(sides: Sides) -> tuple[IntArray, bool]:
     """Return the twin of each half-edge, and whether they run against each other everywhere.
 
     Only the two half-edges of an edge that has just two are twins; the others have -1.
     """
-    sides = faces.size
-    found, starts = np.empty(sides, dtype=np.int64), np.zeros(n_vertices + 1, dtype=np.int64)
-    gathered, ends = np.empty(sides, dtype=np.int64), np.empty(sides, dtype=np.int32)
-    free, met = np.empty(n_vertices, dtype=np.int64), np.zeros(n_vertices, dtype=np.int8)
-    coherent = _pair(faces, found, starts, gathered, ends, free, met)
+    found, n_vertices = np.empty(len(sides.halves), dtype=np.int64), len(sides.starts) - 1
+    first, met = np.empty(n_vertices, dtype=np.int32), np.zeros(n_vertices, dtype=np.int8)
+    coherent = _pair(sides.starts, sides.halves, found, first, met)
     return found, coherent
 
 
-@kernel(
-    types.boolean(
-        FACES, *(types.int64[::1],) * 3, types.int32[::1], types.int64[::1], types.int8[::1]
-    )
-)
-def _pair(  # noqa: PLR0917 - kernels take no keywords
-    faces: IntArray,
+@kernel(types.boolean(types.int32[::1], SIDES, types.int64[::1], types.int32[::1], types.int8[::1]))
+def _pair(
+    starts: IndexArray,
+    halves: NDArray[Any],
     found: IntArray,
-    starts: IntArray,
-    halves: IntArray,
-    others: IndexArray,
-    taken: IntArray,
+    first_met: IndexArray,
     met: NDArray[np.int8],
 ) -> bool:
     """Write the twins to `found`, and return whether they run against each other.
 
-    The rest is to work in: `starts` (N + 1,) and `met` (N,) are zero before, `halves` and `others`
-    have the size of the faces, `taken` is (N,).
+    The rest is to work in: `first_met` and `met`, (N,), of which the latter is zero before.
     """
-    sides, n_vertices = faces.size, met.size
-    corner, start, free = pointer(faces), pointer(starts), pointer(taken)
-    for f in range(0, sides, 3):
-        i, j, k = corner[f], corner[f + 1], corner[f + 2]
-        start[min(j, k) + 1] += 1
-        start[min(k, i) + 1] += 1
-        start[min(i, j) + 1] += 1
-    for v in range(n_vertices):
-        free[v] = start[v]
-        start[v + 1] += start[v]
-
-    # Half-edges by their vertex of lower index, and ~half for those that run down to it.
-    gathered, end = pointer(halves), pointer(others)
-    half = 0
-    for f in range(0, sides, 3):
-        i, j, k = corner[f], corner[f + 1], corner[f + 2]
-        for tail, head in ((j, k), (k, i), (i, j)):
-            low = min(tail, head)
-            place = free[low]
-            gathered[place], end[place] = half if tail < head else ~half, max(tail, head)
-            free[low] = place + 1
-            half += 1
-
-    twin, first, seen = pointer(found), free, pointer(met)
+    start, twin, first, seen = pointer(starts), pointer(found), pointer(first_met), pointer(met)
     coherent = True
-    for v in range(n_vertices):
+    for v in range(met.size):
         for place in range(start[v], start[v + 1]):
-            signed, other = gathered[place], end[place]
+            signed, other = halves[place].half, halves[place].head
             half = max(signed, ~signed)
-            prefetch(shifted(twin, half))
+            prefetch(shifted(twin, np.int64(half)))
             twin[half] = -1
             if seen[other] == NONE:
                 first[other], seen[other] = signed, ONE
@@ -105,8 +74,9 @@ def _pair(  # noqa: PLR0917 - kernels take no keywords
                     twin[twin[mate]] = twin[mate] = -1
                 seen[other] = MORE
         for place in range(start[v], start[v + 1]):
-            coherent &= seen[end[place]] != ALONG
-            seen[end[place]] = NONE
+            other = halves[place].head
+            coherent &= seen[other] != ALONG
+            seen[other] = NONE
     return coherent
 
 

@@ -23,6 +23,7 @@ __all__ = [
 ]
 
 MODULES = (
+    "geodesic_toolkit._sides",
     "geodesic_toolkit._assembly",
     "geodesic_toolkit._descent",
     "geodesic_toolkit._flipping",

@@ -21,6 +21,7 @@ from numpy.typing import NDArray
 from geodesic_toolkit._typing import BoolArray, FloatArray, IntArray
 from geodesic_toolkit.discretization import Discretization
 from geodesic_toolkit.errors import UnsupportedDomainError
+from geodesic_toolkit.geometry.intrinsic import MOST_SIDES
 from geodesic_toolkit.geometry.triangles import lengths_from_inverse, measured_by_lengths
 from geodesic_toolkit.gradient import ElementGradient
 
@@ -205,6 +206,7 @@ class WavefrontSweeper:
         the edges of vertices that are no sample of a smooth surface.
         """
         from geodesic_toolkit._flipping import flip_edges, twins
+        from geodesic_toolkit._sides import sorted_sides
 
         gradient, given = self._gradient, self.metric.surface_frames
         elements, inverse, areas = gradient.elements, gradient.inverse_frames, gradient.measure
@@ -212,9 +214,10 @@ class WavefrontSweeper:
             return elements, given, areas
         if self.metric.notes.get("triangulation") == "intrinsic Delaunay":
             return elements, inverse, areas  # nothing is left to flip
-        if gradient.stars or not len(elements) or not (inverse[:, 0] * inverse[:, 2]).all():
+        paired = not gradient.stars and 0 < elements.size <= MOST_SIDES
+        if not paired or not (inverse[:, 0] * inverse[:, 2]).all():
             return elements, inverse, areas
-        twin, coherent = twins(elements, gradient.n_vertices)
+        twin, coherent = twins(sorted_sides(elements, gradient.n_vertices))
         if not coherent:
             return elements, inverse, areas
         faces, lengths = elements.copy(), lengths_from_inverse(inverse)

@@ -4,6 +4,8 @@ All that the core needs of libigl's triangulation side is here, imported on firs
 flips take longer than all the rest of the heat method; where kernels are worth it, ours do them.
 """
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 from scipy.sparse import coo_array, csr_array
 from scipy.sparse.csgraph import connected_components
@@ -11,10 +13,24 @@ from scipy.sparse.csgraph import connected_components
 from geodesic_toolkit._kernels import worthwhile
 from geodesic_toolkit._typing import FloatArray, IntArray
 
-__all__ = ["coherently_oriented", "delaunay_triangles", "intrinsic_delaunay", "voronoi_areas"]
+if TYPE_CHECKING:
+    from geodesic_toolkit._sides import Sides  # imports Numba
+
+__all__ = [
+    "MOST_SIDES",
+    "coherently_oriented",
+    "delaunay_triangles",
+    "intrinsic_delaunay",
+    "voronoi_areas",
+]
+
+MOST_SIDES = np.iinfo(np.int32).max
+"""Half-edges up to which our kernels pair them."""
 
 
-def delaunay_triangles(faces: IntArray, lengths: FloatArray) -> tuple[IntArray, FloatArray]:
+def delaunay_triangles(
+    faces: IntArray, lengths: FloatArray, sides: "Sides | None" = None
+) -> tuple[IntArray, FloatArray]:
     """Return the intrinsic Delaunay triangulation of any triangles.
 
     Parameters
@@ -23,6 +39,8 @@ def delaunay_triangles(faces: IntArray, lengths: FloatArray) -> tuple[IntArray, 
         Turned in any way; edges of more than two faces stay.
     lengths : ndarray of shape (F, 3), float64
         The edge opposite corner i in column i, with every triangle inequality strict.
+    sides : Sides, optional
+        The half-edges of the faces, where they have been sorted already.
 
     Returns
     -------
@@ -31,19 +49,20 @@ def delaunay_triangles(faces: IntArray, lengths: FloatArray) -> tuple[IntArray, 
     lengths : ndarray of shape (F, 3), float64
     """
     count = int(faces.max()) + 1
-    if not worthwhile(count):
+    if not worthwhile(count) or faces.size > MOST_SIDES:
         cut, cut_lengths, origin = coherently_oriented(faces, lengths)
         flipped, flipped_lengths = intrinsic_delaunay(cut, cut_lengths)
         return origin[flipped], flipped_lengths
     from geodesic_toolkit._flipping import flip_edges, twins
+    from geodesic_toolkit._sides import sorted_sides
 
-    twin, coherent = twins(faces, count)
+    twin, coherent = twins(sorted_sides(faces, count) if sides is None else sides)
     if coherent:
         faces, lengths = faces.copy(), lengths.copy()
         flip_edges(faces, lengths, twin, np.zeros(count, dtype=np.bool_))
         return faces, lengths
     cut, cut_lengths, origin = coherently_oriented(faces, lengths)
-    twin, _ = twins(cut, len(origin))
+    twin, _ = twins(sorted_sides(cut, len(origin)))
     cut, cut_lengths = cut.copy(), cut_lengths.copy()
     flip_edges(cut, cut_lengths, twin, np.zeros(len(origin), dtype=np.bool_))
     return origin[cut], cut_lengths

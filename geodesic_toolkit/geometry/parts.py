@@ -65,13 +65,18 @@ def part_scales(
         total = np.bincount(parts[tails], lengths, count)
         number = np.bincount(parts[tails], minlength=count)
         np.divide(total, number, out=mean, where=total > 0)
-    part = parts[first_vertices]
-    area = np.bincount(part, areas, count)
-    square = np.divide(
-        np.bincount(part, areas * squares, count), area, out=np.zeros(count), where=area > 0
-    )
+    part = parts[first_vertices] if count > 1 else None
+    area, covered = _totals(areas, part, count), _totals(areas * squares, part, count)
+    square = np.divide(covered, area, out=np.zeros(count), where=area > 0)
     half = np.sqrt(square) / 2
     return np.where(half > mean, half, mean)
+
+
+def _totals(values: FloatArray, part: IntArray | None, count: int) -> FloatArray:
+    """Return the sum of values in each of the parts, (C,); unless they are told there is one."""
+    return np.asarray(
+        values.sum(keepdims=True) if part is None else np.bincount(part, values, count)
+    )
 
 
 def coarse_parts(

@@ -223,12 +223,9 @@ def mean_edge_length(vertices: FloatArray, edges: csr_array) -> float:
     return float(np.sqrt(np.einsum("ed,ed->e", steps, steps)).mean())
 
 
-def mean_squared_edges(inverse: FloatArray) -> FloatArray:
-    """Return the (F,) mean squared edge length of triangles, from what `inverse_frames` returns."""
-    p, q, r = inverse.T
-    length, height = 1 / p, 1 / r
-    along = -q * height * length  # q is -a / (l b), and b the height
-    return np.asarray((length * (length - along) + along * along + height * height) * (2 / 3))
+def mean_squared_edges(lengths: FloatArray) -> FloatArray:
+    """Return the (F,) mean squared edge length of triangles with such edges, (F, 3)."""
+    return np.asarray(np.einsum("fc,fc->f", lengths, lengths) / 3)
 
 
 def mollified_lengths(

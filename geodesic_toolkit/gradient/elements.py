@@ -15,6 +15,7 @@ from geodesic_toolkit.errors import InvalidDiscretizationError
 from geodesic_toolkit.geometry.triangles import edges_of_faces, hat_gradients_from_inverse
 from geodesic_toolkit.gradient.base import Gradient, as_columns
 from geodesic_toolkit.gradient.graph_laplacian import graph_laplacian
+from geodesic_toolkit.gradient.triangle_sums import TriangleSums, sums_of_triangles
 
 __all__ = ["ElementGradient"]
 
@@ -235,7 +236,7 @@ class ElementGradient(Gradient):
     def stiffness(self) -> csr_array:
         """Return ``L = Gᵀ W G``, assembled from the elements' off-diagonal entries."""
         if self.of_planes and self._is_compiled:
-            return self.assembled()[0]
+            return self.sums().stiffness()
         size = self.elements.shape[1]
         pairs = [(i, j) for i in range(size) for j in range(i + 1, size)]
         products = [
@@ -247,32 +248,17 @@ class ElementGradient(Gradient):
         entries = np.tile(self.measure, len(pairs)) * np.concatenate(products)
         return graph_laplacian(-entries, tails, heads, self.n_vertices)
 
-    def assembled(self) -> tuple[csr_array, FloatArray, BoolArray]:
-        """Return what triangles add up to, by one compiled pass where that is worth it.
-
-        Returns
-        -------
-        stiffness : csr_array of shape (N, N)
-            As :meth:`stiffness` returns it.
-        thirds : ndarray of shape (N,), float64
-            The barycentric mass: a third of the measure of the triangles around each vertex.
-        boundary : ndarray of shape (N,), bool
-            Vertices of edges that one triangle has.
-        """
+    def sums(self) -> TriangleSums:
+        """Return what triangles add up to, by compiled passes where they are worth it."""
         count = self.n_vertices
         if self._is_compiled:
-            from geodesic_toolkit._assembly import assemble
-
-            rows = assemble(self.elements, self.inverse_frames, self.measure, count)
-            stiffness = csr_array((rows[2], rows[1], rows[0]), shape=(count, count))
-            stiffness.has_canonical_format = True  # or SciPy looks through it
-            return stiffness, rows[3], rows[4]
+            return sums_of_triangles(self.elements, self.inverse_frames, self.measure, count)
         shares = np.repeat(self.measure / 3, 3)
         thirds = np.bincount(self.elements.ravel(), shares, count).astype(np.float64, copy=False)
         edges, face_counts = edges_of_faces(self.elements, count)
         boundary: BoolArray = np.zeros(count, dtype=np.bool_)
         boundary[edges[face_counts == 1]] = True
-        return self.stiffness(), thirds, boundary
+        return TriangleSums(self.stiffness(), thirds, boundary)
 
     @cached_property
     def _is_compiled(self) -> bool:

@@ -1,7 +1,7 @@
 """The cotangent Laplacian of triangle meshes."""
 
 from dataclasses import dataclass
-from typing import Any, ClassVar, Literal, final
+from typing import TYPE_CHECKING, Any, ClassVar, Literal, final
 
 import numpy as np
 
@@ -22,6 +22,9 @@ from geodesic_toolkit.geometry.triangles import (
 from geodesic_toolkit.gradient import ElementGradient
 from geodesic_toolkit.laplacians.base import LaplaceOperator
 from geodesic_toolkit.positivity import obtuse_excess
+
+if TYPE_CHECKING:
+    from geodesic_toolkit._sides import Sides  # imports Numba
 
 __all__ = ["CotanLaplacian"]
 
@@ -150,24 +153,24 @@ class CotanLaplacian(LaplaceOperator):
             raise UnsupportedDomainError("every face of the mesh is a single place; it has no area")
         dropped = domain.n_faces - len(faces)
         gradient = ElementGradient.of_triangles(faces, inverse, areas, count)
-        stiffness, thirds, boundary = gradient.assembled()
-        spacing = mean_edge_length(domain.vertices, stiffness)
-        parts = connected_vertices(stiffness)
+        sums, lengths = gradient.sums(), lengths_from_inverse(inverse)
+        spacing = mean_edge_length(domain.vertices, sums.edges)
+        parts = connected_vertices(sums.edges)
         scales = part_scales(
             domain.vertices,
-            stiffness,
+            sums.edges,
             parts,
             spacing=spacing,
             first_vertices=faces[:, 0],
-            squares=mean_squared_edges(inverse),
+            squares=mean_squared_edges(lengths),
             areas=areas,
         )
-        excess = obtuse_excess(stiffness, thirds)
+        excess, boundary = obtuse_excess(sums.edges, sums.thirds), sums.boundary
         flip = self._to_be_flipped(faces, parts, excess)
         if flip.any():
-            faces, lengths = _flipped(faces, lengths_from_inverse(inverse), flip)
+            faces, lengths = _flipped(faces, lengths, flip, sums.sides)
             gradient = ElementGradient.of_triangles(faces, *measured_by_lengths(lengths), count)
-            stiffness, thirds, _ = gradient.assembled()
+            sums = gradient.sums()
         notes: dict[str, Any] = {
             "dropped_faces": dropped,
             "mollified_by": added,
@@ -175,8 +178,8 @@ class CotanLaplacian(LaplaceOperator):
             "triangulation": _TRIANGULATION[bool(flip.any()), bool(flip.all())],
         }
         discretization = Discretization(
-            mass=self._mass(gradient, thirds),
-            stiffness=stiffness,
+            mass=self._mass(gradient, sums.thirds),
+            stiffness=sums.stiffness(),
             gradient=gradient,
             spacing=spacing,
             boundary=boundary,
@@ -209,10 +212,12 @@ class CotanLaplacian(LaplaceOperator):
         return thirds
 
 
-def _flipped(faces: IntArray, lengths: FloatArray, flip: BoolArray) -> tuple[IntArray, FloatArray]:
+def _flipped(
+    faces: IntArray, lengths: FloatArray, flip: BoolArray, sides: "Sides | None"
+) -> tuple[IntArray, FloatArray]:
     """Return the triangles, the chosen ones of them made intrinsically Delaunay."""
     if flip.all():
-        return delaunay_triangles(faces, lengths)
+        return delaunay_triangles(faces, lengths, sides)
     delaunay, delaunay_lengths = delaunay_triangles(faces[flip], lengths[flip])
     return (
         np.concatenate([faces[~flip], delaunay]),
