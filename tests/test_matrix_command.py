@@ -5,6 +5,7 @@ import os
 import signal
 import subprocess
 import sys
+import threading
 import time
 from concurrent.futures import ThreadPoolExecutor
 from functools import partial
@@ -21,7 +22,7 @@ from geodesic_toolkit import errors
 from geodesic_toolkit.analysis import matrix as matrix_module
 from geodesic_toolkit.analysis import stores
 from geodesic_toolkit.cli import interrupts
-from geodesic_toolkit.cli.matrix import Result, _deaf_children
+from geodesic_toolkit.cli.matrix import Result, _deaf_children, _processes
 from geodesic_toolkit.io import read_vertices
 from geodesic_toolkit.testing import shapes
 
@@ -207,6 +208,21 @@ def process_group_ends(group):
             return True
         time.sleep(0.01)
     return False
+
+
+def test_the_end_of_the_program_finds_no_thread_of_a_pool_that_was_interrupted(monkeypatch):
+    """It would wake the thread, and fail where that ends just then."""
+    monkeypatch.setattr(threading, "excepthook", threading.excepthook)  # which the block changes
+    before = set(threading.enumerate())
+
+    def interrupted():
+        with _processes(2) as pool:
+            pool.submit(int).result()
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        interrupted()
+    assert set(threading.enumerate()) <= before
 
 
 def test_interrupts_are_ignored_while_processes_start_and_only_in_the_main_thread():

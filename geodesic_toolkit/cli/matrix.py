@@ -30,6 +30,10 @@ NAMED = 8
 """Sources that a person is shown; --json has all of them."""
 
 
+PATIENCE = 0.5
+"""Seconds for the thread of a pool to see that its processes are gone."""
+
+
 class SymmetrizeChoice(StrEnum):
     """What becomes of two entries that should be one."""
 
@@ -199,9 +203,20 @@ def _processes(count: int) -> Iterator["Executor | None"]:
         threading.excepthook = _without_cancelled_tasks
         for process in multiprocessing.active_children():  # rather than wait for their tasks
             process.terminate()
-        pool.shutdown(wait=False, cancel_futures=True)  # the end of the program waits for it
+        _shut_down(pool)
         raise
     pool.shutdown()
+
+
+def _shut_down(pool: "Executor") -> None:
+    """Wait for the thread of a pool whose processes were ended, but not for ever.
+
+    The end of the program wakes that thread, and fails if it ends just then. Where a process was
+    ended in the middle of a result, the thread waits for the rest, and the program leaves anyway.
+    """
+    closing = threading.Thread(target=pool.shutdown, kwargs={"cancel_futures": True}, daemon=True)
+    closing.start()
+    closing.join(PATIENCE)
 
 
 def _without_cancelled_tasks(failure: threading.ExceptHookArgs) -> None:
