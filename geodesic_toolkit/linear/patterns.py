@@ -39,6 +39,7 @@ def plus_diagonal(
     places = np.flatnonzero(matrix.indices == np.repeat(np.arange(n, dtype=np.int32), counts))
     scales = scale if np.ndim(scale) == 0 else np.repeat(scale, counts)
     scaled = csr_array((matrix.data * scales, matrix.indices, matrix.indptr), shape=matrix.shape)
+    scaled.has_canonical_format = matrix.has_canonical_format  # or SciPy looks through it
     if len(places) != n:
         return csr_array(scaled + diags_array(diagonal))
     scaled.data[places] += diagonal

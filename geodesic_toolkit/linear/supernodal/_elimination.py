@@ -56,14 +56,19 @@ def _mirrored(indptr: IntArray, indices: IndexArray, mirror: IntArray) -> bool:
 
     Rows visited in order meet the entries of each column in order too.
     """
-    last = indices.size - 1
+    last, start, column, image = (
+        indices.size - 1,
+        pointer(indptr),
+        pointer(indices),
+        pointer(mirror),
+    )
     for i in range(mirror.size):
-        for p in range(indptr[i], indptr[i + 1]):
-            prefetch(shifted(pointer(indices), mirror[indices[min(p + AHEAD, last)]]))
-            j = indices[p]
-            if mirror[j] == indptr[j + 1] or indices[mirror[j]] != i:
+        for p in range(start[i], start[i + 1]):
+            prefetch(shifted(column, image[column[min(p + AHEAD, last)]]))
+            j = column[p]
+            if image[j] == start[j + 1] or column[image[j]] != i:
                 return False
-            mirror[j] += 1
+            image[j] += 1
     return True
 
 
