@@ -10,6 +10,7 @@ from pathlib import Path
 import pytest
 from numba.core import caching
 
+import geodesic_toolkit as gt
 from geodesic_toolkit import _kernels
 
 SMALL, MIDDLE, LARGE = 1000, _kernels.LOADING, _kernels.COMPILING
@@ -51,6 +52,14 @@ def test_a_job_waits_for_kernels_that_it_is_large_enough_for(machine, n_vertices
     loaded = machine(in_process=False, on_disk=on_disk)
     assert _kernels.worthwhile(n_vertices) == worth
     assert loaded == (list(_kernels.MODULES) if worth else [])
+
+
+def test_it_is_vertices_that_count_and_not_faces(machine):
+    loaded = machine(in_process=False, on_disk=True)
+    mesh = gt.testing.shapes.grid(180)
+    assert mesh.n_vertices < MIDDLE < mesh.n_faces
+    gt.CotanLaplacian().assemble(mesh)
+    assert loaded == []
 
 
 def test_many_sources_are_worth_a_new_factor_the_sooner_the_nearer_the_kernels_are(machine):

@@ -9,7 +9,7 @@ import numpy as np
 from scipy.sparse import coo_array, csr_array
 from scipy.sparse.csgraph import connected_components
 
-from geodesic_toolkit._kernels import worthwhile
+from geodesic_toolkit import _kernels
 from geodesic_toolkit._typing import BoolArray, FloatArray, IntArray
 
 __all__ = [
@@ -68,7 +68,7 @@ def measured_triangles(
     added : float
         The most that was added to an edge.
     """
-    if not worthwhile(len(vertices)):
+    if not _kernels.worthwhile(len(vertices)):
         faces = faces[proper_faces(faces)]
         lengths = face_edge_lengths(vertices, faces)
         if not lengths.any():
@@ -89,7 +89,7 @@ def measured_triangles(
 
 def measured_by_lengths(lengths: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Return the inverse frames (F, 3) and the areas (F,) of triangles with such edges."""
-    if worthwhile(len(lengths)):
+    if _kernels.loaded():
         from geodesic_toolkit._assembly import measure_lengths
 
         inverse, areas = np.empty(lengths.shape), np.empty(len(lengths))
@@ -175,7 +175,7 @@ def inverse_frames(frames: FloatArray) -> FloatArray:
 
 def lengths_from_inverse(inverse: FloatArray) -> FloatArray:
     """Return the (F, 3) edge lengths, opposite each corner, of triangles by inverse frames."""
-    if worthwhile(len(inverse)):
+    if _kernels.loaded():
         from geodesic_toolkit._assembly import edge_lengths
 
         lengths = np.empty((len(inverse), 3))
@@ -213,7 +213,7 @@ def mean_edge_length(vertices: FloatArray, edges: csr_array) -> float:
     vertices : ndarray of shape (N, 3)
     edges : csr_array of shape (N, N)
     """
-    if worthwhile(len(vertices)) and edges.indices.dtype == np.int32:
+    if _kernels.worthwhile(len(vertices)) and edges.indices.dtype == np.int32:
         from geodesic_toolkit import _assembly
 
         return float(_assembly.mean_edge_length(vertices, edges.indptr, edges.indices))
