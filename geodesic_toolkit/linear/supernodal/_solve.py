@@ -19,13 +19,19 @@ from geodesic_toolkit.linear.supernodal._columns import (
     minus_rows,
 )
 from geodesic_toolkit.linear.supernodal._halves import numbers, per_line
-from geodesic_toolkit.linear.supernodal._rows import BLOCK, four_minus, minus_four, minus_one
+from geodesic_toolkit.linear.supernodal._rows import (
+    BLOCK,
+    copy_row,
+    four_minus_rows,
+    minus_one,
+    rows_minus_four,
+)
 from geodesic_toolkit.linear.supernodal._subnormals import flush_subnormals, restore_subnormals
 from geodesic_toolkit.linear.supernodal.analysis import LANES, Panels
 
 __all__ = ["BLOCK", "solve_block", "solve_column"]
 
-HELPERS = "cfe88908707bfae2"
+HELPERS = "6df84d72fbd45235"
 """Digest of what else is compiled into the kernels: Numba looks at this file only."""
 
 _int64 = types.Array(types.int64, 1, "C", readonly=True)
@@ -280,19 +286,17 @@ def _forward_block(  # noqa: PLR0917 - kernels take no keywords
             x3 = x[j + 3 * BLOCK + k] - factor[p + 3] * x0 - factor[q + 3] * x1
             x3 = (x3 - factor[r + 3] * x2) * factor[s + 3]
             head[k], head[BLOCK + k], head[2 * BLOCK + k], head[3 * BLOCK + k] = x0, x1, x2, x3
-        for k in range(4 * BLOCK):
-            x[j + k] = head[k]
-        for i in range(4, height - c):
-            target = np.int64(row[start + c + i]) * BLOCK
-            minus_four(x, target, head, factor[p + i], factor[q + i], factor[r + i], factor[s + i])
+        for k in range(4):
+            copy_row(x, j + k * BLOCK, head, k * BLOCK)
+        below = shifted(row, start + c + 4)
+        rows_minus_four(x, below, height - c - 4, head, factor, p + 4, q + 4, r + 4, s + 4)
         c += 4
     while c < width:
         p = panel + c * height + c
         j = np.int64(row[start + c]) * BLOCK
         for k in range(BLOCK):
             head[k] = x[j + k] * factor[p]
-        for k in range(BLOCK):
-            x[j + k] = head[k]
+        copy_row(x, j, head, 0)
         for i in range(1, height - c):
             minus_one(x, np.int64(row[start + c + i]) * BLOCK, head, 0, factor[p + i])
         c += 1
@@ -316,11 +320,10 @@ def _backward_block(  # noqa: PLR0917 - kernels take no keywords
         p = panel + c * height + c
         q, r, s = p + height, p + 2 * height, p + 3 * height
         j = np.int64(row[start + c]) * BLOCK
-        for k in range(4 * BLOCK):
-            head[k] = x[j + k]
-        for i in range(4, height - c):
-            known = np.int64(row[start + c + i]) * BLOCK
-            four_minus(head, x, known, factor[p + i], factor[q + i], factor[r + i], factor[s + i])
+        for k in range(4):
+            copy_row(head, k * BLOCK, x, j + k * BLOCK)
+        below = shifted(row, start + c + 4)
+        four_minus_rows(head, x, below, height - c - 4, factor, p + 4, q + 4, r + 4, s + 4)
         for k in range(BLOCK):
             x3 = head[3 * BLOCK + k] * factor[s + 3]
             x2 = (head[2 * BLOCK + k] - factor[r + 3] * x3) * factor[r + 2]
@@ -333,12 +336,46 @@ def _backward_block(  # noqa: PLR0917 - kernels take no keywords
         c -= 1
         p = panel + c * height + c
         j = np.int64(row[start + c]) * BLOCK
-        for k in range(BLOCK):
-            head[k] = x[j + k]
+        copy_row(head, 0, x, j)
         for i in range(1, height - c):
             minus_one(head, 0, x, np.int64(row[start + c + i]) * BLOCK, factor[p + i])
         for k in range(BLOCK):
             x[j + k] = head[k] * factor[p]
+
+
+@part()
+def _take_block(x: Pointer, given: Pointer, n_columns: int, order: IndexArray) -> None:
+    """Write the rows of a block to x, in the order of the factor and filled up with zeros."""
+    for j in range(order.size):
+        begin = np.int64(order[j]) * n_columns
+        if n_columns == BLOCK:
+            copy_row(x, j * BLOCK, given, begin)
+            continue
+        for k in range(n_columns):
+            x[j * BLOCK + k] = given[begin + k]
+        for k in range(n_columns, BLOCK):
+            x[j * BLOCK + k] = 0.0
+
+
+@part()
+def _give_block(
+    x: Pointer, room: Pointer, found: Pointer, n_columns: int, order: IndexArray
+) -> bool:
+    """Write x to the rows of a block, and return whether all of it is finite."""
+    for k in range(BLOCK):
+        room[k] = 0.0
+    for j in range(order.size):
+        minus_one(room, 0, x, j * BLOCK, 0.0)  # stays 0 if that is finite
+        begin = np.int64(order[j]) * n_columns
+        if n_columns == BLOCK:
+            copy_row(found, begin, x, j * BLOCK)
+            continue
+        for k in range(n_columns):
+            found[begin + k] = x[j * BLOCK + k]
+    nothing = 0.0
+    for k in range(BLOCK):
+        nothing += room[k]
+    return nothing == 0.0
 
 
 @kernel(
@@ -368,12 +405,7 @@ def solve_block(  # noqa: PLR0917 - kernels take no keywords
     x, head = pointer(room), pointer(room[n * BLOCK :])
     row, factor = pointer(rows), numbers(panel_values)
     mode = flush_subnormals()
-    for j in range(n):
-        source = right_hand_sides[order[j]]
-        for k in range(n_columns):
-            x[j * BLOCK + k] = source[k]
-        for k in range(n_columns, BLOCK):
-            x[j * BLOCK + k] = 0.0
+    _take_block(x, pointer(right_hand_sides), n_columns, order)
     for s in range(n_supernodes):
         touched = False
         for j in range(first[s] * BLOCK, first[s + 1] * BLOCK):
@@ -386,11 +418,6 @@ def solve_block(  # noqa: PLR0917 - kernels take no keywords
         start, width = row_starts[s], first[s + 1] - first[s]
         height = row_starts[s + 1] - start
         _backward_block(x, head, width, height, factor, panels[s], row, start)
-    nothing = 0.0
-    for j in range(n):
-        target = solution[order[j]]
-        for k in range(n_columns):
-            target[k] = x[j * BLOCK + k]
-            nothing += 0.0 * x[j * BLOCK + k]
+    finite = _give_block(x, head, pointer(solution), n_columns, order)
     restore_subnormals(mode)
-    return nothing == 0.0
+    return finite
