@@ -94,14 +94,18 @@ def _first_to_look_at(
     lengths: FloatArray, twin: IntArray, waiting: IntArray, is_waiting: BoolArray
 ) -> int:
     """Write the half-edges opposite obtuse angles, one of which is in any two of more than π."""
-    known = 0
-    for half in range(len(twin)):
-        f, c = half // 3, half % 3
-        side, one, other = lengths[f, c], lengths[f, (c + 1) % 3], lengths[f, (c + 2) % 3]
-        if twin[half] >= 0 and side * side > one * one + other * other:
-            waiting[known] = half
-            is_waiting[half] = True
-            known += 1
+    known, length, mate = 0, pointer(lengths), pointer(twin)
+    for half in range(0, len(twin), 3):
+        one, two, three = length[half], length[half + 1], length[half + 2]
+        one, two, three = one * one, two * two, three * three
+        for side, square, others in (
+            (half, one, two + three),
+            (half + 1, two, three + one),
+            (half + 2, three, one + two),
+        ):
+            if square > others and mate[side] >= 0:
+                waiting[known], is_waiting[side] = side, True
+                known += 1
     return known
 
 
