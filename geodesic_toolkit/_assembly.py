@@ -30,7 +30,7 @@ __all__ = [
     "obtuse_excess",
 ]
 
-HELPERS = "e9abb208a7d7abf9"
+HELPERS = "9c48fa060695d630"
 """Digest of what else is compiled into the kernels: Numba looks at this file only."""
 
 # One signature each, of arrays that are only read: those that may be written to fit as well.

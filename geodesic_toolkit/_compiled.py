@@ -3,7 +3,7 @@
 A *kernel* is called from Python, and compiled when its module is imported for the first time on a
 machine; a *part* is called by kernels only. Numba wraps a function for callers of three kinds, and
 compiling those wrappers takes a fifth as long as compiling the functions. A kernel has the wrapper
-for Python, a part has none, and to Python it stays the plain function that it is.
+for Python, a part has none; to Python it stays the plain function that it is, unless it is inline.
 """
 
 import gc

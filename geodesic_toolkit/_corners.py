@@ -21,7 +21,7 @@ __all__ = [
     "tell_missed",
 ]
 
-HELPERS = "c303783ec15337a2"
+HELPERS = "a1564d29fd4d43f9"
 """Digest of what else is compiled into the kernels: Numba looks at this file only."""
 
 CORNER = np.dtype(

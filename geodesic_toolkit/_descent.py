@@ -18,7 +18,7 @@ from geodesic_toolkit._typing import FloatArray, IndexArray, IntArray
 
 __all__ = ["AT_ONCE", "descent_load", "descent_loads", "split"]
 
-HELPERS = "05e4ccb5caf08178"
+HELPERS = "a66f349ab98391e9"
 """Digest of what else is compiled into the kernels: Numba looks at this file only."""
 
 LOG_2 = math.log(2)

@@ -18,7 +18,7 @@ from geodesic_toolkit._typing import BoolArray, FloatArray, IndexArray, IntArray
 
 __all__ = ["flip_edges", "twins"]
 
-HELPERS = "e9abb208a7d7abf9"
+HELPERS = "9c48fa060695d630"
 """Digest of what else is compiled into the kernels: Numba looks at this file only."""
 
 TOLERANCE = 1e-10

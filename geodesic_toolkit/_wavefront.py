@@ -21,7 +21,7 @@ from geodesic_toolkit._typing import BoolArray, IntArray
 
 __all__ = ["VERTEX", "sweep"]
 
-HELPERS = "f5903f42dc01d853"
+HELPERS = "94cbc8df0a17a069"
 """Digest of what else is compiled into the kernels: Numba looks at this file only."""
 
 VERTEX = np.dtype(

@@ -19,7 +19,7 @@ from geodesic_toolkit._typing import BoolArray, FloatArray, IntArray
 
 __all__ = ["pole_normals"]
 
-HELPERS = "c303783ec15337a2"
+HELPERS = "a1564d29fd4d43f9"
 """Digest of what else is compiled into the kernels: Numba looks at this file only."""
 
 POWER = 1.25

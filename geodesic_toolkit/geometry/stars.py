@@ -16,7 +16,7 @@ from geodesic_toolkit._typing import BoolArray, FloatArray, IntArray
 
 __all__ = ["delaunay_stars"]
 
-HELPERS = "c303783ec15337a2"
+HELPERS = "a1564d29fd4d43f9"
 """Digest of what else is compiled into the kernels: Numba looks at this file only."""
 
 STEEP = math.sqrt(0.5)

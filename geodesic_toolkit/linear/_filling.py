@@ -7,7 +7,7 @@ from geodesic_toolkit._typing import FloatArray, IndexArray
 
 __all__ = ["fill"]
 
-HELPERS = "c303783ec15337a2"
+HELPERS = "a1564d29fd4d43f9"
 """Digest of what else is compiled into the kernels: Numba looks at this file only."""
 
 _indices = types.Array(types.int32, 1, "C", readonly=True)

@@ -22,7 +22,7 @@ __all__ = [
     "supernodes",
 ]
 
-HELPERS = "05e4ccb5caf08178"
+HELPERS = "a66f349ab98391e9"
 """Digest of what else is compiled into the kernels: Numba looks at this file only."""
 
 NONE = -1

@@ -26,7 +26,7 @@ from geodesic_toolkit.linear.supernodal._subnormals import flush_subnormals, res
 
 __all__ = ["factorize"]
 
-HELPERS = "df5edf641d6a4d47"
+HELPERS = "49df0791a967349c"
 """Digest of what else is compiled into the kernels: Numba looks at this file only."""
 
 AHEAD = 64

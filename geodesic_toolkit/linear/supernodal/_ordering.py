@@ -27,7 +27,7 @@ from geodesic_toolkit._typing import IndexArray, IntArray
 
 __all__ = ["Elimination", "minimum_degree"]
 
-HELPERS = "05e4ccb5caf08178"
+HELPERS = "a66f349ab98391e9"
 """Digest of what else is compiled into the kernels: Numba looks at this file only."""
 
 NONE = -1

@@ -31,7 +31,7 @@ from geodesic_toolkit.linear.supernodal.analysis import LANES, Panels
 
 __all__ = ["BLOCK", "solve_block", "solve_column"]
 
-HELPERS = "6df84d72fbd45235"
+HELPERS = "cdebf00a3a429647"
 """Digest of what else is compiled into the kernels: Numba looks at this file only."""
 
 _int64 = types.Array(types.int64, 1, "C", readonly=True)
