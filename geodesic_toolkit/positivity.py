@@ -31,7 +31,8 @@ def obtuse_excess(stiffness: csr_array, mass: FloatArray) -> FloatArray:
     Parameters
     ----------
     stiffness : csr_array of shape (N, N)
-        With an entry for every edge and for the diagonal of every row, be they zero.
+        With an entry for every edge and for the diagonal of every row, be they zero. Our kernels
+        need no more of it than lies right of the diagonal.
     mass : ndarray of shape (N,)
     """
     if worthwhile(len(mass)) and stiffness.indices.dtype == np.int32:

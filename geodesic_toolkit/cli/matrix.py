@@ -29,7 +29,6 @@ __all__ = ["matrix"]
 NAMED = 8
 """Sources that a person is shown; --json has all of them."""
 
-
 PATIENCE = 0.5
 """Seconds for the thread of a pool to see that its processes are gone."""
 
