@@ -971,7 +971,7 @@ def test_a_load_of_another_shape_is_refused(sphere_system, shape):
         found.solve(np.zeros(shape))
 
 
-@pytest.mark.parametrize("columns", [1, 4])
+@pytest.mark.parametrize("columns", [1, 4, 16, 20])
 def test_a_solution_that_is_not_finite_is_an_error(sphere_system, columns):
     found = SOLVER.factorize(sphere_system)
     load = np.zeros((162, columns))
