@@ -1,0 +1,24 @@
+// Room to work in for a solve.
+#pragma once
+
+#include "array.hpp"
+
+namespace geodesic {
+
+// Numbers to work in, in which anything may stand.
+//
+// Memory from the system comes with a fault for every page. So that of the last solve is kept for
+// the next one, of whichever factor, up to a size.
+class Room {
+ public:
+  explicit Room(Index size);
+  ~Room();
+  Room(const Room&) = delete;
+  Room& operator=(const Room&) = delete;
+  double* data() { return memory_.data(); }
+
+ private:
+  Array<double> memory_;
+};
+
+}  // namespace geodesic

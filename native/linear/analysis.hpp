@@ -1,0 +1,57 @@
+// The symbolic half of a factorisation: everything that the pattern alone decides.
+#pragma once
+
+#include <memory>
+
+#include "core/matrix.hpp"
+
+namespace geodesic {
+
+// Numbers that the substitution reads at once, wherever a column ends.
+inline constexpr int kReach = 8;
+
+// An order of elimination, in groups of vertices that are eliminated together.
+struct Elimination {
+  Array<Row> order;    // the vertices
+  Array<Row> starts;   // group g is order[starts[g], starts[g + 1])
+  Array<Row> heights;  // rows of the first column of each group, without those set aside as full
+  Array<Row> parents;  // who takes over what the elimination of a group leaves, or kNone
+  Index n_full = 0;    // vertices that were set aside: the last group
+};
+
+// Column j of the factor belongs to vertex order[j]. Supernode s has the columns
+// first[s] <= j < first[s + 1] and the rows rows[row_starts[s], row_starts[s + 1]), of which its
+// own columns come first; its dense panel of that shape is stored by columns from panels[s].
+struct Analysis {
+  Array<Row> order;
+  Array<Index> starts;    // the permuted lower triangle by columns,
+  Array<Row> lower_rows;  // and where its entries are in a matrix's data
+  Array<Row> places;
+  Array<Row> first;
+  Array<Index> row_starts;
+  Array<Row> rows;
+  Array<Row> above;  // the parent of each supernode, kNone at roots
+  Array<Index> panels;
+  Index n_entries = 0;  // of the pattern that was analysed
+  Index stack = 0;    // numbers on the stack of update matrices, at the most
+  Index tallest = 0;  // rows of the tallest supernode
+  Index largest = 0;  // numbers in the largest panel
+
+  Index n_vertices() const { return order.size(); }
+  Index n_supernodes() const { return above.size(); }
+  Index n_stored() const { return panels[n_supernodes()]; }
+  // Bytes of the arrays.
+  Index nbytes() const;
+  Index width(Index s) const { return first[s + 1] - first[s]; }
+  Index height(Index s) const { return row_starts[s + 1] - row_starts[s]; }
+  Index below(Index s) const { return height(s) - width(s); }
+  const Row* rows_of(Index s) const { return rows.data() + row_starts[s]; }
+  const Row* rows_below(Index s) const { return rows_of(s) + width(s); }
+};
+
+// Of patterns with both halves and sorted columns.
+bool is_symmetric(const Pattern& pattern);
+Elimination minimum_degree(const Pattern& pattern);
+std::shared_ptr<const Analysis> analyze(const Pattern& pattern, const Elimination& elimination);
+
+}  // namespace geodesic

@@ -1,0 +1,26 @@
+// Dense Cholesky of a front: its columns are eliminated, and its rows below are left less of them.
+//
+//     P = [ P1 ]  ->  [ L1        ]        L1 L1' = P1,
+//         [ P2 ]      [ P2 L1^-T  ]        U = -(P2 L1^-T) (P2 L1^-T)'.
+//
+// Products of thin matrices are most of a factorisation, and three quarters of the matrices have
+// fewer rows than the kernels of a BLAS are made for. Tiles of four columns stay in registers; rows
+// at an end are taken under a mask, and nothing is copied or padded before. Columns come in fours,
+// those in chunks: within a chunk four columns are brought up to date when their turn comes, and
+// behind it all that follow at once.
+#pragma once
+
+#include "core/array.hpp"
+
+namespace geodesic::front {
+
+// Numbers of room that `eliminate` needs for fronts of up to so many rows.
+Index packed_size(Index tallest);
+
+// Eliminate the `width` columns of a front in place; return the first with a pivot <= 0, or kNone.
+//
+// They become those of L, but for the diagonal, which becomes the inverse of L's. `update` receives
+// the lower triangle of U, square and of `height - width` rows; `room` has `packed_size` numbers.
+Index eliminate(double* panel, double* update, Index height, Index width, double* room);
+
+}  // namespace geodesic::front

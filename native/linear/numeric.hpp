@@ -1,0 +1,21 @@
+// The numeric half of a factorisation.
+#pragma once
+
+#include "core/half.hpp"
+#include "linear/analysis.hpp"
+
+namespace geodesic {
+
+struct Pivots {
+  Index failed = kNone;  // the first column with a pivot <= 0
+  Array<double> left;    // the share of each diagonal entry that elimination leaves
+};
+
+// Write the panels of L with A = L L', of whole numbers or of their upper halves.
+//
+// Of the diagonal of L they hold the inverse. `panels` has n_stored() + kReach of them; those
+// behind become zero. `data` has the entries of A on the pattern that was analysed.
+template <class T>
+Pivots factorize(const Analysis& analysis, std::span<const double> data, std::span<T> panels);
+
+}  // namespace geodesic

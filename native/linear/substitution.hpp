@@ -1,0 +1,21 @@
+// Solves with the panels of a factor.
+#pragma once
+
+#include "core/half.hpp"
+#include "linear/analysis.hpp"
+
+namespace geodesic {
+
+inline constexpr int kBlock = 16;  // columns of a block, which is always computed in full
+
+// Write x with L L' x = b, and return whether it is finite; x may be b itself.
+//
+// The number of vertex v stands at b[v * stride], those of a block from there on.
+template <class T>
+bool solve_column(const Analysis& analysis, const T* panels, const double* b, double* x,
+                  Index stride);
+template <class T>
+bool solve_block(const Analysis& analysis, const T* panels, const double* b, double* x,
+                 Index stride, Index n_columns);
+
+}  // namespace geodesic

@@ -1,0 +1,64 @@
+// The Cholesky solver in Python.
+#include <nanobind/stl/shared_ptr.h>
+
+#include "linear/factor.hpp"
+#include "python/bindings.hpp"
+
+namespace geodesic {
+namespace {
+
+template <class Class, class T>
+auto field(Array<T> Class::* member) {
+  return [member](nb::handle self) { return view(nb::cast<const Class&>(self).*member, self); };
+}
+
+}  // namespace
+
+void bind_linear(nb::module_& module) {
+  module.def(
+      "is_symmetric",
+      [](In<Row> indptr, In<Row> indices) {
+        const Pattern pattern = pattern_of(indptr, indices);
+        return unlocked([&] { return is_symmetric(pattern); });
+      },
+      "indptr"_a.noconvert(), "indices"_a.noconvert());
+  nb::class_<Analysis>(module, "Analysis")
+      .def_prop_ro("order", field(&Analysis::order))
+      .def_prop_ro("first", field(&Analysis::first))
+      .def_prop_ro("row_starts", field(&Analysis::row_starts))
+      .def_prop_ro("rows", field(&Analysis::rows))
+      .def_prop_ro("above", field(&Analysis::above))
+      .def_prop_ro("n_stored", &Analysis::n_stored)
+      .def_prop_ro("nbytes", &Analysis::nbytes)
+      .def("factor_bytes", &Factor::nbytes_needed, "compact"_a);
+  module.def(
+      "analyze",
+      [](In<Row> indptr, In<Row> indices) {
+        const Pattern pattern = pattern_of(indptr, indices);
+        return unlocked([&] {
+          return std::const_pointer_cast<Analysis>(analyze(pattern, minimum_degree(pattern)));
+        });
+      },
+      "indptr"_a.noconvert(), "indices"_a.noconvert());
+  nb::class_<Factor>(module, "Factor")
+      .def(
+          "__init__",
+          [](Factor* self, std::shared_ptr<Analysis> analysis, In<double> data, bool compact) {
+            require(n_rows(data) == analysis->n_entries,
+                    "the data of a matrix with the pattern that was analysed");
+            unlocked([&] { new (self) Factor(std::move(analysis), span(data), compact); });
+          },
+          "analysis"_a, "data"_a.noconvert(), "compact"_a = false)
+      .def(
+          "solve",
+          [](const Factor& self, Columns b, nb::ndarray<double, nb::c_contig, nb::device::cpu> x) {
+            require(n_rows(b) == self.analysis().n_vertices() && x.size() == b.size(),
+                    "a row for each unknown, and room for as many solutions");
+            const Index columns = n_columns(b);
+            unlocked([&] { self.solve(span(b), span(x), columns); });
+          },
+          "b"_a.noconvert(), "x"_a.noconvert())
+      .def_prop_ro("nbytes", &Factor::nbytes);
+}
+
+}  // namespace geodesic

@@ -1,0 +1,17 @@
+// The extension module of one level of processor.
+#include "core/vectors.hpp"
+#include "python/bindings.hpp"
+
+NB_MODULE(GT_MODULE, module) {
+#if defined(NDEBUG)
+  nb::set_leak_warnings(false);  // of objects that outlive the interpreter, as with pytest
+#endif
+  module.attr("LANES") = geodesic::kLanes;
+  geodesic::bind_errors(module);
+  geodesic::bind_matrix(module);
+  geodesic::bind_linear(module);
+  geodesic::bind_triangles(module);
+  geodesic::bind_heat(module);
+  geodesic::bind_wavefront(module);
+  geodesic::bind_clouds(module);
+}

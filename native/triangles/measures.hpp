@@ -1,0 +1,31 @@
+// Triangles measured in planes of their own.
+//
+// A frame puts the corners at (0, 0), (l, 0) and (a, b), and (p, q, r) with [[p, 0], [q, r]] the
+// inverse of [[l, 0], [a, b]] takes the differences of a linear function to its gradient.
+#pragma once
+
+#include "core/array.hpp"
+
+namespace geodesic {
+
+struct Measures {
+  Array<double> frames;  // (F, 3): (p, q, r)
+  Array<double> areas;
+};
+
+struct Measured {
+  Measures triangles;
+  Index proper = 0;    // faces of three different vertices
+  double total = 0.0;  // of all edge lengths
+  double slack;        // the least by which two edges exceed the third, over the longest
+};
+
+Measured measure_triangles(std::span<const double> vertices, std::span<const Index> faces);
+// By the edges opposite the corners, (F, 3), and back.
+Measures measure_lengths(std::span<const double> lengths);
+Array<double> edge_lengths(std::span<const double> frames);
+// The area, doubled, of a triangle with such edges: Heron's formula in Kahan's order of operations,
+// which does not cancel for thin ones.
+double doubled_area(double p, double q, double r);
+
+}  // namespace geodesic
