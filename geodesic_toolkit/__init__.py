@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from geodesic_toolkit.api import geodesic_distance
     from geodesic_toolkit.catalog import operators, readers, solvers
     from geodesic_toolkit.conversion import as_domain
+    from geodesic_toolkit.diagnosis import Diagnosis
     from geodesic_toolkit.discretization import Discretization
     from geodesic_toolkit.domains import (
         Curve,
@@ -43,7 +44,7 @@ if TYPE_CHECKING:
     from geodesic_toolkit.linear.cg import CG
     from geodesic_toolkit.linear.superlu import SuperLU
     from geodesic_toolkit.linear.supernodal import Supernodal
-    from geodesic_toolkit.solver import Diagnosis, GeodesicSolver
+    from geodesic_toolkit.solver import GeodesicSolver
 
 # Spelt out once more, because type checkers read nothing else; a test keeps the two together.
 __all__ = [
@@ -95,7 +96,7 @@ _HOMES = {
     "CloudPath": "analysis.cloud_paths",
     "CotanLaplacian": "laplacians.cotan",
     "Curve": "domains",
-    "Diagnosis": "solver",
+    "Diagnosis": "diagnosis",
     "Discretization": "discretization",
     "Domain": "domains",
     "EdgeGradient": "gradient",

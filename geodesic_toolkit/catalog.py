@@ -2,7 +2,6 @@
 
 from typing import Any
 
-from geodesic_toolkit._kernels import worthwhile
 from geodesic_toolkit.domains import Domain, Graph, PointCloud, TriangleMesh
 from geodesic_toolkit.errors import InvalidOptionError, PluginLoadError, UnsupportedDomainError
 from geodesic_toolkit.laplacians.base import LaplaceOperator
@@ -10,7 +9,7 @@ from geodesic_toolkit.linear.base import LinearSolver
 from geodesic_toolkit.linear.supernodal import Supernodal
 from geodesic_toolkit.registry import Registry
 
-__all__ = ["fast_solver", "operators", "readers", "resolve_operator", "resolve_solvers", "solvers"]
+__all__ = ["operators", "readers", "resolve_operator", "resolve_solvers", "solvers"]
 
 
 def _subclass_of(base: type) -> Any:
@@ -42,12 +41,6 @@ solvers: Registry[type[LinearSolver]] = Registry(
 readers: Registry[Any] = Registry("geodesic_toolkit.readers", "reader", _is_callable)
 """Functions from a path to a domain, by file suffix without its dot."""
 
-PREFERRED = {TriangleMesh: "cotan", PointCloud: "pointcloud", Graph: "uniform"}
-"""The operator that "auto" takes for the domains of the core."""
-
-AUTO_OPTIONS: dict[str, dict[str, Any]] = {"cotan": {"intrinsic_delaunay": "auto"}}
-"""Options that "auto" adds to it."""
-
 COMPACT = 20_000
 """Unknowns from which on a factor does not stay in the processor's cache, and half of it pays."""
 
@@ -63,9 +56,20 @@ def resolve_operator(choice: object, domain: Domain) -> LaplaceOperator:
     if choice != "auto":
         operator: LaplaceOperator = operators.resolve(choice)
         return operator
-    for kind, name in PREFERRED.items():
-        if isinstance(domain, kind):
-            return operators[name](**AUTO_OPTIONS.get(name, {}))
+    # The core's own operators are not looked up by name: to look through all that is installed
+    # takes as long as a mesh of 10,000 vertices.
+    if isinstance(domain, TriangleMesh):
+        from geodesic_toolkit.laplacians.cotan import CotanLaplacian
+
+        return CotanLaplacian(intrinsic_delaunay="auto")
+    if isinstance(domain, PointCloud):
+        from geodesic_toolkit.laplacians.pointcloud import PointCloudLaplacian
+
+        return PointCloudLaplacian()
+    if isinstance(domain, Graph):
+        from geodesic_toolkit.laplacians.uniform import UniformLaplacian
+
+        return UniformLaplacian()
     for name in operators:
         try:
             candidate = operators[name]
@@ -85,11 +89,10 @@ def resolve_solvers(choice: object, n_unknowns: int = 0) -> tuple[LinearSolver, 
     Parameters
     ----------
     choice : str, class, instance or dict
-        One for both steps, or ``{"heat": ..., "poisson": ...}``. "auto" is ``"supernodal"`` where
-        its compiled kernels are worth waiting for, and ``"superlu"`` elsewhere. A solver that is
-        not componentwise accurate serves the Poisson step only, beside the default one.
+        One for both steps, or ``{"heat": ..., "poisson": ...}``. "auto" is ``"supernodal"``. A
+        solver that is not componentwise accurate serves the Poisson step only, beside that one.
     n_unknowns : int
-        Size of the systems, by which "auto" decides.
+        Size of the systems, by which "auto" decides whether factors are compact.
 
     Raises
     ------
@@ -112,11 +115,6 @@ def resolve_solvers(choice: object, n_unknowns: int = 0) -> tuple[LinearSolver, 
 
 def _solver(choice: object, n_unknowns: int) -> LinearSolver:
     if choice == "auto":
-        return fast_solver(n_unknowns) if worthwhile(n_unknowns) else solvers["superlu"]()
+        return Supernodal(compact=n_unknowns >= COMPACT)
     solver: LinearSolver = solvers.resolve(choice)
     return solver
-
-
-def fast_solver(n_unknowns: int) -> LinearSolver:
-    """Return the solver that "auto" prefers once its kernels are there."""
-    return Supernodal(compact=n_unknowns >= COMPACT)

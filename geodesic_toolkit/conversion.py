@@ -12,12 +12,6 @@ from geodesic_toolkit._typing import FloatArray, IntArray
 from geodesic_toolkit._warning import warn
 from geodesic_toolkit.domains import Domain, Graph, PointCloud, TriangleMesh
 from geodesic_toolkit.errors import InvalidDomainError, ReadWarning, UnsupportedDomainError
-from geodesic_toolkit.geometry.polygons import (
-    fan_triangles,
-    strip_triangles,
-    surface_polygons,
-    unpadded_polygons,
-)
 
 __all__ = ["as_domain", "check_one_shape", "graph_of_lengths"]
 
@@ -242,6 +236,8 @@ def _vtk_grid(obj: Any) -> Domain | None:
 
 
 def _of_cells(obj: Any, points: Any, blocks: list[tuple[str, Any]]) -> Domain:
+    from geodesic_toolkit.geometry.polygons import surface_polygons
+
     sizes, corners = surface_polygons(blocks)
     if len(sizes):
         return TriangleMesh(points, _triangles(obj, sizes, corners))
@@ -254,6 +250,8 @@ def _of_cells(obj: Any, points: Any, blocks: list[tuple[str, Any]]) -> Domain:
 
 
 def _triangles(obj: Any, sizes: IntArray, corners: IntArray) -> IntArray:
+    from geodesic_toolkit.geometry.polygons import fan_triangles
+
     faces, remarks = fan_triangles(sizes, corners)
     for remark in remarks:
         warn(f"{type(obj).__name__}: {remark}", ReadWarning)
@@ -264,6 +262,8 @@ def _vtk_surface(obj: Any) -> Domain | None:
     """Surfaces of PyVista."""
     if not _has(obj, "points", "faces", "strips"):
         return None
+    from geodesic_toolkit.geometry.polygons import strip_triangles, unpadded_polygons
+
     faces = _triangles(obj, *unpadded_polygons(np.asarray(obj.faces)))
     strips = np.asarray(obj.strips)
     if len(strips):

@@ -6,7 +6,6 @@ from typing import Any
 
 import numpy as np
 
-from geodesic_toolkit._typing import BoolArray
 from geodesic_toolkit.discretization import Discretization
 from geodesic_toolkit.domains import Domain, TriangleMesh
 from geodesic_toolkit.geometry.parts import coarse_parts
@@ -17,7 +16,7 @@ from geodesic_toolkit.geometry.triangles import (
 )
 from geodesic_toolkit.heat import HeatMethod
 
-__all__ = ["Diagnosis", "diagnose", "vertices_on_seams"]
+__all__ = ["Diagnosis", "diagnose"]
 
 
 @dataclass(frozen=True)
@@ -128,21 +127,6 @@ def diagnose(domain: Domain, operator: object, method: HeatMethod) -> Diagnosis:
         stages=report.stages,
         notes=metric.notes,
     )
-
-
-def vertices_on_seams(mesh: TriangleMesh, boundary: BoolArray) -> int:
-    """Return how many boundary vertices lie at the place of another one.
-
-    Parameters
-    ----------
-    mesh : TriangleMesh
-    boundary : ndarray of shape (N,), bool
-    """
-    places = mesh.vertices[boundary]
-    places = places[np.lexsort(places.T)]
-    same = np.zeros(len(places) + 1, dtype=np.bool_)  # as the one before
-    same[1:-1] = (places[1:] == places[:-1]).all(axis=1)
-    return int((same[:-1] | same[1:]).sum())
 
 
 def _positive_share(discretization: Discretization) -> float:

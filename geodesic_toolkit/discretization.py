@@ -7,16 +7,16 @@ from typing import Any, final
 
 import numpy as np
 from scipy.sparse import csr_array
-from scipy.sparse.csgraph import connected_components
 
-from geodesic_toolkit._checks import check_finite, coerce
+from geodesic_toolkit import _native
+from geodesic_toolkit._checks import check_finite, coerce, compressed_rows
 from geodesic_toolkit._frozen import FrozenArrays, freeze, freeze_csr
-from geodesic_toolkit._kernels import worthwhile
 from geodesic_toolkit._typing import BoolArray, FloatArray, IntArray
 from geodesic_toolkit.errors import InvalidDiscretizationError
+from geodesic_toolkit.geometry.components import connected_vertices
 from geodesic_toolkit.gradient import ElementGradient, Gradient
 
-__all__ = ["Discretization", "connected_vertices"]
+__all__ = ["Discretization"]
 
 
 @final
@@ -155,29 +155,13 @@ class Discretization(FrozenArrays):
         )
 
 
-def connected_vertices(stiffness: csr_array) -> IntArray:
-    """Return the connected component of every vertex, of shape (N,), numbered from 0.
-
-    Parameters
-    ----------
-    stiffness : csr_array of shape (N, N)
-        Symmetric; its entries, whatever their values, are the edges.
-    """
-    if worthwhile(stiffness.shape[0]) and stiffness.indices.dtype == np.int32:
-        from geodesic_toolkit._assembly import components
-
-        return np.asarray(components(stiffness.indptr, stiffness.indices))
-    _, labels = connected_components(stiffness, directed=False)
-    return np.asarray(labels, dtype=np.int64)
-
-
 def _check_stiffness(stiffness: csr_array, count: int) -> None:
-    """Check L = Lᵀ and L 1 = 0 with two matrix-vector products each, on one fixed vector."""
+    """Check L = Lᵀ and L 1 = 0 in one pass, and say what is wrong and where if it finds fault."""
     if stiffness.shape != (count, count):
         raise InvalidDiscretizationError(
             f"stiffness must have shape ({count}, {count}), not {stiffness.shape}"
         )
-    if _is_sound(stiffness):
+    if _native.is_sound(*compressed_rows(stiffness)):
         return
     check_finite(stiffness.data, "stiffness entry")
     scale = abs(stiffness) @ np.ones(count)
@@ -200,16 +184,3 @@ def _check_stiffness(stiffness: csr_array, count: int) -> None:
         raise InvalidDiscretizationError(
             f"stiffness[{bad}, {bad}] is {lowest[bad]:.3g}: L = -Δ must be positive semidefinite"
         )
-
-
-def _is_sound(stiffness: csr_array) -> bool:
-    """Return whether the kernel, where it is worthwhile, finds nothing wrong.
-
-    Whoever asks must look closer where it does: it says neither what is wrong nor where.
-    """
-    arrays = (stiffness.indptr, stiffness.indices, stiffness.data)
-    if not worthwhile(stiffness.shape[0]) or arrays[1].dtype != np.int32:
-        return False
-    from geodesic_toolkit._assembly import is_sound
-
-    return bool(is_sound(*arrays))

@@ -3,13 +3,12 @@
 from typing import Any
 
 import numpy as np
-from scipy.sparse import coo_array, csr_array
-from scipy.sparse.csgraph import connected_components
 
 from geodesic_toolkit._typing import FloatArray, IntArray
 from geodesic_toolkit.conversion import as_domain, check_one_shape
 from geodesic_toolkit.domains import Curve, OffsetSources, TriangleMesh
 from geodesic_toolkit.errors import InvalidSourceError, SolverError, UnsupportedDomainError
+from geodesic_toolkit.geometry.components import connected_by_edges
 from geodesic_toolkit.geometry.insertion import insert_points
 from geodesic_toolkit.geometry.pinches import cut_pinches
 from geodesic_toolkit.geometry.triangles import edges_of_faces, proper_faces
@@ -119,7 +118,7 @@ def _by_components(vertices: FloatArray, faces: IntArray, sources: IntArray) -> 
     """Return exact distances from source vertices, each component by itself."""
     count = len(vertices)
     edges, face_counts = edges_of_faces(faces, count)
-    labels = _components(edges, count)
+    labels = connected_by_edges(edges, count)
     distance = np.full(count, np.inf)
     for component in np.unique(labels[sources]):
         members = np.flatnonzero(labels == component)
@@ -138,12 +137,6 @@ def _by_components(vertices: FloatArray, faces: IntArray, sources: IntArray) -> 
         own_faces = local[faces[labels[faces[:, 0]] == component]]
         distance[members] = _exact(vertices[members], own_faces, local[own_sources])
     return distance
-
-
-def _components(edges: IntArray, n_vertices: int) -> IntArray:
-    entries = (np.ones(len(edges)), tuple(edges.T))
-    adjacency = csr_array(coo_array(entries, shape=(n_vertices, n_vertices)))
-    return np.asarray(connected_components(adjacency, directed=False)[1], dtype=np.int64)
 
 
 def _exact(vertices: FloatArray, faces: IntArray, sources: IntArray) -> FloatArray:

@@ -4,7 +4,6 @@ K. Crane, C. Weischedel, M. Wardetzky, *Geodesics in Heat: A New Approach to Com
 Based on Heat Flow*, ACM Transactions on Graphics 32, 2013, https://doi.org/10.1145/2516971.2516977
 """
 
-import copy
 import os
 import threading
 from collections.abc import Callable, Iterable, Iterator, Sequence
@@ -466,28 +465,6 @@ class HeatMethod:
             self._flow.systems()
             poisson.result()
         return self
-
-    def with_solver(self, solver: LinearSolver) -> "HeatMethod":
-        """Return the same method on another linear solver, factorised.
-
-        Parameters
-        ----------
-        solver : LinearSolver
-            For both systems, componentwise accurate.
-
-        Returns
-        -------
-        HeatMethod
-
-        Raises
-        ------
-        SolverError, NotEnoughMemoryError
-            The factorisation failed.
-        """
-        other = copy.copy(self)
-        other.heat_solver = other.poisson_solver = solver
-        other._set_up()  # noqa: SLF001 - of the same class
-        return other.prepare()
 
     @property
     def nbytes(self) -> int:

@@ -5,9 +5,10 @@ stiffness L = -Δ are zero or negative. Obtuse angles make some positive.
 """
 
 import numpy as np
-from scipy.sparse import csr_array, diags_array
+from scipy.sparse import csr_array
 
-from geodesic_toolkit._kernels import worthwhile
+from geodesic_toolkit import _native
+from geodesic_toolkit._checks import compressed_rows
 from geodesic_toolkit._typing import FloatArray
 from geodesic_toolkit.discretization import Discretization
 from geodesic_toolkit.gradient import EdgeGradient
@@ -31,26 +32,11 @@ def obtuse_excess(stiffness: csr_array, mass: FloatArray) -> FloatArray:
     Parameters
     ----------
     stiffness : csr_array of shape (N, N)
-        With an entry for every edge and for the diagonal of every row, be they zero. Our kernels
-        need no more of it than lies right of the diagonal.
+        With an entry for every edge and for the diagonal of every row, be they zero.
+        What lies right of the diagonal is enough.
     mass : ndarray of shape (N,)
     """
-    if worthwhile(len(mass)) and stiffness.indices.dtype == np.int32:
-        from geodesic_toolkit import _assembly
-
-        arrays = (stiffness.indptr, stiffness.indices, stiffness.data)
-        return np.asarray(_assembly.obtuse_excess(*arrays, mass, RINGS))
-    ones = np.ones(len(mass))
-    weights = csr_array(stiffness - diags_array(stiffness.diagonal()))
-    absolute = abs(weights) @ ones
-    wrong = (absolute + weights @ ones) / 2
-    share = np.divide(wrong, absolute, out=np.zeros_like(wrong), where=absolute > 0)
-    entries = (np.ones(stiffness.nnz), stiffness.indices, stiffness.indptr)
-    disk = csr_array(entries, shape=stiffness.shape)
-    excess, area = share * mass, mass
-    for _ in range(RINGS):
-        excess, area = np.asarray(disk @ excess), np.asarray(disk @ area)
-    return np.asarray(np.divide(excess, area, out=np.zeros_like(area), where=area > 0))
+    return _native.obtuse_excess(*compressed_rows(stiffness), mass, RINGS)
 
 
 def positive_part(metric: Discretization) -> Discretization:

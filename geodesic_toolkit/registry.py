@@ -4,11 +4,9 @@ Nothing is imported before it is asked for; a broken plugin hurts only itself; a
 distributions claim is an error only when that name is asked for.
 """
 
-import difflib
 import inspect
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
-from importlib import metadata
 from threading import RLock
 from typing import Any, Generic, TypeVar
 
@@ -277,6 +275,8 @@ class Registry(Mapping[str, Plugin], Generic[Plugin]):
     def _unknown(self, name: str) -> str:
         names = list(self)
         message = f"no {self.kind} {name!r}"
+        import difflib
+
         near = difflib.get_close_matches(name, names, n=3, cutoff=0.5)
         if near:
             message += f"; did you mean {' or '.join(repr(match) for match in near)}?"
@@ -291,6 +291,8 @@ def _discover(group: str) -> list[_Entry]:
 
     A distribution seen twice on the path (an editable install beside its wheel) counts once.
     """
+    from importlib import metadata  # looks through all that is installed: not before it must
+
     found: dict[tuple[str, str], _Entry] = {}
     for point in metadata.entry_points(group=group):
         distribution = point.dist.name if point.dist is not None else "unknown"

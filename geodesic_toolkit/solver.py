@@ -2,30 +2,29 @@
 
 import threading
 from collections.abc import Iterable
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from geodesic_toolkit._kernels import worth_a_change
 from geodesic_toolkit._typing import BoolArray, FloatArray
 from geodesic_toolkit._warning import warn
-from geodesic_toolkit.catalog import fast_solver, resolve_operator, resolve_solvers
+from geodesic_toolkit.catalog import resolve_operator, resolve_solvers
 from geodesic_toolkit.conversion import as_domain, check_one_shape
-from geodesic_toolkit.diagnosis import Diagnosis, diagnose, vertices_on_seams
 from geodesic_toolkit.discretization import Discretization
 from geodesic_toolkit.domains import Domain, TriangleMesh
 from geodesic_toolkit.errors import CoarseMeshWarning, InvalidSourceError, SeamWarning
-from geodesic_toolkit.geometry.parts import coarse_parts
+from geodesic_toolkit.geometry.parts import coarse_parts, vertices_on_seams
 from geodesic_toolkit.heat import Boundary, HeatMethod, Progress
 from geodesic_toolkit.laplacians.base import LaplaceOperator
 from geodesic_toolkit.linear.base import LinearSolver
-from geodesic_toolkit.masking import as_mask, check_unmasked, without
-from geodesic_toolkit.queries import as_points, interpolate, positions_of
 from geodesic_toolkit.source_points import SourcePoints
 from geodesic_toolkit.sources import locate_sources
 
-__all__ = ["Diagnosis", "GeodesicSolver"]
+if TYPE_CHECKING:
+    from geodesic_toolkit.diagnosis import Diagnosis
+
+__all__ = ["GeodesicSolver"]
 
 SEAM_SHARE = 0.5
 """Share of boundary vertices that coincide with others from which on a mesh is said to be cut."""
@@ -118,8 +117,13 @@ class GeodesicSolver:
         self.domain = domain
         self.operator = resolve_operator(operator, domain)
         self.diffusion = None if diffusion is None else resolve_operator(diffusion, domain)
-        self._mask = None if mask is None else as_mask(mask, domain.n_vertices)
-        self._passable = domain = domain if self._mask is None else without(domain, self._mask)
+        self._mask: BoolArray | None = None
+        if mask is not None:
+            from geodesic_toolkit.masking import as_mask, without
+
+            self._mask = as_mask(mask, domain.n_vertices)
+            domain = without(domain, self._mask)
+        self._passable = domain
         heat_solver, poisson_solver = resolve_solvers(solver, domain.n_vertices)
         self.operator.check_domain(domain)
         metric = self.operator.assemble(domain)
@@ -139,7 +143,6 @@ class GeodesicSolver:
             poisson_solver=poisson_solver,
             refine=refine,
         ).prepare()
-        self._automatic = solver == "auto" and heat_solver != fast_solver(metric.n_vertices)
         self._diagnosis: Diagnosis | None = None
         self._coarse: BoolArray | None = None
         self._lock = threading.Lock()
@@ -201,7 +204,6 @@ class GeodesicSolver:
         """
         sets = self._locate_sets(source_sets)
         self._warn_where_coarse(sets)
-        self._hasten(len(sets))
         return self.method.distances(sets, progress=progress)
 
     def query(self, points: ArrayLike, sources: Any, *, reach: float | None = None) -> FloatArray:
@@ -244,6 +246,8 @@ class GeodesicSolver:
         >>> solver.query([[0.41, 0.0, 0.02], [0.4, 0.0, 5.0]], 0).round(2)
         array([0.4, inf])
         """
+        from geodesic_toolkit.queries import as_points, interpolate, positions_of
+
         positions_of(self.domain)  # refuses a graph before the work
         queries = as_points(points)
         places = self._locate(sources)
@@ -282,21 +286,14 @@ class GeodesicSolver:
         return self._passable
 
     @property
-    def diagnosis(self) -> Diagnosis:
+    def diagnosis(self) -> "Diagnosis":
         """What the shape is like and what was done about it; computed on first use."""
+        from geodesic_toolkit.diagnosis import diagnose
+
         with self._lock:
             if self._diagnosis is None:
                 self._diagnosis = diagnose(self._passable, self.operator, self.method)
             return self._diagnosis
-
-    def _hasten(self, n_sources: int) -> None:
-        """Change to the fast solver where "auto" took the one that is ready soonest."""
-        if not self._automatic or not worth_a_change(self.domain.n_vertices, n_sources):
-            return
-        with self._lock:
-            if self._automatic:
-                self.method = self.method.with_solver(fast_solver(self.domain.n_vertices))
-                self._automatic = False
 
     def _locate(self, sources: Any, name: str = "sources") -> SourcePoints:
         if isinstance(sources, SourcePoints):  # located before
@@ -304,6 +301,8 @@ class GeodesicSolver:
         else:
             places = locate_sources(self.domain, sources, name, passable=self._passable)
         if self._mask is not None:
+            from geodesic_toolkit.masking import check_unmasked
+
             check_unmasked(places, self._mask, name)
         return places
 
@@ -366,7 +365,7 @@ class GeodesicSolver:
 
 def _warn_of_seams(mesh: TriangleMesh, metric: Discretization) -> None:
     """Warn where most of a boundary is a seam: loaders split vertices where textures are cut."""
-    on_seams = vertices_on_seams(mesh, metric.boundary)
+    on_seams = vertices_on_seams(mesh.vertices, metric.boundary)
     if on_seams > 8 and on_seams > SEAM_SHARE * metric.boundary.sum():
         warn(
             f"{on_seams} of {int(metric.boundary.sum())} boundary vertices share their place with "

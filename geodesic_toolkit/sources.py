@@ -17,8 +17,6 @@ from geodesic_toolkit.domains import (
     TriangleMesh,
 )
 from geodesic_toolkit.errors import FarSourceWarning, InvalidSourceError
-from geodesic_toolkit.geometry.closest import closest_on_triangles, closest_points
-from geodesic_toolkit.geometry.polylines import distance_to_segments, sample_polyline
 from geodesic_toolkit.geometry.triangles import face_edge_lengths
 from geodesic_toolkit.source_points import SourcePoints, as_vertices
 
@@ -141,6 +139,8 @@ def _as_points(array: Any, name: str) -> FloatArray:
 
 def _in_space(domain: Domain, points: FloatArray, name: str) -> SourcePoints:
     if isinstance(domain, TriangleMesh):
+        from geodesic_toolkit.geometry.closest import closest_on_triangles
+
         faces, barycentric = closest_on_triangles(points, domain.vertices, domain.faces)
         feet = np.einsum("pc,pcd->pd", barycentric, domain.vertices[domain.faces[faces]])
         _warn_if_far(points, feet, domain.vertices, name)
@@ -166,6 +166,8 @@ def _warn_if_far(points: FloatArray, feet: FloatArray, places: FloatArray, name:
 
 
 def _nearest_present(cloud: PointCloud, points: FloatArray) -> IntArray:
+    from geodesic_toolkit.geometry.closest import closest_points
+
     present = np.flatnonzero(cloud.present)
     nearest: IntArray = present[closest_points(points, cloud.points[present])]
     return nearest
@@ -182,6 +184,9 @@ def _no_positions(domain: Domain, name: str) -> InvalidSourceError:
 
 def _along(domain: Domain, passable: Domain, curve: Curve, name: str) -> SourcePoints:
     """Return samples of a curve; the corners around one lie at their distance from the curve."""
+    from geodesic_toolkit.geometry.closest import closest_on_triangles
+    from geodesic_toolkit.geometry.polylines import distance_to_segments, sample_polyline
+
     if isinstance(curve.points, tuple):
         faces, barycentric = _faces_of(domain, curve.points, name)
         assert isinstance(domain, TriangleMesh)  # for the type checker; _faces_of has raised

@@ -6,7 +6,6 @@ import pytest
 from hypothesis import HealthCheck, settings
 from sample_files import write_off
 
-from geodesic_toolkit import _kernels
 from geodesic_toolkit.testing import shapes
 
 # Helpers that check something say what they found, as tests do.
@@ -15,10 +14,6 @@ pytest.register_assert_rewrite("browser", "command_line")
 # No test looks at the clock: a busy machine is slow to begin with, and that is no failure.
 settings.register_profile("calm", deadline=None, suppress_health_check=[HealthCheck.too_slow])
 settings.load_profile("calm")
-
-# Whether kernels are used depends on whether the process has them, and the last bits of results on
-# that: here they are always there. Commands that tests run in processes of their own do without.
-_kernels.warm()
 
 SHARED_DATA = Path(__file__).resolve().parents[2] / "shared" / "data"
 

@@ -1,17 +1,17 @@
-"""The compiled assembly and right-hand side do what the readable NumPy code beside them does."""
+"""The compiled assembly and right-hand side do what the slow, readable forms of them do."""
 
 import copy
 import pickle
 
 import numpy as np
 import pytest
+import slow_kernels
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from scipy.sparse import csr_array
 
 import geodesic_toolkit as gt
-from geodesic_toolkit import _assembly, _descent, _flipping, _kernels
-from geodesic_toolkit._sides import sorted_sides
+from geodesic_toolkit import _native
 from geodesic_toolkit.errors import InvalidDiscretizationError, UnsupportedDomainError
 from geodesic_toolkit.geometry.intrinsic import delaunay_triangles
 from geodesic_toolkit.geometry.triangles import (
@@ -70,14 +70,23 @@ MESHES = {
 }  # fmt: skip
 
 
+KERNELS = {name: getattr(_native, name) for name in slow_kernels.NAMES}
+SLOW = {name: getattr(slow_kernels, name) for name in slow_kernels.NAMES}
+
+
 @pytest.fixture
 def use(monkeypatch):
-    """The function that chooses between kernels and NumPy."""
-    return lambda kernels: monkeypatch.setattr(_kernels, "loaded", lambda: kernels)
+    """The function that chooses between kernels and their slow forms."""
+
+    def use(kernels):
+        for name, function in (KERNELS if kernels else SLOW).items():
+            monkeypatch.setattr(_native, name, function)
+
+    return use
 
 
 def both(use, compute):
-    """Return what `compute` does without kernels and with them."""
+    """Return what `compute` does with slow kernels and with compiled ones."""
     results = []
     for kernels in (False, True):
         use(kernels)
@@ -245,14 +254,14 @@ def test_flips_leave_edges_of_one_or_many_faces(use, name):
 
 def test_twins_know_when_faces_are_turned_and_edges_crowded():
     sheet = shapes.grid(3)
-    twin, coherent = _flipping.twins(sorted_sides(sheet.faces, 9))
+    twin, coherent = _native.sorted_half_edges(sheet.faces, 9).twins()
     assert coherent
     assert (twin >= 0).sum() == 2 * 8
     np.testing.assert_array_equal(twin[twin[twin >= 0]], np.flatnonzero(twin >= 0))
     turned = sheet.faces.copy()
     turned[3] = turned[3, ::-1]
-    assert not _flipping.twins(sorted_sides(turned, 9))[1]
-    crowded, coherent = _flipping.twins(sorted_sides(MESHES["many sheets"].faces, 7))
+    assert not _native.sorted_half_edges(turned, 9).twins()[1]
+    crowded, coherent = _native.sorted_half_edges(MESHES["many sheets"].faces, 7).twins()
     assert coherent
     assert (crowded == -1).all()
 
@@ -417,16 +426,3 @@ def test_triangles_without_area_are_refused():
         )
     with pytest.raises(InvalidDiscretizationError, match="element 0 refers to"):
         gt.ElementGradient.of_triangles(np.array([[0, 1, 3]]), np.ones((1, 3)), np.ones(1), 3)
-
-
-def test_each_kernel_is_compiled_once(use):
-    use(True)
-    mesh = gt.TriangleMesh(SPHERE.vertices, SPHERE.faces)
-    gt.CotanLaplacian().assemble(mesh)
-    for heat in (np.ones(162), PLAIN.measure[:162].copy()):
-        PLAIN.descent_load(heat, logarithmic=False)
-        PLAIN.descent_load(heat[:, None] * np.ones(2), logarithmic=True)
-    for module in (_assembly, _descent, _flipping):
-        kernels = [value for value in vars(module).values() if hasattr(value, "signatures")]
-        assert len(kernels) > 1
-        assert max(len(kernel.signatures) for kernel in kernels) == 1

@@ -1,8 +1,5 @@
 """Factors of which only the upper half of each number is kept."""
 
-import pickle
-import tracemalloc
-
 import numpy as np
 import pytest
 from scipy.sparse import csr_array, diags_array
@@ -11,8 +8,6 @@ import geodesic_toolkit as gt
 from geodesic_toolkit.catalog import resolve_solvers
 from geodesic_toolkit.errors import InvalidOptionError, SolverError
 from geodesic_toolkit.linear.patterns import plus_diagonal
-from geodesic_toolkit.linear.supernodal import _front, _numeric
-from geodesic_toolkit.linear.supernodal.analysis import analyze
 from geodesic_toolkit.testing import shapes
 
 FULL, COMPACT = gt.Supernodal(), gt.Supernodal(compact=True)
@@ -41,7 +36,7 @@ def sphere_system():
 
 
 def test_every_number_is_rounded_to_its_upper_half(sphere_system):
-    full, compact = FULL.factorize(sphere_system)._panels, COMPACT.factorize(sphere_system)._panels
+    full, compact = (linear.factorize(sphere_system)._factor.panels for linear in (FULL, COMPACT))
     assert compact.dtype == np.uint32
     widened = (compact.astype(np.uint64) << np.uint64(32)).view(np.float64)
     np.testing.assert_allclose(widened, full, rtol=DIGITS, atol=0)
@@ -51,20 +46,6 @@ def test_it_takes_half_the_memory_and_says_so(sphere_system):
     full, compact = FULL.factorize(sphere_system), COMPACT.factorize(sphere_system)
     assert 2 * compact.nbytes == full.nbytes
     assert compact.nnz == full.nnz
-
-
-def test_the_memory_that_it_takes_is_foreseen():
-    system = heat_system(grid(120, 120))
-    factorize = COMPACT.analyze(system)
-    factorize(system)  # loads the kernels
-    expected = factorize.expected_bytes(2) - factorize.expected_bytes(1)
-    tracemalloc.start()
-    try:
-        factorize(system)
-        taken = tracemalloc.get_traced_memory()[1]
-    finally:
-        tracemalloc.stop()
-    assert taken == pytest.approx(expected, rel=0.05)
 
 
 @pytest.mark.parametrize("columns", [None, 1, 2, 5, 16, 20])
@@ -123,34 +104,6 @@ def test_what_a_full_factor_refuses_is_refused():
 
 def test_a_matrix_without_unknowns_has_an_empty_factor():
     assert COMPACT.factorize(csr_array((0, 0))).solve(np.zeros(0)).shape == (0,)
-
-
-def test_it_survives_pickling(sphere_system):
-    factor = COMPACT.factorize(sphere_system)
-    load = np.random.default_rng(0).normal(size=sphere_system.shape[0])
-    again = pickle.loads(pickle.dumps(factor))
-    np.testing.assert_array_equal(again.solve(load), factor.solve(load))
-
-
-def test_what_memory_held_before_does_not_matter_and_none_is_touched_beyond(sphere_system):
-    its = analyze(sphere_system)
-    kept = []
-    for fill in (0.0, np.nan):
-        halves = np.full(its.n_stored + 64, 7, dtype=np.uint32)
-        front, stack = np.full(its.largest + 64, fill), np.full(its.stack + 64, fill)
-        pack = np.full(_front.packed_size(its.tallest) + 64, fill)
-        failed = _numeric.factorize(
-            sphere_system.data, its.starts, its.lower_rows, its.places, its.first, its.row_starts,
-            its.rows, its.above, its.panels, np.empty(0), halves, front, stack[: its.stack], pack,
-            np.zeros(its.n_vertices),
-            np.empty(2 * its.n_vertices + 3 * len(its.above), dtype=np.int64),
-        )  # fmt: skip
-        assert failed == -1
-        assert (halves[-64:] == 7).all()
-        np.testing.assert_array_equal(front[-64:], fill)
-        np.testing.assert_array_equal(stack[-64:], fill)
-        kept.append(halves)
-    np.testing.assert_array_equal(*kept)
 
 
 @pytest.mark.parametrize("compact", ["yes", 1, None])

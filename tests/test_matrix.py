@@ -15,7 +15,6 @@ from concurrent.futures import (
     ThreadPoolExecutor,
 )
 from dataclasses import dataclass
-from itertools import permutations
 from pathlib import Path
 from typing import ClassVar
 
@@ -452,41 +451,6 @@ def test_another_request_is_refused_and_named(solver, tmp_path, name, change):
     assert gt.distance_matrix(solver, out=tmp_path / "D.npy").shape == (162, 162)
 
 
-@pytest.mark.parametrize(
-    ("before", "after"),
-    list(permutations([gt.SuperLU(), gt.Supernodal(), gt.Supernodal(compact=True)], 2)),
-)
-def test_a_resumed_run_keeps_the_linear_solver_that_it_was_begun_with(tmp_path, before, after):
-    """Which of them "auto" takes depends on what is compiled by then."""
-    first, second = (
-        gt.GeodesicSolver(shapes.icosphere(2), solver=linear) for linear in (before, after)
-    )
-    gt.distance_matrix(first, out=tmp_path / "whole.npy")
-    with pytest.raises(KeyboardInterrupt):
-        gt.distance_matrix(first, out=tmp_path / "D.npy", progress=stop_after(100))
-    gt.distance_matrix(second, out=tmp_path / "D.npy")
-    assert contents(tmp_path / "D.npy") == contents(tmp_path / "whole.npy")
-    assert second.method.heat_solver == after  # it is not changed itself
-
-
-@pytest.mark.parametrize(("worth", "name"), [(True, "supernodal"), (False, "superlu")])
-def test_auto_decides_once_and_by_all_rows(monkeypatch, worth, name):
-    asked = []
-
-    def worth_a_change(n_vertices, n_sources):
-        asked.append(n_sources)
-        return worth if len(asked) == 1 else not worth
-
-    solver = gt.GeodesicSolver(shapes.icosphere(2))
-    solver.method = solver.method.with_solver(gt.solvers["superlu"]())
-    solver._automatic = True
-    monkeypatch.setattr("geodesic_toolkit.solver.worth_a_change", worth_a_change)
-    found = gt.distance_matrix(solver)
-    assert asked == [162]
-    chosen = gt.GeodesicSolver(shapes.icosphere(2), solver=name)
-    np.testing.assert_array_equal(found, gt.distance_matrix(chosen))
-
-
 def test_another_limit_is_refused(solver, tmp_path):
     with pytest.raises(KeyboardInterrupt):
         gt.distance_matrix(
@@ -500,9 +464,7 @@ def test_fingerprints_are_the_same_in_another_process(solver):
     program = """
         import json
         import geodesic_toolkit as gt
-        from geodesic_toolkit import _kernels
         from geodesic_toolkit.analysis.fingerprints import fingerprint_of_solver
-        _kernels.warm()
         solver = gt.GeodesicSolver(gt.testing.shapes.icosphere(2))
         print(json.dumps(fingerprint_of_solver(solver)))
     """

@@ -4,14 +4,13 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import connected_components
 
 from geodesic_toolkit._typing import FloatArray, IntArray
 from geodesic_toolkit.analysis.ways import best_way
 from geodesic_toolkit.discretization import Discretization
 from geodesic_toolkit.domains import PointCloud
 from geodesic_toolkit.errors import UnreachableError
+from geodesic_toolkit.geometry.components import connected_by_edges
 from geodesic_toolkit.geometry.fans import Fans
 from geodesic_toolkit.gradient import ElementGradient
 from geodesic_toolkit.source_points import SourcePoints
@@ -171,8 +170,7 @@ def _connects(
     """Return whether a way leads from the start to an end."""
     triangles, links = (some[np.isfinite(distance)[some].all(axis=1)] for some in elements)
     pairs = np.concatenate([triangles[:, :2], triangles[:, 1:], links])
-    graph = coo_array((np.ones(len(pairs)), pairs.T), shape=(len(distance), len(distance)))
-    part = connected_components(graph, directed=False)[1]
+    part = connected_by_edges(pairs, len(distance))
     return bool(part[start] in part[list(ends)])
 
 

@@ -91,5 +91,5 @@ def fingerprint_of_sources(sets: Sets) -> str:
 
 def fingerprint_of_versions() -> str:
     """Return the versions on which the last bit of a distance may depend."""
-    names = ("geodesic-toolkit", "numpy", "scipy", "numba")
+    names = ("geodesic-toolkit", "numpy", "scipy")
     return ", ".join(f"{name} {metadata.version(name)}" for name in names)

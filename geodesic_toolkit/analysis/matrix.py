@@ -24,7 +24,6 @@ from geodesic_toolkit.analysis.row_tasks import (
     rows_of_task,
     vertices_of,
 )
-from geodesic_toolkit.analysis.settling import as_begun, settled
 from geodesic_toolkit.analysis.stores import (
     FileOfRows,
     InMemory,
@@ -37,7 +36,7 @@ from geodesic_toolkit.analysis.stores import (
     require_zarr,
 )
 from geodesic_toolkit.analysis.symmetry import Symmetrize, check_symmetrize, widened
-from geodesic_toolkit.analysis.unfinished import Unfinished, recorded_request
+from geodesic_toolkit.analysis.unfinished import Unfinished
 from geodesic_toolkit.errors import InvalidOptionError, WriteError
 from geodesic_toolkit.heat import Progress
 from geodesic_toolkit.solver import GeodesicSolver
@@ -145,12 +144,9 @@ def distance_matrix(
         limit=_limit(max_distance),
     )
     output = None if out is None else check_matrix_output(out, sparse=plan.limit is not None)
-    fixed = settled(solver, plan.shape[0])
-    if output is not None and resume:
-        fixed = as_begun(fixed, recorded_request(output))
-    store = _store(fixed, plan, output, resume=bool(resume))
+    store = _store(solver, plan, output, resume=bool(resume))
     try:
-        return _filled(fixed, store, executor, progress)
+        return _filled(solver, store, executor, progress)
     finally:
         store.close()
 

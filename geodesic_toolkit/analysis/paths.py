@@ -6,7 +6,6 @@ from typing import Any
 
 import numpy as np
 from scipy.sparse import coo_array, csr_array, vstack
-from scipy.sparse.csgraph import dijkstra
 
 from geodesic_toolkit._typing import FloatArray, IntArray
 from geodesic_toolkit.analysis.cloud_paths import CloudPath, path_on_cloud
@@ -245,6 +244,8 @@ def _from_goal(metric: Discretization, positions: FloatArray, goal: SourcePoints
 
     It only tells where else to look, and is not worth another diffusion.
     """
+    from scipy.sparse.csgraph import dijkstra  # a tenth of a second
+
     sweeper = WavefrontSweeper(metric)  # which refuses what has no triangles
     assert isinstance(metric.gradient, ElementGradient)  # for the type checker
     count = len(positions)

@@ -16,7 +16,7 @@ import numpy as np
 from geodesic_toolkit._typing import BoolArray
 from geodesic_toolkit.errors import InvalidOptionError, WriteError
 
-__all__ = ["Unfinished", "recorded_request", "writing"]
+__all__ = ["Unfinished", "writing"]
 
 SUFFIX = ".partial"
 
@@ -42,24 +42,6 @@ def writing(path: Path) -> Iterator[None]:
         raise
     except OSError as error:
         raise WriteError(f"{path} cannot be written: {error.strerror or error}") from error
-
-
-def recorded_request(output: Path) -> dict[str, str]:
-    """Return what the unfinished matrix beside `output` was begun for; nothing if it does not say.
-
-    Parameters
-    ----------
-    output : Path
-
-    Returns
-    -------
-    dict of str to str
-    """
-    try:
-        record = json.loads((_folder(output) / RECORD).read_text(encoding="utf-8"))
-    except (OSError, ValueError):  # none, or a broken one, of which Unfinished will complain
-        return {}
-    return record if isinstance(record, dict) else {}
 
 
 def _folder(output: Path) -> Path:

@@ -5,7 +5,6 @@ from itertools import pairwise
 
 import numpy as np
 from scipy.sparse import coo_array, csr_array
-from scipy.sparse.csgraph import dijkstra
 
 from geodesic_toolkit._typing import FloatArray
 from geodesic_toolkit.analysis.descent import descend
@@ -108,6 +107,8 @@ def _between(fans: Fans, total: FloatArray, start: int) -> list[int]:
 
 def _along_edges(fans: Fans, start: int, ends: set[int]) -> tuple[list[int], list[list[int]]]:
     """Return the shortest way along edges, as `descend` does."""
+    from scipy.sparse.csgraph import dijkstra  # a tenth of a second
+
     count = len(fans.vertices)
     edges, _ = edges_of_faces(fans.faces, count)
     lengths = np.linalg.norm(np.diff(fans.vertices[edges], axis=1)[:, 0], axis=1)

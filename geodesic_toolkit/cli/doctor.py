@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from geodesic_toolkit import __version__, _kernels
+from geodesic_toolkit import __version__, _native
 from geodesic_toolkit.cli.arguments import Json
 from geodesic_toolkit.cli.output import aligned, one_line, show, show_json, versions
 from geodesic_toolkit.cli.plugins import plugin_rows
@@ -39,21 +39,9 @@ def doctor(
             show_default=False,
         ),
     ] = None,
-    warm: Annotated[
-        bool,
-        typer.Option(
-            "--warm",
-            help="Compile the kernels of the fast solver ahead, some seconds once on a machine; "
-            "in later processes they are loaded.",
-        ),
-    ] = False,
     json: Json = False,
 ) -> None:
     """Examine the installation, or what the shape INPUT is like."""
-    if warm:
-        _warm_up(json)
-        if path is None:
-            return
     if path is None:
         _examine_installation(json)
     else:
@@ -146,20 +134,6 @@ def _cure_of_negative_weights(diagnosis: "Diagnosis") -> str:
 # -- the installation --------------------------------------------------------------------------
 
 
-def _warm_up(json: bool) -> None:
-    """Compile or load every kernel, and say how long each took."""
-    was_cached = _kernels.cached()
-    with running() as run:
-        for name in _kernels.ALL_MODULES:
-            with run.step(name.removeprefix("geodesic_toolkit.")):
-                _kernels.load(name)
-    if json:
-        show_json({"were_cached": was_cached, "timings": run.timings, "versions": versions()})
-        return
-    done = "loaded; they had been compiled before" if was_cached else "compiled"
-    show(f"The kernels are {done} ({run.timings['total']:.1f} s).")
-
-
 def _examine_installation(json: bool) -> None:
     with running() as run:
         packages = _packages()
@@ -180,7 +154,7 @@ def _examine_installation(json: bool) -> None:
                 "pictures": vars(probes["pictures"]),
                 "pages": vars(probes["pages"]),
                 "plugins": len(plugins),
-                "kernels_compiled": _kernels.cached(),
+                "kernels": KERNELS,
                 "problems": problems,
                 "warnings": run.warnings,
                 "versions": versions(),
@@ -202,9 +176,7 @@ def _examine_installation(json: bool) -> None:
     state.append(
         ("plugins", "fail" if broken else "work", f"{len(plugins)} installed, {broken} broken")
     )
-    ready = _kernels.cached()
-    advice = "loaded when needed" if ready else "geodesic-toolkit doctor --warm compiles them"
-    state.append(("kernels", "compiled" if ready else "not yet compiled", advice))
+    state.append(("kernels", "work", KERNELS))
     for line in aligned(state):
         show(line)
     show("")
@@ -235,6 +207,8 @@ def _packages() -> list[dict[str, Any]]:
         found.values(), key=lambda row: (row["needed_for"] != EVERYTHING, row["needed_for"])
     )
 
+
+KERNELS = f"compiled for level {_native.LEVEL} of x86-64, {_native.LANES} numbers a register"
 
 EVERYTHING = "everything"
 

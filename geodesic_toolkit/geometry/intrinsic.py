@@ -1,26 +1,19 @@
-"""Intrinsic triangulations and Voronoi areas, by libigl.
+"""Intrinsic triangulations, and Voronoi areas by libigl.
 
-All that the core needs of libigl's triangulation side is here, imported on first use. Its edge
-flips take longer than all the rest of the heat method; where kernels are worth it, ours do them.
+All that the core needs of libigl's triangulation side is here, imported on first use. Edges are
+flipped by our own kernel: libigl's flips take longer than all the rest of the heat method.
 """
 
-from typing import TYPE_CHECKING
-
 import numpy as np
-from scipy.sparse import coo_array, csr_array
-from scipy.sparse.csgraph import connected_components
 
-from geodesic_toolkit._kernels import worthwhile
+from geodesic_toolkit import _native
 from geodesic_toolkit._typing import FloatArray, IntArray
-
-if TYPE_CHECKING:
-    from geodesic_toolkit._sides import Sides  # imports Numba
+from geodesic_toolkit.geometry.components import connected_by_edges
 
 __all__ = [
     "MOST_SIDES",
     "coherently_oriented",
     "delaunay_triangles",
-    "intrinsic_delaunay",
     "voronoi_areas",
 ]
 
@@ -29,7 +22,7 @@ MOST_SIDES = np.iinfo(np.int32).max
 
 
 def delaunay_triangles(
-    faces: IntArray, lengths: FloatArray, sides: "Sides | None" = None
+    faces: IntArray, lengths: FloatArray, sides: _native.HalfEdges | None = None
 ) -> tuple[IntArray, FloatArray]:
     """Return the intrinsic Delaunay triangulation of any triangles.
 
@@ -39,7 +32,7 @@ def delaunay_triangles(
         Turned in any way; edges of more than two faces stay.
     lengths : ndarray of shape (F, 3), float64
         The edge opposite corner i in column i, with every triangle inequality strict.
-    sides : Sides, optional
+    sides : _native.HalfEdges, optional
         The half-edges of the faces, where they have been sorted already.
 
     Returns
@@ -49,23 +42,22 @@ def delaunay_triangles(
     lengths : ndarray of shape (F, 3), float64
     """
     count = int(faces.max()) + 1
-    if not worthwhile(count) or faces.size > MOST_SIDES:
-        cut, cut_lengths, origin = coherently_oriented(faces, lengths)
-        flipped, flipped_lengths = intrinsic_delaunay(cut, cut_lengths)
-        return origin[flipped], flipped_lengths
-    from geodesic_toolkit._flipping import flip_edges, twins
-    from geodesic_toolkit._sides import sorted_sides
-
-    twin, coherent = twins(sorted_sides(faces, count) if sides is None else sides)
+    twin, coherent = (sides or _native.sorted_half_edges(faces, count)).twins()
     if coherent:
-        faces, lengths = faces.copy(), lengths.copy()
-        flip_edges(faces, lengths, twin, np.zeros(count, dtype=np.bool_))
-        return faces, lengths
+        return _flipped(faces, lengths, twin, count)
     cut, cut_lengths, origin = coherently_oriented(faces, lengths)
-    twin, _ = twins(sorted_sides(cut, len(origin)))
-    cut, cut_lengths = cut.copy(), cut_lengths.copy()
-    flip_edges(cut, cut_lengths, twin, np.zeros(len(origin), dtype=np.bool_))
-    return origin[cut], cut_lengths
+    twin, _ = _native.sorted_half_edges(cut, len(origin)).twins()
+    flipped, flipped_lengths = _flipped(cut, cut_lengths, twin, len(origin))
+    return origin[flipped], flipped_lengths
+
+
+def _flipped(
+    faces: IntArray, lengths: FloatArray, twin: IntArray, n_vertices: int
+) -> tuple[IntArray, FloatArray]:
+    """Return the triangles after all flips; `twin` is used up."""
+    faces, lengths = faces.copy(), lengths.copy()
+    _native.flip_edges(faces, lengths, twin, np.zeros(n_vertices, dtype=np.bool_))
+    return faces, lengths
 
 
 def coherently_oriented(
@@ -121,43 +113,11 @@ def _cut_apart(faces: IntArray) -> tuple[IntArray, IntArray]:
     against = tail[one] == head[other]
     one, other = one[against], other[against]
     to = corners[:, [1, 2, 0]].ravel()
-    pairs = (np.concatenate([one, to[one]]), np.concatenate([to[other], other]))
-    glue = coo_array((np.ones(len(pairs[0])), pairs), shape=(faces.size, faces.size))
-    _, vertex = connected_components(csr_array(glue), directed=False)
+    glue = np.column_stack([np.concatenate([one, to[one]]), np.concatenate([to[other], other])])
+    vertex = connected_by_edges(glue, faces.size)
     origin = np.empty(vertex.max() + 1, dtype=np.int64)
     origin[vertex] = tail
-    return vertex.reshape(faces.shape).astype(np.int64), origin
-
-
-def intrinsic_delaunay(faces: IntArray, lengths: FloatArray) -> tuple[IntArray, FloatArray]:
-    """Flip edges until the triangulation is intrinsically Delaunay.
-
-    The vertices and the metric of the surface stay; the cotangent weights of all inner edges
-    become non-negative. Faces may come to touch themselves (two corners at the same vertex), which
-    is right intrinsically.
-
-    Parameters
-    ----------
-    faces : ndarray of shape (F, 3), int64
-    lengths : ndarray of shape (F, 3), float64
-        The edge opposite corner i in column i, with every triangle inequality strict; both as
-        :func:`coherently_oriented` returns them.
-
-    Returns
-    -------
-    faces : ndarray of shape (F, 3), int64
-    lengths : ndarray of shape (F, 3), float64
-
-    References
-    ----------
-    M. Fisher, B. Springborn, P. Schröder, A. I. Bobenko, *An algorithm for the construction of
-    intrinsic Delaunay triangulations with applications to digital geometry processing*,
-    Computing 81, 2007, https://doi.org/10.1007/s00607-007-0249-8
-    """
-    import igl  # heavy: 0.3 s
-
-    flipped_lengths, flipped_faces, *_ = igl.intrinsic_delaunay_triangulation(lengths, faces)
-    return flipped_faces, flipped_lengths
+    return vertex.reshape(faces.shape), origin
 
 
 def voronoi_areas(faces: IntArray, lengths: FloatArray, n_vertices: int) -> FloatArray:

@@ -1,10 +1,9 @@
 """Vertices where sheets of a surface meet in a single point, and the surface cut apart there."""
 
 import numpy as np
-from scipy.sparse import coo_array, csr_array
-from scipy.sparse.csgraph import connected_components
 
 from geodesic_toolkit._typing import IntArray
+from geodesic_toolkit.geometry.components import connected_by_edges
 
 __all__ = ["cut_pinches"]
 
@@ -61,5 +60,4 @@ def _fans(faces: IntArray) -> IntArray:
     same = (vertex[low][1:] == vertex[low][:-1]) & (vertex[high][1:] == vertex[high][:-1])
     one = np.concatenate([low[:-1][same], high[:-1][same]])
     other = np.concatenate([low[1:][same], high[1:][same]])
-    glue = coo_array((np.ones(len(one)), (one, other)), shape=(faces.size, faces.size))
-    return np.asarray(connected_components(csr_array(glue), directed=False)[1], dtype=np.int64)
+    return connected_by_edges(np.column_stack([one, other]), faces.size)

@@ -7,10 +7,11 @@ positions, edge lengths of an intrinsic triangulation, a tangent plane).
 
 import numpy as np
 from scipy.sparse import coo_array, csr_array
-from scipy.sparse.csgraph import connected_components
 
-from geodesic_toolkit import _kernels
+from geodesic_toolkit import _native
+from geodesic_toolkit._checks import compressed_rows
 from geodesic_toolkit._typing import BoolArray, FloatArray, IntArray
+from geodesic_toolkit.geometry.components import connected_by_faces
 
 __all__ = [
     "edges_of_faces",
@@ -68,16 +69,7 @@ def measured_triangles(
     added : float
         The most that was added to an edge.
     """
-    if not _kernels.worthwhile(len(vertices)):
-        faces = faces[proper_faces(faces)]
-        lengths = face_edge_lengths(vertices, faces)
-        if not lengths.any():
-            return faces[:0], np.empty((0, 3)), np.empty(0), 0.0
-        return faces, *_mollified(vertices, faces, lengths)
-    from geodesic_toolkit._assembly import measure_triangles
-
-    inverse, areas = np.empty(faces.shape), np.empty(len(faces))
-    proper, total, slack = measure_triangles(vertices, faces, inverse, areas)
+    inverse, areas, proper, total, slack = _native.measure_triangles(vertices, faces)
     if proper < len(faces):
         return measured_triangles(vertices, faces[proper_faces(faces)])
     if total == 0:
@@ -89,14 +81,7 @@ def measured_triangles(
 
 def measured_by_lengths(lengths: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Return the inverse frames (F, 3) and the areas (F,) of triangles with such edges."""
-    if _kernels.loaded():
-        from geodesic_toolkit._assembly import measure_lengths
-
-        inverse, areas = np.empty(lengths.shape), np.empty(len(lengths))
-        measure_lengths(np.ascontiguousarray(lengths), inverse, areas)
-        return inverse, areas
-    frames = frames_from_lengths(lengths)
-    return inverse_frames(frames), face_areas(frames)
+    return _native.measure_lengths(np.ascontiguousarray(lengths))
 
 
 def _mollified(
@@ -104,19 +89,11 @@ def _mollified(
 ) -> tuple[FloatArray, FloatArray, float]:
     """Return inverse frames and areas: from lengths in parts where something was added to them."""
     frames = frames_from_positions(vertices, faces)
-    longer, added = mollified_lengths(lengths, _parts(faces, len(vertices)))
+    part = connected_by_faces(faces, len(vertices))[faces[:, 0]]
+    longer, added = mollified_lengths(lengths, part)
     changed = added > 0
     frames[changed] = frames_from_lengths(longer[changed])
     return inverse_frames(frames), face_areas(frames), float(added.max())
-
-
-def _parts(faces: IntArray, n_vertices: int) -> IntArray:
-    """Return the connected part of each face, of shape (F,), numbered from 0."""
-    ends = np.concatenate([faces[:, :2], faces[:, 1:]])
-    shape = (n_vertices, n_vertices)
-    adjacency = csr_array(coo_array((np.ones(len(ends)), (ends[:, 0], ends[:, 1])), shape=shape))
-    labels = connected_components(adjacency, directed=False)[1]
-    return np.asarray(labels, dtype=np.int64)[faces[:, 0]]
 
 
 def frames_from_positions(vertices: FloatArray, faces: IntArray) -> FloatArray:
@@ -175,15 +152,7 @@ def inverse_frames(frames: FloatArray) -> FloatArray:
 
 def lengths_from_inverse(inverse: FloatArray) -> FloatArray:
     """Return the (F, 3) edge lengths, opposite each corner, of triangles by inverse frames."""
-    if _kernels.loaded():
-        from geodesic_toolkit._assembly import edge_lengths
-
-        lengths = np.empty((len(inverse), 3))
-        edge_lengths(np.ascontiguousarray(inverse), lengths)
-        return lengths
-    length, height = 1 / inverse[:, 0], 1 / inverse[:, 2]
-    along = -inverse[:, 1] * length * height
-    return np.column_stack([np.hypot(length - along, height), np.hypot(along, height), length])
+    return _native.edge_lengths(np.ascontiguousarray(inverse))
 
 
 def hat_gradients_from_inverse(inverse: FloatArray) -> FloatArray:
@@ -213,14 +182,8 @@ def mean_edge_length(vertices: FloatArray, edges: csr_array) -> float:
     vertices : ndarray of shape (N, 3)
     edges : csr_array of shape (N, N)
     """
-    if _kernels.worthwhile(len(vertices)) and edges.indices.dtype == np.int32:
-        from geodesic_toolkit import _assembly
-
-        return float(_assembly.mean_edge_length(vertices, edges.indptr, edges.indices))
-    tails = np.repeat(np.arange(len(vertices)), np.diff(edges.indptr))
-    upper = edges.indices > tails
-    steps = vertices[tails[upper]] - vertices[edges.indices[upper]]
-    return float(np.sqrt(np.einsum("ed,ed->e", steps, steps)).mean())
+    indptr, indices, _ = compressed_rows(edges)
+    return _native.mean_edge_length(vertices, indptr, indices)
 
 
 def mean_squared_edges(lengths: FloatArray) -> FloatArray:

@@ -7,12 +7,12 @@ from typing import Any, final
 import numpy as np
 from scipy.sparse import coo_array, csr_array
 
+from geodesic_toolkit import _native
 from geodesic_toolkit._checks import check_finite, check_range, coerce
 from geodesic_toolkit._frozen import freeze
-from geodesic_toolkit._kernels import worthwhile
-from geodesic_toolkit._typing import BoolArray, FloatArray, IntArray
+from geodesic_toolkit._typing import FloatArray, IntArray
 from geodesic_toolkit.errors import InvalidDiscretizationError
-from geodesic_toolkit.geometry.triangles import edges_of_faces, hat_gradients_from_inverse
+from geodesic_toolkit.geometry.triangles import hat_gradients_from_inverse
 from geodesic_toolkit.gradient.base import Gradient, as_columns
 from geodesic_toolkit.gradient.graph_laplacian import graph_laplacian
 from geodesic_toolkit.gradient.triangle_sums import TriangleSums, sums_of_triangles
@@ -190,23 +190,11 @@ class ElementGradient(Gradient):
 
     def descent_load(self, heat: FloatArray, *, logarithmic: bool) -> FloatArray:
         """Return ``Gᵀ W X`` with ``X = -∇u/|∇u|``, (N,) or (N, K); on triangles in one pass."""
-        if not (self.of_planes and self._is_compiled):
+        if not self.of_planes:
             return super().descent_load(heat, logarithmic=logarithmic)
-        from geodesic_toolkit._descent import AT_ONCE, descent_load, descent_loads, split
-
         heat = np.ascontiguousarray(heat, dtype=np.float64)
-        powers = np.empty((0,) * heat.ndim, dtype=np.int32)
-        if logarithmic:
-            fractions, powers = np.empty_like(heat), np.empty(heat.shape, dtype=np.int32)
-            split(heat.reshape(-1), fractions.reshape(-1), powers.reshape(-1))
-            heat = fractions
-        load = np.zeros_like(heat)
-        known = (self.elements, self.inverse_frames, self.measure, heat, powers, load)
-        if heat.ndim == 1:
-            descent_load(*known, np.empty((2, AT_ONCE)))
-        else:
-            descent_loads(*known, np.empty((2, heat.shape[1])))
-        return load
+        triangles = (self.elements, self.inverse_frames, self.measure)
+        return _native.poisson_load(*triangles, heat, logarithmic)
 
     def adjoint(self, field: FloatArray) -> FloatArray:
         """Return ``Gᵀ W x`` of a field of shape (E, dim) or (E, dim, K)."""
@@ -235,7 +223,7 @@ class ElementGradient(Gradient):
 
     def stiffness(self) -> csr_array:
         """Return ``L = Gᵀ W G``, assembled from the elements' off-diagonal entries."""
-        if self.of_planes and self._is_compiled:
+        if self.of_planes:
             return self.sums().stiffness()
         size = self.elements.shape[1]
         pairs = [(i, j) for i in range(size) for j in range(i + 1, size)]
@@ -249,29 +237,11 @@ class ElementGradient(Gradient):
         return graph_laplacian(-entries, tails, heads, self.n_vertices)
 
     def sums(self) -> TriangleSums:
-        """Return what triangles add up to, by compiled passes where they are worth it."""
-        count = self.n_vertices
-        if self._is_compiled:
-            return sums_of_triangles(self.elements, self.inverse_frames, self.measure, count)
-        shares = np.repeat(self.measure / 3, 3)
-        thirds = np.bincount(self.elements.ravel(), shares, count).astype(np.float64, copy=False)
-        edges, face_counts = edges_of_faces(self.elements, count)
-        boundary: BoolArray = np.zeros(count, dtype=np.bool_)
-        boundary[edges[face_counts == 1]] = True
-        return TriangleSums(self.stiffness(), thirds, boundary)
-
-    @cached_property
-    def _is_compiled(self) -> bool:
-        """Whether to use kernels: worth it, and row pointers fit their 32 bits.
-
-        Decided once, for copies in other processes too: the last bits of a result depend on it.
-        """
-        entries = self.n_vertices + 6 * len(self.elements)
-        return worthwhile(self.n_vertices) and entries < np.iinfo(np.int32).max
+        """Return what triangles add up to."""
+        return sums_of_triangles(self.elements, self.inverse_frames, self.measure, self.n_vertices)
 
     def __getstate__(self) -> dict[str, Any]:
-        """Leave out what derives from the rest, and take along how results are computed."""
-        _ = self._is_compiled
+        """Leave out what derives from the rest."""
         derived = {"coefficients", "inverse_frames"} - {self._given}
         return {name: value for name, value in self.__dict__.items() if name not in derived}
 

@@ -1,14 +1,13 @@
 """What triangles add up to, as far as it has been asked for: edges first, and the stiffness."""
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 from scipy.sparse import csr_array
 
+from geodesic_toolkit import _native
+from geodesic_toolkit._checks import MOST_ENTRIES
 from geodesic_toolkit._typing import BoolArray, FloatArray, IntArray
-
-if TYPE_CHECKING:
-    from geodesic_toolkit._sides import Sides  # imports Numba
+from geodesic_toolkit.errors import NotEnoughMemoryError
 
 __all__ = ["TriangleSums", "sums_of_triangles"]
 
@@ -21,28 +20,25 @@ class TriangleSums:
     ----------
     edges : csr_array of shape (N, N)
         The part of the stiffness L = Gᵀ W G, with L = -Δ positive semidefinite, that lies right of
-        the diagonal, in no order within its rows; or all of it. There is an entry for every edge.
+        the diagonal, in no order within its rows. There is an entry for every edge.
     thirds : ndarray of shape (N,), float64
         The barycentric mass: a third of the measure of the triangles around each vertex.
     boundary : ndarray of shape (N,), bool
         Vertices of edges that one triangle has.
-    sides : Sides, optional
-        The half-edges of the triangles, where they have been sorted.
+    sides : _native.HalfEdges
+        The half-edges of the triangles, sorted.
     """
 
     edges: csr_array
     thirds: FloatArray
     boundary: BoolArray
-    sides: "Sides | None" = None
+    sides: _native.HalfEdges
 
     def stiffness(self) -> csr_array:
         """Return the stiffness: half as long again as the edges have taken, so ask once."""
-        if self.sides is None:
-            return self.edges
-        from geodesic_toolkit._assembly import mirrored
-
-        rows = mirrored(self.edges.indptr, self.edges.indices, self.edges.data)
-        stiffness = csr_array((rows[2], rows[1], rows[0]), shape=self.edges.shape)
+        edges = self.edges
+        indptr, indices, data = _native.mirrored(edges.indptr, edges.indices, edges.data)
+        stiffness = csr_array((data, indices, indptr), shape=edges.shape)
         stiffness.has_canonical_format = True  # or SciPy looks through it
         return stiffness
 
@@ -50,7 +46,7 @@ class TriangleSums:
 def sums_of_triangles(
     elements: IntArray, inverse_frames: FloatArray, measure: FloatArray, n_vertices: int
 ) -> TriangleSums:
-    """Return the sums of triangles by compiled passes.
+    """Return the sums of triangles.
 
     Parameters
     ----------
@@ -58,11 +54,18 @@ def sums_of_triangles(
     inverse_frames : ndarray of shape (E, 3), float64
     measure : ndarray of shape (E,), float64
     n_vertices : int
-    """
-    from geodesic_toolkit._assembly import edge_sums
-    from geodesic_toolkit._sides import sorted_sides
 
-    sides = sorted_sides(elements, n_vertices)
-    indptr, indices, data, thirds, boundary = edge_sums(elements, sides, inverse_frames, measure)
-    edges = csr_array((data, indices, indptr), shape=(n_vertices, n_vertices))
+    Raises
+    ------
+    NotEnoughMemoryError
+        The stiffness would have more entries than 32 bits count.
+    """
+    if n_vertices + 6 * len(elements) > MOST_ENTRIES:
+        raise NotEnoughMemoryError(
+            f"the stiffness of {len(elements)} triangles may have more entries than 32 bits count; "
+            "simplify the shape, or work on its parts"
+        )
+    sides = _native.sorted_half_edges(elements, n_vertices)
+    rows, thirds, boundary = _native.edge_sums(elements, sides, inverse_frames, measure)
+    edges = csr_array(rows[::-1], shape=(n_vertices, n_vertices))
     return TriangleSums(edges, thirds, boundary, sides)

@@ -1,15 +1,17 @@
 """The cotangent Laplacian of triangle meshes."""
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, ClassVar, Literal, final
+from typing import Any, ClassVar, Literal, final
 
 import numpy as np
 
+from geodesic_toolkit import _native
 from geodesic_toolkit._frozen import freeze
 from geodesic_toolkit._typing import BoolArray, FloatArray, IntArray
-from geodesic_toolkit.discretization import Discretization, connected_vertices
+from geodesic_toolkit.discretization import Discretization
 from geodesic_toolkit.domains import Domain, TriangleMesh
 from geodesic_toolkit.errors import InvalidOptionError, UnsupportedDomainError
+from geodesic_toolkit.geometry.components import connected_vertices
 from geodesic_toolkit.geometry.intrinsic import delaunay_triangles, voronoi_areas
 from geodesic_toolkit.geometry.parts import part_scales
 from geodesic_toolkit.geometry.triangles import (
@@ -22,9 +24,6 @@ from geodesic_toolkit.geometry.triangles import (
 from geodesic_toolkit.gradient import ElementGradient
 from geodesic_toolkit.laplacians.base import LaplaceOperator
 from geodesic_toolkit.positivity import obtuse_excess
-
-if TYPE_CHECKING:
-    from geodesic_toolkit._sides import Sides  # imports Numba
 
 __all__ = ["CotanLaplacian"]
 
@@ -70,8 +69,7 @@ class CotanLaplacian(LaplaceOperator):
     intrinsic_delaunay : bool or "auto"
         Assemble on the intrinsic Delaunay triangulation of the same surface: same vertices, but
         no weight of the wrong sign away from the boundary, so that heat is positive. Worth its
-        cost (that of the rest of the assembly; several times it where libigl flips, on meshes too
-        small to load our kernels for) on meshes with many obtuse angles.
+        cost (that of the rest of the assembly) on meshes with many obtuse angles.
         "auto" decides by how much of the stiffness has the wrong sign. Refined distances are
         measured on flipped triangles whatever is said here.
 
@@ -213,7 +211,7 @@ class CotanLaplacian(LaplaceOperator):
 
 
 def _flipped(
-    faces: IntArray, lengths: FloatArray, flip: BoolArray, sides: "Sides | None"
+    faces: IntArray, lengths: FloatArray, flip: BoolArray, sides: _native.HalfEdges
 ) -> tuple[IntArray, FloatArray]:
     """Return the triangles, the chosen ones of them made intrinsically Delaunay."""
     if flip.all():

@@ -4,13 +4,12 @@ from dataclasses import dataclass
 from typing import ClassVar, Literal, final
 
 import numpy as np
-from scipy.sparse import coo_array, csr_array
-from scipy.sparse.csgraph import connected_components
 
 from geodesic_toolkit._typing import BoolArray, FloatArray, IntArray
 from geodesic_toolkit.discretization import Discretization
 from geodesic_toolkit.domains import Domain, Graph, TriangleMesh
 from geodesic_toolkit.errors import InvalidOptionError, UnsupportedDomainError
+from geodesic_toolkit.geometry.components import connected_by_edges
 from geodesic_toolkit.geometry.dimension import graph_dimension
 from geodesic_toolkit.geometry.triangles import edges_of_faces, proper_faces
 from geodesic_toolkit.gradient import EdgeGradient
@@ -100,7 +99,7 @@ class UniformLaplacian(LaplaceOperator):
         self.check_domain(domain)
         edges, lengths, boundary = _metric_graph(domain)
         count = domain.n_vertices
-        part = _parts(edges, count)
+        part = connected_by_edges(edges, count)
         if self.mass == "identity":
             weights, measure, dim = np.ones(len(edges)), np.ones(count), None
         else:
@@ -124,13 +123,6 @@ class UniformLaplacian(LaplaceOperator):
         if self.dim != "auto":
             return self.dim
         return 2 if isinstance(domain, TriangleMesh) else graph_dimension(domain.n_vertices, edges)
-
-
-def _parts(edges: IntArray, n_vertices: int) -> IntArray:
-    """Return the connected part of each vertex, of shape (N,), numbered from 0."""
-    entries = (np.ones(len(edges)), (edges[:, 0], edges[:, 1]))
-    adjacency = csr_array(coo_array(entries, shape=(n_vertices, n_vertices)))
-    return np.asarray(connected_components(adjacency, directed=False)[1], dtype=np.int64)
 
 
 def _scales(edges: IntArray, lengths: FloatArray, part: IntArray, spacing: float) -> FloatArray:

@@ -7,7 +7,8 @@ from the source. Its logarithm need not.
 import numpy as np
 from scipy.sparse import csr_array
 
-from geodesic_toolkit._kernels import loaded
+from geodesic_toolkit import _native
+from geodesic_toolkit._checks import compressed_rows
 from geodesic_toolkit._typing import BoolArray, FloatArray, IntArray
 from geodesic_toolkit.linear.base import Factor
 
@@ -170,13 +171,8 @@ def fill_from_neighbours(
     nothing = -np.inf if logarithmic else 0.0
     solution[missing] = nothing
     rows = np.flatnonzero(missing)
-    if not logarithmic and loaded() and matrix.indices.dtype == np.int32:
-        from geodesic_toolkit.linear._filling import fill
-
-        fill(
-            matrix.indptr, matrix.indices, matrix.data, solution, rows.astype(np.int32),
-            np.empty(len(rows)),
-        )  # fmt: skip
+    if not logarithmic:
+        _native.fill(*compressed_rows(matrix), solution, rows.astype(np.int32))
         return
     row, entries = _entries_of(matrix, rows)
     neighbour, value = matrix.indices[entries], matrix.data[entries]

@@ -21,6 +21,8 @@ class Factor {
   void solve(std::span<const double> b, std::span<double> x, Index n_columns) const;
 
   const Analysis& analysis() const { return *analysis_; }
+  const Array<double>& numbers() const { return numbers_; }
+  const Array<Half>& halves() const { return halves_; }
   Index nbytes() const;
   // What making a factor takes.
   static Index nbytes_needed(const Analysis& analysis, bool compact);

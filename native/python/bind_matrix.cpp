@@ -13,6 +13,15 @@ void bind_matrix(nb::module_& module) {
       },
       "indptr"_a.noconvert(), "indices"_a.noconvert());
   module.def(
+      "components_of_edges",
+      [](In<Index, 2> edges, Index n_vertices) {
+        require(edges.shape(1) == 2, "two ends for each edge");
+        for (const Index end : span(edges))
+          require(0 <= end && end < n_vertices, "ends are vertices");
+        return give(unlocked([&] { return components(span(edges), n_vertices); }));
+      },
+      "edges"_a.noconvert(), "n_vertices"_a);
+  module.def(
       "is_sound",
       [](In<Row> indptr, In<Row> indices, In<double> data) {
         const MatrixView stiffness = matrix_of(indptr, indices, data);

@@ -1,0 +1,206 @@
+"""The types of the compiled kernels; ``native/python/`` has their bindings.
+
+Arrays are C-contiguous and of just the dtype that is stated, or a TypeError says so. Shapes that do
+not fit together are a ValueError. Indices within arrays are not looked at unless that is said.
+"""
+
+from typing import Any, TypeAlias, final
+
+import numpy as np
+from numpy.typing import NDArray
+
+Bools: TypeAlias = NDArray[np.bool_]
+Rows: TypeAlias = NDArray[np.int32]
+Indices: TypeAlias = NDArray[np.int64]
+Numbers: TypeAlias = NDArray[np.float64]
+
+LEVEL: int
+"""The level of x86-64 of the module that is loaded, 2 to 4; 2 on other processors."""
+LANES: int
+"""Numbers in one of its registers."""
+
+# -- sparse matrices in compressed rows ----------------------------------------------------------
+
+def components(indptr: Rows, indices: Rows) -> Indices:
+    """Return the connected component of every vertex, numbered by their first vertices.
+
+    Entries on one side of the diagonal are enough.
+    """
+
+def components_of_edges(edges: Indices, n_vertices: int) -> Indices:
+    """Return the same from edges (E, 2), whose range is checked."""
+
+def is_sound(indptr: Rows, indices: Rows, data: Numbers) -> bool:
+    """Return whether L is finite and symmetric, L 1 = 0, and no diagonal entry is negative."""
+
+def obtuse_excess(indptr: Rows, indices: Rows, data: Numbers, mass: Numbers, rings: int) -> Numbers:
+    """Return the share of entries of the wrong sign around each vertex, over so many rings.
+
+    What lies right of the diagonal is enough.
+    """
+
+# -- the Cholesky solver ---------------------------------------------------------------------------
+
+def is_symmetric(indptr: Rows, indices: Rows) -> bool:
+    """Return whether every entry of a pattern has its mirror image."""
+
+@final
+class Elimination:
+    """An order of elimination, in groups of vertices that are eliminated together.
+
+    Group g is ``order[starts[g]:starts[g + 1]]``; its first column has ``heights[g]`` rows, and
+    ``parents[g]`` takes over what its elimination leaves. The last `n_full` were set aside.
+    """
+
+    @property
+    def order(self) -> Rows: ...
+    @property
+    def starts(self) -> Rows: ...
+    @property
+    def heights(self) -> Rows: ...
+    @property
+    def parents(self) -> Rows: ...
+    @property
+    def n_full(self) -> int: ...
+
+def minimum_degree(indptr: Rows, indices: Rows) -> Elimination:
+    """Return an approximate minimum degree order of a symmetric pattern."""
+
+@final
+class Analysis:
+    """Order, supernodes and places of the Cholesky factor of every matrix of one pattern.
+
+    Column j belongs to vertex ``order[j]``. Supernode s has the columns ``first[s] <= j <
+    first[s + 1]`` and the rows ``rows[row_starts[s]:row_starts[s + 1]]``, of which its own columns
+    come first; its dense panel of that shape is stored by columns from ``panels[s]``, and
+    ``above[s]`` is its parent, -1 at roots. The permuted lower triangle by columns is `starts` and
+    `lower_rows`; `places` is where its entries are in a matrix's data.
+    """
+
+    @property
+    def order(self) -> Rows: ...
+    @property
+    def starts(self) -> Indices: ...
+    @property
+    def lower_rows(self) -> Rows: ...
+    @property
+    def places(self) -> Rows: ...
+    @property
+    def panels(self) -> Indices: ...
+    @property
+    def first(self) -> Rows: ...
+    @property
+    def row_starts(self) -> Indices: ...
+    @property
+    def rows(self) -> Rows: ...
+    @property
+    def above(self) -> Rows: ...
+    @property
+    def n_stored(self) -> int: ...
+    @property
+    def nbytes(self) -> int: ...
+    def factor_bytes(self, compact: bool) -> int:
+        """Return what making a factor takes."""
+
+def analyze(indptr: Rows, indices: Rows) -> Analysis:
+    """Analyse a symmetric pattern with sorted columns."""
+
+@final
+class Factor:
+    """The Cholesky factor of a matrix, of whole numbers or of their upper halves.
+
+    Raises
+    ------
+    SolverError
+        The matrix is not positive definite to working precision; the message names the vertex.
+    """
+
+    def __init__(self, analysis: Analysis, data: Numbers, compact: bool = False) -> None: ...
+    def solve(self, b: Numbers, x: Numbers) -> None:
+        """Write x with A x = b, (N,) or (N, K); x may be b.
+
+        Raises
+        ------
+        SolverError
+            The solution is not finite.
+        """
+
+    @property
+    def nbytes(self) -> int: ...
+    @property
+    def panels(self) -> Numbers | NDArray[np.uint32]:
+        """The dense panels: L, but for its diagonal, of which they hold the inverse.
+
+        Upper halves of numbers are ``uint32``. Some zeros follow.
+        """
+
+def eliminate_front(panel: Numbers, height: int, width: int) -> tuple[int, Numbers]:
+    """Eliminate the columns of a dense front in place, stored by columns.
+
+    Return the first column with a pivot <= 0, or -1, and the update matrix by columns, of which the
+    lower triangle counts.
+    """
+
+# -- triangles -------------------------------------------------------------------------------------
+
+def measure_triangles(
+    vertices: Numbers, faces: Indices
+) -> tuple[Numbers, Numbers, int, float, float]:
+    """Return inverse frames (F, 3), areas, and what tells whether they are sound.
+
+    The number of faces of three different vertices, the sum of all edge lengths, and the least by
+    which two edges of a face are longer than the third, over its longest.
+    """
+
+def measure_lengths(lengths: Numbers) -> tuple[Numbers, Numbers]:
+    """Return inverse frames (F, 3) and areas from the edges opposite the corners, (F, 3)."""
+
+def edge_lengths(frames: Numbers) -> Numbers:
+    """Return the edges opposite the corners, (F, 3), from inverse frames."""
+
+@final
+class HalfEdges:
+    """The half-edges of triangles, sorted by their vertices of lower index."""
+
+    @property
+    def n_vertices(self) -> int: ...
+    def twins(self) -> tuple[Indices, bool]:
+        """Return the twin of each half-edge, or -1, and whether all run against each other."""
+
+def sorted_half_edges(faces: Indices, n_vertices: int) -> HalfEdges:
+    """Sort the half-edges of triangles, fewer than 2³¹ of them."""
+
+def edge_sums(
+    faces: Indices, sides: HalfEdges, frames: Numbers, measure: Numbers
+) -> tuple[tuple[Rows, Rows, Numbers], Numbers, Bools]:
+    """Return the strict upper triangle of L = Gᵀ W G, barycentric mass, and boundary.
+
+    L = -Δ is positive semidefinite; rows are in no order.
+    """
+
+def mirrored(indptr: Rows, indices: Rows, data: Numbers) -> tuple[Rows, Rows, Numbers]:
+    """Return all of a stiffness from what lies right of its diagonal."""
+
+def mean_edge_length(vertices: Numbers, indptr: Rows, indices: Rows) -> float:
+    """Return the mean length of the edges that a pattern has right of its diagonal."""
+
+def flip_edges(faces: Indices, lengths: Numbers, twin: Indices, held: Bools) -> int:
+    """Flip edges in place to an intrinsic Delaunay triangulation; return how many.
+
+    Edges of a held vertex stay.
+    """
+
+# -- the heat method between its solves -----------------------------------------------------------
+
+def poisson_load(
+    faces: Indices, frames: Numbers, measure: Numbers, heat: Numbers, logarithmic: bool
+) -> Numbers:
+    """Return Gᵀ W X with X = -∇u/|∇u|, from u or log u, (N,) or (N, K)."""
+
+def fill(indptr: Rows, indices: Rows, data: Numbers, solution: Numbers, rows: Rows) -> None:
+    """Fill the entries `rows` of u, which are 0, from neighbours with a value, ring by ring.
+
+    `rows` comes out in another order.
+    """
+
+def __getattr__(name: str) -> Any: ...
