@@ -1,7 +1,7 @@
 // Sparse matrices in compressed rows.
 //
-// A stiffness has sorted columns, a diagonal entry in every row, and an entry for every edge, be its
-// weight zero.
+// A stiffness has sorted columns, a diagonal entry in every row, and an entry for every edge, be
+// its weight zero.
 #pragma once
 
 #include <span>

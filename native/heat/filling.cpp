@@ -4,8 +4,7 @@
 
 namespace geodesic {
 
-void fill(const MatrixView& matrix, std::span<double> solution, Index stride,
-          std::span<Row> rows) {
+void fill(const MatrixView& matrix, std::span<double> solution, Index stride, std::span<Row> rows) {
   Array<double> means(count(rows));
   for (Index left = count(rows);;) {
     for (Index m = 0; m < left; ++m) {

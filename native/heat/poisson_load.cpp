@@ -8,7 +8,8 @@ namespace {
 
 constexpr double kLog2 = 0.693147180559945309417232121458;
 constexpr double kTiny = 1e-300;      // differences of heat below it are no slope at all
-constexpr Row kNothing = -(1 << 30);  // power of two that stands for no heat at all
+constexpr Row kNothing = -(1 << 30);  // power of two that stands for no heat at all,
+constexpr Row kMost = 1 << 30;        // and the largest; their difference is still a Row
 constexpr Index kAtOnce = 64;  // triangles whose differences stay in the first level of cache
 
 // 2^n, n <= 0, and 0 where that is no normal number.
@@ -45,7 +46,7 @@ struct Split {
       } else {  // what is no number stays none
         const double whole = std::floor(power);
         fractions[v] = std::exp((power - whole) * kLog2);
-        powers[v] = std::isnan(whole) ? kNothing : static_cast<Row>(whole);
+        powers[v] = std::isnan(whole) ? kNothing : static_cast<Row>(std::min<double>(whole, kMost));
       }
     }
   }

@@ -33,9 +33,9 @@ struct Analysis {
   Array<Row> above;  // the parent of each supernode, kNone at roots
   Array<Index> panels;
   Index n_entries = 0;  // of the pattern that was analysed
-  Index stack = 0;    // numbers on the stack of update matrices, at the most
-  Index tallest = 0;  // rows of the tallest supernode
-  Index largest = 0;  // numbers in the largest panel
+  Index stack = 0;      // numbers on the stack of update matrices, at the most
+  Index tallest = 0;    // rows of the tallest supernode
+  Index largest = 0;    // numbers in the largest panel
 
   Index n_vertices() const { return order.size(); }
   Index n_supernodes() const { return above.size(); }

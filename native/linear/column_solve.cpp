@@ -14,7 +14,7 @@
 namespace geodesic {
 namespace {
 
-using Four = Pack<4>;                        // rows of a list
+using Four = Pack<4>;  // rows of a list
 constexpr int kRows = kLanes < 4 ? 4 : kLanes;
 using Rows = Pack<kRows>;  // rows that lie together
 

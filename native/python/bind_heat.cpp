@@ -28,7 +28,8 @@ void bind_heat(nb::module_& module) {
         const MatrixView matrix = matrix_of(indptr, indices, data);
         require(n_rows(solution) == matrix.size(), "a value for each row");
         const Index stride = solution.stride(0);
-        const std::span<double> values(solution.data(), solution.size() ? 1 + (solution.size() - 1) * stride : 0);
+        const std::span<double> values(solution.data(),
+                                       solution.size() ? 1 + (solution.size() - 1) * stride : 0);
         unlocked([&] { fill(matrix, values, stride, span(rows)); });
       },
       "indptr"_a.noconvert(), "indices"_a.noconvert(), "data"_a.noconvert(),

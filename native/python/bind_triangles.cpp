@@ -63,8 +63,8 @@ void bind_triangles(nb::module_& module) {
         require_triangles(faces, frames);
         require(measure.size() == faces.shape(0) && sides.halves.size() == Index(faces.size()),
                 "a measure for each triangle, and their half-edges");
-        EdgeSums sums = unlocked(
-            [&] { return edge_sums(span(faces), sides, span(frames), span(measure)); });
+        EdgeSums sums =
+            unlocked([&] { return edge_sums(span(faces), sides, span(frames), span(measure)); });
         return nb::make_tuple(give(std::move(sums.edges)), give(std::move(sums.thirds)),
                               give(std::move(sums.boundary)));
       },
@@ -80,16 +80,17 @@ void bind_triangles(nb::module_& module) {
       "mean_edge_length",
       [](In<double, 2> vertices, In<Row> indptr, In<Row> indices) {
         const Pattern edges = pattern_of(indptr, indices);
-        require(vertices.shape(1) == 3 && n_rows(vertices) == edges.size(), "a row for each vertex");
+        require(vertices.shape(1) == 3 && n_rows(vertices) == edges.size(),
+                "a row for each vertex");
         return unlocked([&] { return mean_edge_length(span(vertices), edges); });
       },
       "vertices"_a.noconvert(), "indptr"_a.noconvert(), "indices"_a.noconvert());
   module.def(
       "flip_edges",
       [](Out<Index, 2> faces, Out<double, 2> lengths, Out<Index> twin, In<bool> held) {
-        require(faces.shape(1) == 3 && lengths.size() == faces.size() &&
-                    twin.size() == faces.size(),
-                "a length and a twin for each half-edge");
+        require(
+            faces.shape(1) == 3 && lengths.size() == faces.size() && twin.size() == faces.size(),
+            "a length and a twin for each half-edge");
         return unlocked(
             [&] { return flip_edges(span(faces), span(lengths), span(twin), span(held)); });
       },

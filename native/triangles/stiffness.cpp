@@ -10,8 +10,8 @@ constexpr Index kAhead = 16;  // half-edges by which memory is asked for
 
 }  // namespace
 
-EdgeSums edge_sums(std::span<const Index> faces, const HalfEdges& sides, std::span<const double> frames,
-                   std::span<const double> measure) {
+EdgeSums edge_sums(std::span<const Index> faces, const HalfEdges& sides,
+                   std::span<const double> frames, std::span<const double> measure) {
   const Index n = sides.n_vertices(), n_sides = sides.halves.size();
   EdgeSums result{{Array<Row>(n + 1), Array<Row>(n_sides), Array<double>(n_sides)},
                   Array<double>(n, 0.0),
