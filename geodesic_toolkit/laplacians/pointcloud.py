@@ -12,6 +12,8 @@ from geodesic_toolkit.domains import Domain, PointCloud
 from geodesic_toolkit.errors import InvalidOptionError, MissingDependencyError, NormalsWarning
 from geodesic_toolkit.geometry.neighbours import distinct_points, nearest_neighbours, normalised
 from geodesic_toolkit.geometry.normals import open3d_normals, pca_normals, roughness
+from geodesic_toolkit.geometry.poles import pole_normals
+from geodesic_toolkit.geometry.stars import delaunay_stars
 from geodesic_toolkit.geometry.triangles import face_areas, hat_gradients, inverse_frames
 from geodesic_toolkit.gradient import ElementGradient
 from geodesic_toolkit.laplacians.base import LaplaceOperator
@@ -251,8 +253,6 @@ class PointCloudLaplacian(LaplaceOperator):
         normals, whose = self._estimate(points, near[:, :k])
         if noisy:  # from noise, too, neighbours are steep
             return normals, whose
-        from geodesic_toolkit.geometry.poles import pole_normals  # compiles by numba
-
         return pole_normals(points, near[:, :POLE_NEIGHBOURS], normals), whose
 
     def _estimate(self, points: FloatArray, near: IntArray) -> tuple[FloatArray, str]:
@@ -319,8 +319,6 @@ def _soup(
     boundary = np.zeros(count, dtype=np.bool_)
     links = np.empty((0, 2), dtype=np.int64)
     if near is not None:
-        from geodesic_toolkit.geometry.stars import delaunay_stars  # compiles by numba
-
         neighbours = np.ascontiguousarray(near[:, : 2 * k])
         triangles, frames, boundary = delaunay_stars(
             points, normals, neighbours, k=k, oriented=oriented, smooth=smooth

@@ -1,0 +1,20 @@
+"""How many threads a kernel over the points of a cloud is given."""
+
+import os
+
+__all__ = ["threads_for"]
+
+WORTHWHILE = 2000
+"""Points for which one more thread is worth starting."""
+
+
+def threads_for(n_points: int) -> int:
+    """Return the number of threads for so many points: results are the same for any."""
+    return max(1, min(_processors(), n_points // WORTHWHILE))
+
+
+def _processors() -> int:
+    """Return the number of processors that this process may use."""
+    if hasattr(os, "sched_getaffinity"):
+        return len(os.sched_getaffinity(0))
+    return os.cpu_count() or 1

@@ -1,0 +1,35 @@
+// Local Delaunay stars: the triangles that surround each point of a cloud in its tangent plane.
+//
+// The neighbours are inverted about the point, p -> p / |p|^2. Circles through the point become
+// lines, so that the convex hull of the images has an edge for every empty circle, which is a
+// Delaunay triangle: K. Q. Brown, Voronoi diagrams from convex hulls, Information Processing
+// Letters 9, 1979, https://doi.org/10.1016/0020-0190(79)90074-7. The hull is that of A. M. Andrew,
+// Another efficient algorithm for convex hulls in two dimensions, the same volume,
+// https://doi.org/10.1016/0020-0190(79)90072-3
+#pragma once
+
+#include "clouds/cloud.hpp"
+
+namespace geodesic {
+
+// How stars are made; delaunay_stars in geometry/stars.py documents it.
+struct StarOptions {
+  Index k;        // neighbours that a star begins with
+  bool oriented;  // whether the sign of a normal means something
+  bool smooth;    // whether the points lie on the surface with hardly any noise
+};
+
+struct Stars {
+  Array<Index> triangles;  // (E, 3), the centre of the star first, sorted by it
+  Array<double> frames;    // (E, 3): (l, a, b), corners at (0, 0), (l, 0) and (a, b)
+  Array<bool> is_open;     // where the star does not surround its point
+};
+
+// `shares` are numbers from 0 to 1, one for each point, by which points on one circle are told
+// apart.
+//
+// Throws std::invalid_argument if a neighbour is no point of the cloud.
+Stars delaunay_stars(const Cloud& cloud, std::span<const double> shares, const StarOptions& options,
+                     int n_threads);
+
+}  // namespace geodesic
