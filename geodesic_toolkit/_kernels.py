@@ -37,8 +37,6 @@ MODULES = (
 
 ALL_MODULES = (
     *MODULES,
-    "geodesic_toolkit._corners",
-    "geodesic_toolkit._wavefront",
     "geodesic_toolkit.geometry.poles",
     "geodesic_toolkit.geometry.stars",
 )
