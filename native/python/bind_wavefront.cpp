@@ -86,9 +86,8 @@ void bind_wavefront(nb::module_& module) {
       "star_curvatures",
       [](In<Index, 2> elements, In<double, 2> frames, In<bool> boundary, double coarse) {
         require_elements(elements, frames);
-        return give(unlocked([&] {
-          return star_curvatures(span(elements), span(frames), span(boundary), coarse);
-        }));
+        return give(unlocked(
+            [&] { return star_curvatures(span(elements), span(frames), span(boundary), coarse); }));
       },
       "elements"_a.noconvert(), "frames"_a.noconvert(), "boundary"_a.noconvert(), "coarse"_a);
   module.def(

@@ -17,10 +17,16 @@ inline double angle(double x, double y) {
   const double above = turned ? least - most : least, below = turned ? least + most : most;
   const double t = above / (below > 0 ? below : 1.0), z = t * t;
   const double p = (((-8.750608600031904122785e-1 * z - 1.615753718733365076637e1) * z -
-                     7.500855792314704667340e1) * z - 1.228866684490136173410e2) * z -
+                     7.500855792314704667340e1) *
+                        z -
+                    1.228866684490136173410e2) *
+                       z -
                    6.485021904942025371773e1;
   const double q = ((((z + 2.485846490142306297962e1) * z + 1.650270098316988542046e2) * z +
-                     4.328810604912902668951e2) * z + 4.853903996359136964868e2) * z +
+                     4.328810604912902668951e2) *
+                        z +
+                    4.853903996359136964868e2) *
+                       z +
                    1.945506571482613964425e2;
   const double within = (turned ? kPi / 4 : 0.0) + (t + t * z * p / q);
   const double upright = width > y ? within : kPi / 2 - within;

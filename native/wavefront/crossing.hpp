@@ -54,9 +54,9 @@ inline double on_edge(double kappa_a, double kappa_b, double edge, double mean_d
 
 // What reaches corner c of a triangle through its edge ab; infinite if no ray through c crosses it.
 //
-// In the plane, with a at the origin, b at (edge, 0) and c at (c_x, c_y), the front on the edge is a
-// circle of curvature kappa whose centre lies below, or above if it converges. The ray through c is
-// at a right angle to it.
+// In the plane, with a at the origin, b at (edge, 0) and c at (c_x, c_y), the front on the edge is
+// a circle of curvature kappa whose centre lies below, or above if it converges. The ray through c
+// is at a right angle to it.
 inline Arrival across(double d_a, double d_b, double kappa, double edge, double c_x, double c_y) {
   if (std::abs(kappa) * edge < kStraight) kappa = kStraight / edge;
   const double sign = kappa > 0 ? 1.0 : -1.0;
