@@ -13,16 +13,14 @@ curvature: second order on smooth surfaces.
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from geodesic_toolkit import _native
 from geodesic_toolkit._typing import BoolArray, FloatArray, IntArray
 from geodesic_toolkit.discretization import Discretization
 from geodesic_toolkit.errors import UnsupportedDomainError
 from geodesic_toolkit.geometry.intrinsic import MOST_SIDES
-from geodesic_toolkit.geometry.triangles import lengths_from_inverse, measured_by_lengths
 from geodesic_toolkit.gradient import ElementGradient
 
 __all__ = ["WavefrontSweeper"]
@@ -109,7 +107,7 @@ class WavefrontSweeper:
 
     def prepare(self) -> "WavefrontSweeper":
         """Compute what all sources share, and return the sweeper."""
-        _ = self._corners, self._curvature, self._reflex
+        _ = self._fronts
         return self
 
     def distance(
@@ -138,65 +136,40 @@ class WavefrontSweeper:
         ndarray of shape (N,), float64
             ``inf`` where no triangle connects.
         """
-        from geodesic_toolkit._wavefront import VERTEX, WORD, sweep  # numba: a second to import
-
-        starts, ends, corners = self._corners
-        count = len(log_heat)
-        order = _falling(log_heat)
-        known = np.zeros(count, dtype=VERTEX)
-        distance, rank = known["distance"], known["rank"]
-        distance[:], known["curvature"], rank[order] = np.inf, self._curvature, np.arange(count)
         if curvatures is None:
             with np.errstate(divide="ignore"):
                 curvatures = 1 / distances
-        nearest_last = np.argsort(-distances, kind="stable")
-        distance[vertices[nearest_last]] = distances[nearest_last]
-        known["kappa"][vertices[nearest_last]] = curvatures[nearest_last]
-        pending = np.zeros((count // WORD + 1) * WORD, dtype=np.bool_)
-        pending[count] = True  # where sweeps end
-        for vertex in vertices:
-            around = corners[starts[vertex] : starts[vertex + 1]]
-            pending[rank[around["a"]]] = pending[rank[around["b"]]] = True
-        flags = (pending, pending.view(np.uint64))
-        tolerance = TOLERANCE * float(self.metric.scales[vertices].min())
-        heated, sweeps = np.isfinite(log_heat), 0
-        # Clouds' stars are not mutual, and returns among them can go on and on.
-        returns = 0 if self._gradient.stars else RETURNS * count
-        first = int(count < LARGE)
-        while sweeps < MAX_SWEEPS or np.isinf(distance[heated]).any():
-            sweeps += 1
-            triangles = (starts, ends, corners, self._reflex)
-            if sweep(order, *triangles, known, *flags, tolerance, returns if sweeps > first else 0):
-                continue
-            # Stars need not be mutual: who is heard by the reached but hears none of them itself
-            # now listens to every triangle that it is part of.
-            deaf = np.isinf(distance) & heated & (ends < starts[1:])
-            if not deaf.any():
-                break
-            pending[rank] = deaf
-            ends = np.where(deaf, starts[1:], ends)
-        return distance.copy()
+        refined, count = np.empty(len(log_heat)), len(log_heat)
+        self._fronts.sweep(
+            np.ascontiguousarray(log_heat),
+            vertices,
+            distances,
+            curvatures,
+            tolerance=TOLERANCE * float(self.metric.scales[vertices].min()),
+            # Clouds' stars are not mutual, and returns among them can go on and on.
+            returns=0 if self._gradient.stars else RETURNS * count,
+            steady=int(count < LARGE),
+            most_sweeps=MAX_SWEEPS,
+            distances=refined,
+        )
+        return refined
 
     @cached_property
-    def _corners(self) -> tuple[IntArray, IntArray, NDArray[Any]]:
-        """The triangles around each vertex: (starts, ends, corners) for the kernels.
+    def _fronts(self) -> _native.Sweeper:
+        """The triangles and their curvature, ready for any source."""
+        return _native.Sweeper(self._corners, self._curvature, self._reflex)
+
+    @cached_property
+    def _corners(self) -> _native.Corners:
+        """The triangles around each vertex.
 
         Where stars overlap, a vertex listens to its own star only, which comes first: the shortest
         of several slightly different measurements would be too short. Where they are measured in
         space, and differ little, it is told of triangles that its star has missed, too.
         """
-        from geodesic_toolkit._corners import CORNER, gather, tell_missed
-
-        gradient = self._gradient
-        starts = np.zeros(gradient.n_vertices + 1, dtype=np.int64)
-        ends = np.zeros(gradient.n_vertices, dtype=np.int64)
-        corners = np.empty(gradient.elements.size, dtype=CORNER)
         elements, frames, _ = self._triangles
-        free, free_foreign = np.empty_like(ends), np.empty_like(ends)
-        gather(elements, frames, gradient.stars, starts, ends, free, free_foreign, corners)
-        if len(self.metric.surface_frames):
-            tell_missed(starts, ends, corners)
-        return starts, ends, corners
+        stars, tell = self._gradient.stars, bool(len(self.metric.surface_frames))
+        return _native.gather_corners(elements, frames, stars, tell, self._gradient.n_vertices)
 
     @cached_property
     def _triangles(self) -> tuple[IntArray, FloatArray, FloatArray]:
@@ -205,9 +178,6 @@ class WavefrontSweeper:
         Along the surface, where that is known. On a mesh they are intrinsically Delaunay, but keep
         the edges of vertices that are no sample of a smooth surface.
         """
-        from geodesic_toolkit._flipping import flip_edges, twins
-        from geodesic_toolkit._sides import sorted_sides
-
         gradient, given = self._gradient, self.metric.surface_frames
         elements, inverse, areas = gradient.elements, gradient.inverse_frames, gradient.measure
         if len(given):
@@ -217,23 +187,20 @@ class WavefrontSweeper:
         paired = not gradient.stars and 0 < elements.size <= MOST_SIDES
         if not paired or not (inverse[:, 0] * inverse[:, 2]).all():
             return elements, inverse, areas
-        twin, coherent = twins(sorted_sides(elements, gradient.n_vertices))
+        twin, coherent = _native.sorted_half_edges(elements, gradient.n_vertices).twins()
         if not coherent:
             return elements, inverse, areas
-        faces, lengths = elements.copy(), lengths_from_inverse(inverse)
+        faces, lengths = elements.copy(), _native.edge_lengths(inverse)
         sharp = ~self.metric.boundary & (np.abs(self._defects) > SHARP)
-        if not flip_edges(faces, lengths, twin, sharp):
+        if not _native.flip_edges(faces, lengths, twin, sharp):
             return elements, inverse, areas
-        return faces, *measured_by_lengths(lengths)
+        return faces, *_native.measure_lengths(lengths)
 
     @cached_property
     def _defects(self) -> FloatArray:
         """What the (N,) angles about vertices lack of 2π, where the domain ends of π."""
-        from geodesic_toolkit._corners import angle_defects
-
-        gradient = self._gradient
-        triangles = (gradient.elements, gradient.inverse_frames)
-        return angle_defects(*triangles, self.metric.boundary)
+        triangles = (self._gradient.elements, self._gradient.inverse_frames)
+        return _native.angle_defects(*triangles, self.metric.boundary)
 
     @cached_property
     def _reflex(self) -> BoolArray:
@@ -256,31 +223,12 @@ class WavefrontSweeper:
         Stars have an angle defect where they are measured in space; in tangent planes they are
         flat, and how they disagree is mostly noise.
         """
-        from geodesic_toolkit._corners import curvatures, star_curvatures
-
         gradient = self._gradient
         if gradient.stars and not len(self.metric.surface_frames):
             return np.zeros(gradient.n_vertices)
         elements, frames, areas = self._triangles
+        boundary = self.metric.boundary
         if gradient.stars:
-            return star_curvatures(elements, frames, self.metric.boundary, COARSE_STARS)
-        starts, _, corners = self._corners
+            return _native.star_curvatures(elements, frames, boundary, COARSE_STARS)
         triangles = (elements, areas, self._defects)
-        return curvatures(*triangles, starts, corners, self.metric.boundary, COARSE)
-
-
-def _falling(values: FloatArray) -> IntArray:
-    """Return the order in which values fall as far as nine digits tell, and then by number.
-
-    Numbers are written into the last bits of the values, so that these can be sorted as they are:
-    in half the time of sorting numbers by values.
-    """
-    keys = (-values).view(np.int64)
-    keys ^= (keys >> 63) & np.int64(2**63 - 1)  # as integers, negative values are the wrong way
-    bits = max(len(keys) - 1, 1).bit_length()
-    keys >>= bits
-    keys <<= bits
-    keys |= np.arange(len(keys))
-    keys.sort()
-    keys &= (1 << bits) - 1
-    return keys
+        return _native.curvatures(*triangles, self._corners, boundary, COARSE)

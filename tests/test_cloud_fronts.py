@@ -7,7 +7,7 @@ import pytest
 from closed_forms import mean_relative_error
 
 import geodesic_toolkit as gt
-from geodesic_toolkit._corners import CORNER, tell_missed
+from geodesic_toolkit import _native
 from geodesic_toolkit.errors import InvalidDiscretizationError
 from geodesic_toolkit.geometry.neighbours import nearest_neighbours
 from geodesic_toolkit.geometry.stars import delaunay_stars
@@ -55,14 +55,15 @@ def test_a_little_noise_costs_little(noise, bound):
 
 def test_smooth_clouds_are_measured_in_space():
     points, _ = random_sphere(1000, radius=30.0)
-    starts, ends, corners = sweeper_of(points)._corners
+    corners = sweeper_of(points)._corners
     for v in range(0, 1000, 50):
-        own = corners[starts[v] : ends[v]]
-        for other, length in (("a", "to_a"), ("b", "to_b")):
-            space = np.linalg.norm(points[own[other]] - points[v], axis=1)
-            np.testing.assert_allclose(own[length], space, rtol=1e-9)
-        space = np.linalg.norm(points[own["a"]] - points[own["b"]], axis=1)
-        np.testing.assert_allclose(own["edge"], space, rtol=1e-9)
+        own = slice(corners.starts[v], corners.ends[v])
+        a, b = corners.a[own], corners.b[own]
+        for other, length in ((a, corners.to_a), (b, corners.to_b)):
+            space = np.linalg.norm(points[other] - points[v], axis=1)
+            np.testing.assert_allclose(length[own], space, rtol=1e-9)
+        space = np.linalg.norm(points[a] - points[b], axis=1)
+        np.testing.assert_allclose(corners.edge[own], space, rtol=1e-9)
 
 
 @pytest.mark.parametrize("radius", [1.0, 30.0])
@@ -97,37 +98,33 @@ def test_between_smooth_and_noisy_edges_are_between_both():
     points, _ = random_sphere(4000, noise=0.0025)
     metric = PCA.assemble(gt.PointCloud(points))
     plane = dataclasses.replace(metric, surface_frames=np.zeros((0, 3)))
-    corners = WavefrontSweeper(metric)._corners[2]
-    flat = WavefrontSweeper(plane)._corners[2]
-    starts, ends, _ = WavefrontSweeper(plane)._corners
+    first, second = WavefrontSweeper(metric)._corners, WavefrontSweeper(plane)._corners
+    starts, ends = second.starts, second.ends
     own = np.concatenate([np.arange(s, e) for s, e in zip(starts, ends, strict=False)])
     vertex = np.repeat(np.arange(len(points)), ends - starts[:-1])
-    first, second = corners[own], flat[own]
-    np.testing.assert_array_equal(first["a"], second["a"])
-    space = np.linalg.norm(points[first["a"]] - points[vertex], axis=1)
-    assert (first["to_a"] >= second["to_a"] * (1 - 1e-9)).all()
-    assert (first["to_a"] <= space * (1 + 1e-9)).all()
-    assert second["to_a"].sum() < first["to_a"].sum() < space.sum()
+    np.testing.assert_array_equal(first.a[own], second.a[own])
+    space = np.linalg.norm(points[first.a[own]] - points[vertex], axis=1)
+    between, flat = first.to_a[own], second.to_a[own]
+    assert (between >= flat * (1 - 1e-9)).all()
+    assert (between <= space * (1 + 1e-9)).all()
+    assert flat.sum() < between.sum() < space.sum()
 
 
 # -- which triangles -------------------------------------------------------------------------------
 
 
-def corners_of(*pairs):
-    corners = np.zeros(len(pairs), dtype=CORNER)
-    corners["a"], corners["b"] = np.transpose(pairs)
-    return corners
-
-
 def test_a_vertex_is_told_what_both_others_have_and_it_has_not():
     own, bridge, missed, known = [(1, 2), (2, 3)], (4, 5), (3, 1), (2, 1)
-    corners = corners_of(*own, bridge, known, missed, known, missed[::-1])
-    starts, ends = np.array([0, 7]), np.array([2])
-    tell_missed(starts, ends, corners)
-    assert ends[0] == 3
-    heard = [tuple(sorted((int(c["a"]), int(c["b"])))) for c in corners]
-    assert heard[:3] == [(1, 2), (2, 3), (1, 3)]
-    assert sorted(heard[3:]) == [(1, 2), (1, 2), (1, 3), (4, 5)]
+    others = [bridge, known, missed, known, missed[::-1]]
+    stars = np.array([(0, a, b) for a, b in own] + [(a, b, 0) for a, b in others])
+    frames = np.tile([1.0, 0.0, 1.0], (len(stars), 1))
+    for told, heard in ((False, [(1, 2), (2, 3)]), (True, [(1, 2), (2, 3), (1, 3)])):
+        corners = _native.gather_corners(stars, frames, True, told, 6)
+        pairs = np.sort(np.column_stack([corners.a, corners.b])[: corners.starts[1]], axis=1)
+        pairs = [(int(a), int(b)) for a, b in pairs]
+        assert corners.ends[0] == len(heard)
+        assert pairs[: len(heard)] == heard
+        assert sorted(pairs) == sorted([(1, 2), (2, 3), (4, 5), (1, 2), (1, 3), (1, 2), (1, 3)])
 
 
 @pytest.mark.parametrize(

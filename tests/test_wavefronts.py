@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from scipy.sparse import coo_array, csr_array
 
 import geodesic_toolkit as gt
-from geodesic_toolkit import _corners, _wavefront, refine
+from geodesic_toolkit import _native, refine
 from geodesic_toolkit.refine import WavefrontSweeper
 from geodesic_toolkit.testing import shapes
 
@@ -58,6 +58,12 @@ DOMAINS = {
     "cloud": gt.PointCloud(shapes.icosphere(2).vertices),
     "cloud with links and ties": curve_beside_a_sheet(),
 }
+
+
+MANY = 32
+"""Triangles of a vertex up to which they are sorted round it."""
+
+FIELDS = ("a", "b", "to_a", "to_b", "edge")
 
 
 def assembled(domain):
@@ -119,13 +125,13 @@ def test_every_vertex_has_its_corners_and_those_of_its_own_star_first(sweeper):
         foreign[np.isfinite(plain_areas(gradient)), 1:] = True
     total = np.bincount(faces.ravel(), minlength=count)
     own = np.bincount(faces[~foreign], minlength=count)
-    starts, ends, corners = sweeper._corners
-    np.testing.assert_array_equal(starts, np.concatenate([[0], np.cumsum(total)]))
-    np.testing.assert_array_equal(ends, starts[:-1] + np.where(own > 0, own, total))
+    corners = sweeper._corners
+    np.testing.assert_array_equal(corners.starts, np.concatenate([[0], np.cumsum(total)]))
+    np.testing.assert_array_equal(corners.ends, corners.starts[:-1] + np.where(own > 0, own, total))
 
     vertex = np.repeat(np.arange(count), total)
-    later = np.arange(len(corners)) >= (starts[:-1] + own)[vertex]
-    found = np.column_stack([vertex, later, *(corners[name] for name in corners.dtype.names)])
+    later = np.arange(faces.size) >= (corners.starts[:-1] + own)[vertex]
+    found = np.column_stack([vertex, later, *(getattr(corners, name) for name in FIELDS)])
     lengths, (c, a, b) = plain_lengths(gradient), ([0, 1, 2], [1, 2, 0], [2, 0, 1])
     table = [faces, foreign, faces[:, a], faces[:, b], lengths[:, b], lengths[:, a], lengths[:, c]]
     expected = np.column_stack([column.ravel() for column in table])
@@ -137,21 +143,21 @@ def test_every_vertex_has_its_corners_and_those_of_its_own_star_first(sweeper):
 @pytest.mark.parametrize("name", ["sphere", "right angles", "obtuse", "scrambled"])
 def test_corners_go_round_every_vertex_inside(name):
     metric = assembled(DOMAINS[name])
-    starts, _, corners = WavefrontSweeper(metric)._corners
+    corners = WavefrontSweeper(metric)._corners
     for v in np.flatnonzero(~metric.boundary):
-        own = corners[starts[v] : starts[v + 1]]
-        np.testing.assert_array_equal(own["a"], np.roll(own["b"], 1))
+        own = slice(corners.starts[v], corners.starts[v + 1])
+        np.testing.assert_array_equal(corners.a[own], np.roll(corners.b[own], 1))
 
 
-@pytest.mark.parametrize("count", [_corners.MANY, _corners.MANY + 1])
+@pytest.mark.parametrize("count", [MANY, MANY + 1])
 def test_a_vertex_of_many_triangles_has_them_in_their_order(count):
     rng = np.random.default_rng(0)
     wheel = disk(count)
     wheel = gt.TriangleMesh(wheel.vertices, wheel.faces[rng.permutation(count)])
-    starts, _, corners = WavefrontSweeper(assembled(wheel))._corners
-    around = corners["a"][: starts[1]]
+    corners = WavefrontSweeper(assembled(wheel))._corners
+    around = corners.a[: corners.starts[1]]
     as_given = np.array_equal(around, wheel.faces[:, 1])
-    assert as_given == (count > _corners.MANY)
+    assert as_given == (count > MANY)
     assert np.array_equal(np.sort(around), np.arange(1, count + 1))
 
 
@@ -233,20 +239,60 @@ def test_a_front_turns_about_a_reflex_corner_of_the_boundary(monkeypatch):
 
 
 @pytest.mark.parametrize("name", ["sphere", "obtuse", "scrambled", "many sheets", "cloud"])
-def test_after_the_sweeps_no_vertex_has_anything_to_gain(name, monkeypatch):
-    sweep, calls = _wavefront.sweep, []
-    monkeypatch.setattr(_wavefront, "sweep", lambda *args: calls.append(args) or sweep(*args))
-    gt.GeodesicSolver(DOMAINS[name], refine=True).distance(2)
-    *_, pending, _, _, _ = calls[-1]
-    assert not pending[: DOMAINS[name].n_vertices].any()
-    pending[: DOMAINS[name].n_vertices] = True  # the kernel marks who may gain; now all are asked
-    assert sweep(*calls[-1]) == 0
+def test_after_the_sweeps_no_vertex_has_anything_to_gain(name):
+    solver = gt.GeodesicSolver(DOMAINS[name], refine=True)
+    fronts, log_heat = solver.method._sweeper._fronts, solver.method.log_heat(2)
+    tolerance = refine.TOLERANCE * solver.method.metric.spacing
+
+    def swept(vertices, distances, kappas):
+        """Return what sweeps make of fronts at vertices, of which all neighbours are asked."""
+        found = np.empty(len(log_heat)), np.empty(len(log_heat))
+        fronts.sweep(
+            log_heat, vertices, distances, kappas, tolerance, 0, 0, refine.MAX_SWEEPS, *found
+        )
+        return found
+
+    distance, kappa = swept(np.array([2]), np.array([0.0]), np.array([np.inf]))
+    reached = np.flatnonzero(np.isfinite(distance))
+    assert len(reached) > 6
+    again, _ = swept(reached, distance[reached], kappa[reached])
+    np.testing.assert_array_equal(again, distance)
+
+
+@pytest.mark.parametrize(
+    ("name", "value", "message"),
+    [
+        ("log_heat", np.zeros(7), "a number for each vertex"),
+        ("known", np.zeros(2), "a distance and a curvature"),
+        ("vertices", np.array([162]), "vertices of the sources"),
+        ("vertices", np.array([-1]), "vertices of the sources"),
+    ],
+)
+def test_arrays_that_do_not_fit_are_refused(name, value, message):
+    fronts, count = WavefrontSweeper(assembled(DOMAINS["sphere"]))._fronts, 162
+    arrays = {
+        "log_heat": np.zeros(count),
+        "vertices": np.array([0]),
+        "known": np.array([0.0]),
+        "curvatures": np.array([np.inf]),
+        "distances": np.empty(count),
+    }
+    options = {"tolerance": 0.0, "returns": 0, "steady": 0, "most_sweeps": 1}
+    with pytest.raises(ValueError, match=message):
+        fronts.sweep(**(arrays | {name: value}), **options)
 
 
 @given(st.lists(st.integers(-50, 50).map(lambda k: k / 7 if k > -50 else -np.inf), min_size=1))
 def test_the_order_falls_and_keeps_that_of_equals(values):
     values = np.array(values)
-    np.testing.assert_array_equal(refine._falling(values), np.argsort(-values, kind="stable"))
+    np.testing.assert_array_equal(_native.falling(values), np.argsort(-values, kind="stable"))
+
+
+def test_values_of_any_size_are_ordered():
+    rng = np.random.default_rng(0)
+    for count in (2, 3000, 70_000):
+        values = -np.exp(rng.normal(size=count) * 3)
+        np.testing.assert_array_equal(_native.falling(values), np.argsort(-values, kind="stable"))
 
 
 @pytest.mark.parametrize("returns", [0, 1, 8])

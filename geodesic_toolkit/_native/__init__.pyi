@@ -4,7 +4,7 @@ Arrays are C-contiguous and of just the dtype that is stated, or a TypeError say
 not fit together are a ValueError. Indices within arrays are not looked at unless that is said.
 """
 
-from typing import Any, TypeAlias, final
+from typing import TypeAlias, final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -203,4 +203,91 @@ def fill(indptr: Rows, indices: Rows, data: Numbers, solution: Numbers, rows: Ro
     `rows` comes out in another order.
     """
 
-def __getattr__(name: str) -> Any: ...
+# -- refinement ------------------------------------------------------------------------------------
+
+@final
+class Corners:
+    """The triangles around each vertex, as :func:`gather_corners` returns them.
+
+    Vertex v has the corners ``starts[v] <= c < starts[v + 1]``, but where stars overlap its own
+    star first, which ends before ``ends[v]``. The arrays are read-only views.
+    """
+
+    @property
+    def starts(self) -> Rows: ...
+    @property
+    def ends(self) -> Rows: ...
+    @property
+    def a(self) -> NDArray[np.uint32]: ...
+    @property
+    def b(self) -> NDArray[np.uint32]: ...
+    @property
+    def to_a(self) -> Numbers: ...
+    @property
+    def to_b(self) -> Numbers: ...
+    @property
+    def edge(self) -> Numbers: ...
+
+def gather_corners(
+    elements: Indices, frames: Numbers, stars: bool, tell: bool, n_vertices: int
+) -> Corners:
+    """Sort the corners of triangles by their vertices; `tell` stars what they have missed."""
+
+def angle_defects(elements: Indices, frames: Numbers, boundary: Bools) -> Numbers:
+    """Return what the angles about vertices lack of 2π, where the domain ends of π."""
+
+def curvatures(
+    elements: Indices,
+    measure: Numbers,
+    defects: Numbers,
+    corners: Corners,
+    boundary: Bools,
+    coarse: float,
+) -> Numbers:
+    """Return the Gaussian curvature of vertices: angle defect over area, over one-rings.
+
+    Where K of a vertex, times its area, comes to `coarse` it counts for half; it is 0 where the
+    domain ends, and where sheets meet.
+    """
+
+def star_curvatures(elements: Indices, frames: Numbers, boundary: Bools, coarse: float) -> Numbers:
+    """Return the same of stars, from the angles about their own centres."""
+
+def falling(values: Numbers) -> Rows:
+    """Return the order in which values fall as far as nine digits tell, and then by number."""
+
+@final
+class Sweeper:
+    """Triangles and their curvature, ready for sweeps; shared by all sources and threads."""
+
+    def __init__(self, corners: Corners, curvature: Numbers, reflex: Bools) -> None: ...
+    def sweep(
+        self,
+        log_heat: Numbers,
+        vertices: Indices,
+        known: Numbers,
+        curvatures: Numbers,
+        tolerance: float,
+        returns: int,
+        steady: int,
+        most_sweeps: int,
+        distances: Numbers,
+        kappas: Numbers | None = None,
+    ) -> None: ...
+
+# -- point clouds ----------------------------------------------------------------------------------
+
+def delaunay_stars(
+    points: Numbers,
+    normals: Numbers,
+    neighbours: Indices,
+    shares: Numbers,
+    k: int,
+    oriented: bool,
+    smooth: bool,
+    n_threads: int,
+) -> tuple[Indices, Numbers, Bools]:
+    """Return the triangles of local Delaunay stars, their frames, and which stars are open."""
+
+def pole_normals(points: Numbers, neighbours: Indices, normals: Numbers, n_threads: int) -> Numbers:
+    """Return normals in which those that are in doubt point to the emptiest side."""

@@ -1,8 +1,129 @@
-// wavefront
+// Wavefronts over triangles in Python.
+#include <nanobind/stl/optional.h>
+
 #include "python/bindings.hpp"
+#include "wavefront/curvature.hpp"
+#include "wavefront/falling.hpp"
+#include "wavefront/sweeper.hpp"
 
 namespace geodesic {
+namespace {
 
-void bind_wavefront(nb::module_&) {}
+// A field of all corners as a read-only array.
+template <class T>
+auto field(T Corner::* member) {
+  return [member](nb::handle self) {
+    const Corners& corners = nb::cast<const Corners&>(self);
+    const std::size_t shape[] = {static_cast<std::size_t>(corners.around.size())};
+    const std::int64_t strides[] = {sizeof(Corner) / sizeof(T)};
+    const T* const first = corners.around.empty() ? nullptr : &(corners.around[0].*member);
+    return nb::ndarray<nb::numpy, const T>(first, 1, shape, self, strides);
+  };
+}
+
+template <class T>
+auto field(Array<T> Corners::* member) {
+  return [member](nb::handle self) { return view(nb::cast<const Corners&>(self).*member, self); };
+}
+
+void require_elements(const In<Index, 2>& elements, const In<double, 2>& frames) {
+  require(elements.shape(1) == 3 && frames.shape(1) == 3 && frames.size() == elements.size(),
+          "three vertices and three numbers for each element");
+}
+
+bool are_below(std::span<const Index> vertices, Index n) {
+  return std::ranges::all_of(vertices, [n](Index v) { return 0 <= v && v < n; });
+}
+
+}  // namespace
+
+void bind_wavefront(nb::module_& module) {
+  nb::class_<Corners>(module, "Corners")
+      .def_prop_ro("starts", field(&Corners::starts))
+      .def_prop_ro("ends", field(&Corners::ends))
+      .def_prop_ro("a", field(&Corner::a))
+      .def_prop_ro("b", field(&Corner::b))
+      .def_prop_ro("to_a", field(&Corner::to_a))
+      .def_prop_ro("to_b", field(&Corner::to_b))
+      .def_prop_ro("edge", field(&Corner::edge));
+  module.def(
+      "gather_corners",
+      [](In<Index, 2> elements, In<double, 2> frames, bool stars, bool tell, Index n_vertices) {
+        require_elements(elements, frames);
+        require(elements.size() < std::size_t{1} << 31, "fewer than 2^31 corners");
+        return unlocked([&] {
+          Corners corners = gather_corners(span(elements), span(frames), stars, n_vertices);
+          if (tell) tell_missed(corners);
+          return corners;
+        });
+      },
+      "elements"_a.noconvert(), "frames"_a.noconvert(), "stars"_a, "tell"_a, "n_vertices"_a);
+  module.def(
+      "angle_defects",
+      [](In<Index, 2> elements, In<double, 2> frames, In<bool> boundary) {
+        require_elements(elements, frames);
+        return give(
+            unlocked([&] { return angle_defects(span(elements), span(frames), span(boundary)); }));
+      },
+      "elements"_a.noconvert(), "frames"_a.noconvert(), "boundary"_a.noconvert());
+  module.def(
+      "curvatures",
+      [](In<Index, 2> elements, In<double> measure, In<double> defects, const Corners& corners,
+         In<bool> boundary, double coarse) {
+        require(elements.shape(1) == 3 && measure.size() == elements.shape(0) &&
+                    static_cast<Index>(elements.size()) == corners.around.size(),
+                "a measure for each element, and their corners");
+        require(n_rows(defects) == corners.n_vertices() && boundary.size() == defects.size(),
+                "a defect for each vertex, and whether the domain ends there");
+        return give(unlocked([&] {
+          return curvatures(span(elements), span(measure), span(defects), corners, span(boundary),
+                            coarse);
+        }));
+      },
+      "elements"_a.noconvert(), "measure"_a.noconvert(), "defects"_a.noconvert(), "corners"_a,
+      "boundary"_a.noconvert(), "coarse"_a);
+  module.def(
+      "star_curvatures",
+      [](In<Index, 2> elements, In<double, 2> frames, In<bool> boundary, double coarse) {
+        require_elements(elements, frames);
+        return give(unlocked(
+            [&] { return star_curvatures(span(elements), span(frames), span(boundary), coarse); }));
+      },
+      "elements"_a.noconvert(), "frames"_a.noconvert(), "boundary"_a.noconvert(), "coarse"_a);
+  module.def(
+      "falling",
+      [](In<double> values) { return give(unlocked([&] { return falling(span(values)); })); },
+      "values"_a.noconvert());
+  nb::class_<Sweeper>(module, "Sweeper")
+      .def(
+          "__init__",
+          [](Sweeper* self, const Corners& corners, In<double> curvature, In<bool> reflex) {
+            require(n_rows(curvature) == corners.n_vertices() && reflex.size() == curvature.size(),
+                    "a curvature for each vertex, and whether fronts turn about it");
+            unlocked([&] { new (self) Sweeper(corners, span(curvature), span(reflex)); });
+          },
+          "corners"_a, "curvature"_a.noconvert(), "reflex"_a.noconvert())
+      .def(
+          "sweep",
+          [](const Sweeper& self, In<double> log_heat, In<Index> vertices, In<double> known,
+             In<double> curvatures, double tolerance, Index returns, Index steady,
+             Index most_sweeps, Out<double> distances, std::optional<Out<double>> kappas) {
+            const Index n = self.n_vertices();
+            require(n_rows(log_heat) == n && n_rows(distances) == n &&
+                        (!kappas || n_rows(*kappas) == n),
+                    "a number for each vertex");
+            require(known.size() == vertices.size() && curvatures.size() == vertices.size(),
+                    "a distance and a curvature at each vertex of the sources");
+            require(are_below(span(vertices), n), "vertices of the sources below their number");
+            unlocked([&] {
+              self.sweep(span(log_heat), {span(vertices), span(known), span(curvatures)},
+                         {tolerance, returns, steady, most_sweeps}, span(distances),
+                         kappas ? span(*kappas) : std::span<double>());
+            });
+          },
+          "log_heat"_a.noconvert(), "vertices"_a.noconvert(), "known"_a.noconvert(),
+          "curvatures"_a.noconvert(), "tolerance"_a, "returns"_a, "steady"_a, "most_sweeps"_a,
+          "distances"_a.noconvert(), "kappas"_a.noconvert() = nb::none());
+}
 
 }  // namespace geodesic
