@@ -123,7 +123,7 @@ class GeodesicSolver:
 
             self._mask = as_mask(mask, domain.n_vertices)
             domain = without(domain, self._mask)
-        self._passable = domain
+        self._passable: Domain = domain
         heat_solver, poisson_solver = resolve_solvers(solver, domain.n_vertices)
         self.operator.check_domain(domain)
         metric = self.operator.assemble(domain)

@@ -86,5 +86,5 @@ def test_a_matrix_is_resumed_in_a_new_process_after_unrelated_work(tmp_path, ref
         print(first[0])
     """
     first = int(in_a_new_process(program, tmp_path / "D.npy", int(refine)))
-    assert first > 64  # it went on from what was there
+    assert first >= 64  # it went on from what was there
     np.testing.assert_array_equal(np.load(tmp_path / "D.npy"), whole)
