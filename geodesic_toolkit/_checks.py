@@ -1,36 +1,11 @@
-"""Checks that the data of a discretization share, and the form in which kernels take matrices."""
+"""Checks that the data of a discretization share."""
 
 import numpy as np
-from scipy.sparse import csr_array
 
-from geodesic_toolkit._typing import FloatArray, IndexArray, IntArray
-from geodesic_toolkit.errors import InvalidDiscretizationError, NotEnoughMemoryError
+from geodesic_toolkit._typing import FloatArray, IntArray
+from geodesic_toolkit.errors import InvalidDiscretizationError
 
-__all__ = ["MOST_ENTRIES", "check_finite", "check_range", "coerce", "compressed_rows"]
-
-MOST_ENTRIES = np.iinfo(np.int32).max
-"""Entries of a matrix that row pointers of 32 bits can count; half of its memory would be indices
-otherwise."""
-
-
-def compressed_rows(matrix: csr_array) -> tuple[IndexArray, IndexArray, FloatArray]:
-    """Return row pointers, columns and values as kernels take them; no copy where they are so.
-
-    Raises
-    ------
-    NotEnoughMemoryError
-        There are more entries than 32 bits can count.
-    """
-    if matrix.nnz > MOST_ENTRIES:
-        raise NotEnoughMemoryError(
-            f"a matrix of {matrix.nnz} entries is too large: row pointers of 32 bits count "
-            f"{MOST_ENTRIES}; thin out the shape, or work on its parts"
-        )
-    return (
-        np.ascontiguousarray(matrix.indptr, dtype=np.int32),
-        np.ascontiguousarray(matrix.indices, dtype=np.int32),
-        np.ascontiguousarray(matrix.data, dtype=np.float64),
-    )
+__all__ = ["check_finite", "check_range", "coerce"]
 
 
 def coerce(data: object, **dtypes: type[np.generic]) -> None:

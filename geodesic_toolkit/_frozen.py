@@ -1,10 +1,14 @@
 """Read-only arrays, kept read-only through pickling and copying."""
 
-from typing import Any, TypeVar
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.sparse import csr_array
+
+if TYPE_CHECKING:
+    from scipy.sparse import csr_array
 
 __all__ = ["FrozenArrays", "freeze", "freeze_csr"]
 
@@ -39,5 +43,5 @@ class FrozenArrays:
         for value in state.values():
             if isinstance(value, np.ndarray):
                 freeze(value)
-            elif isinstance(value, csr_array):
+            elif hasattr(value, "sum_duplicates"):  # a csr_array, for which nobody imports SciPy
                 freeze_csr(value)

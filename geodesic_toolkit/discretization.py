@@ -1,20 +1,25 @@
 """What a back end assembles: mass, stiffness, and the gradient that they come from."""
 
+from __future__ import annotations
+
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Any, final
+from typing import TYPE_CHECKING, Any, final
 
 import numpy as np
-from scipy.sparse import csr_array
 
 from geodesic_toolkit import _native
-from geodesic_toolkit._checks import check_finite, coerce, compressed_rows
+from geodesic_toolkit._checks import check_finite, coerce
 from geodesic_toolkit._frozen import FrozenArrays, freeze, freeze_csr
+from geodesic_toolkit._rows import CompressedRows
 from geodesic_toolkit._typing import BoolArray, FloatArray, IntArray
 from geodesic_toolkit.errors import InvalidDiscretizationError
 from geodesic_toolkit.geometry.components import connected_vertices
 from geodesic_toolkit.gradient import ElementGradient, Gradient
+
+if TYPE_CHECKING:
+    from scipy.sparse import csr_array
 
 __all__ = ["Discretization"]
 
@@ -31,8 +36,9 @@ class Discretization(FrozenArrays):
     mass : ndarray of shape (N,), float64
         Measure of every vertex: length, area or volume. Positive, but 0 for a vertex of no
         element, whose distance is ``inf``.
-    stiffness : csr_array of shape (N, N), float64
+    stiffness : csr_array or CompressedRows of shape (N, N), float64
         ``L = Gᵀ W G`` with L = -Δ positive semidefinite, symmetric, ``L 1 = 0``; ``M⁻¹ L ≈ -Δ``.
+        The attribute is always a csr_array; `rows` has it as kernels take it.
     gradient : Gradient
         ∇ with its normalisation and its adjoint.
     spacing : float
@@ -94,14 +100,42 @@ class Discretization(FrozenArrays):
             raise InvalidDiscretizationError(
                 f"spacing must be positive and finite, not {self.spacing}"
             )
-        _check_stiffness(self.stiffness, count)
+        self._set_rows(count)
         self._check_scales(count)
         self._check_frames()
         freeze(self.mass)
         freeze(self.boundary)
-        freeze_csr(self.stiffness)
         object.__setattr__(self, "spacing", float(self.spacing))
         object.__setattr__(self, "notes", dict(self.notes))
+
+    def _set_rows(self, count: int) -> None:
+        """Keep the stiffness as kernels take it; one of SciPy's is made when it is asked for."""
+        given: csr_array | CompressedRows = self.stiffness
+        if given.shape != (count, count):
+            raise InvalidDiscretizationError(
+                f"stiffness must have shape ({count}, {count}), not {given.shape}"
+            )
+        rows = CompressedRows.of(given)
+        _check_stiffness(rows)
+        if isinstance(given, CompressedRows):
+            del self.__dict__["stiffness"]
+        else:
+            freeze_csr(given)
+        for array in rows.arrays:
+            freeze(array)
+        self.__dict__["_rows"] = rows
+
+    @property
+    def rows(self) -> CompressedRows:
+        """The stiffness as kernels take it."""
+        rows: CompressedRows = self.__dict__["_rows"]
+        return rows
+
+    def __getattr__(self, name: str) -> Any:
+        if name == "stiffness" and "_rows" in self.__dict__:
+            self.__dict__["stiffness"] = freeze_csr(self.rows.scipy)
+            return self.__dict__["stiffness"]
+        raise AttributeError(f"{type(self).__name__!r} object has no attribute {name!r}")
 
     def _check_scales(self, count: int) -> None:
         if not len(self.scales):
@@ -141,12 +175,15 @@ class Discretization(FrozenArrays):
     @cached_property
     def components(self) -> IntArray:
         """The connected component of every vertex, of shape (N,), numbered from 0."""
-        return freeze(connected_vertices(self.stiffness))
+        return freeze(connected_vertices(self.rows))
 
     def __getstate__(self) -> dict[str, Any]:
-        state = dict(self.__dict__)
-        state.pop("components", None)
-        return state
+        """Leave out what derives from the rest."""
+        return {
+            name: value
+            for name, value in self.__dict__.items()
+            if name not in {"components", "stiffness"}
+        }
 
     def __repr__(self) -> str:
         return (
@@ -155,14 +192,11 @@ class Discretization(FrozenArrays):
         )
 
 
-def _check_stiffness(stiffness: csr_array, count: int) -> None:
+def _check_stiffness(rows: CompressedRows) -> None:
     """Check L = Lᵀ and L 1 = 0 in one pass, and say what is wrong and where if it finds fault."""
-    if stiffness.shape != (count, count):
-        raise InvalidDiscretizationError(
-            f"stiffness must have shape ({count}, {count}), not {stiffness.shape}"
-        )
-    if _native.is_sound(*compressed_rows(stiffness)):
+    if _native.is_sound(*rows.arrays):
         return
+    stiffness, count = rows.scipy, rows.shape[0]
     check_finite(stiffness.data, "stiffness entry")
     scale = abs(stiffness) @ np.ones(count)
     drift = np.abs(stiffness @ np.ones(count))

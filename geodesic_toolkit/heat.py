@@ -343,7 +343,7 @@ class HeatMethod:
         """
         with self._poisson_lock:
             if self._poisson_factor is None:
-                stiffness = self.metric.stiffness
+                stiffness = self.metric.rows
                 _, grounded = np.unique(self.metric.components, return_index=True)
                 diagonal = stiffness.diagonal()[grounded]
                 ground = np.zeros(self.n_vertices)
@@ -483,7 +483,7 @@ class HeatMethod:
         factors = self._factorize_heat.expected_bytes()
         if factors and not self._shares_analysis and self._sweeper is None:
             factors += self._factorize_poisson.expected_bytes()
-        poisson = 0 if self._sweeper is not None else self.metric.stiffness.data.nbytes
+        poisson = 0 if self._sweeper is not None else self.metric.rows.data.nbytes
         return factors + poisson + array_bytes(self.metric, self.diffusion, *systems)
 
     def __getstate__(self) -> dict[str, Any]:

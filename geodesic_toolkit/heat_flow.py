@@ -7,8 +7,8 @@ from functools import cached_property
 from typing import Literal, NamedTuple, TypeAlias
 
 import numpy as np
-from scipy.sparse import csr_array, diags_array
 
+from geodesic_toolkit._rows import CompressedRows
 from geodesic_toolkit._typing import BoolArray, FloatArray, IntArray
 from geodesic_toolkit.discretization import Discretization
 from geodesic_toolkit.linear.base import Factor, Factorizer, LinearSolver
@@ -249,8 +249,7 @@ class HeatFlow:
             return self._systems
 
     def _heat_system(self, dirichlet: bool) -> "_HeatSystem":
-        mass, stiffness = self.diffusion.mass, self.diffusion.stiffness
-        free = plus_diagonal(stiffness, mass, self.times)
+        free = plus_diagonal(self.diffusion.rows, self.diffusion.mass, self.times)
         diagonal = free.diagonal()
         if not (diagonal > 0).all():  # vertices of no element: any pivot will do
             free = plus_diagonal(free, np.where(diagonal > 0, 0.0, 1.0))
@@ -258,8 +257,10 @@ class HeatFlow:
         held = self.diffusion.boundary if dirichlet else np.zeros_like(self.diffusion.boundary)
         if not held.any():
             return _HeatSystem(free, free, held, diagonal, self._factorize(free))
-        inside = diags_array((~held).astype(np.float64))
-        pinned = csr_array(inside @ free @ inside + diags_array(np.where(held, diagonal, 0.0)))
+        apart = held[free.row_of_entry] | held[free.indices]
+        pinned = plus_diagonal(
+            free.with_data(np.where(apart, 0.0, free.data)), np.where(held, diagonal, 0.0)
+        )
         return _HeatSystem(pinned, free, held, diagonal, self._factorize(pinned))
 
     @property
@@ -276,8 +277,8 @@ class _HeatSystem:
     would have, and its neighbours feel it through the free system's rows.
     """
 
-    matrix: csr_array
-    free: csr_array
+    matrix: CompressedRows
+    free: CompressedRows
     held: BoolArray
     diagonal: FloatArray
     factor: Factor
@@ -294,7 +295,7 @@ class _HeatSystem:
         spikes = np.where(self.held[:, None], delta, 0.0) / self.diagonal[:, None]
         if not spikes.any():
             return np.where(self.held[:, None], 0.0, delta)
-        felt = np.where(self.held[:, None], 0.0, delta - self.free @ spikes)
+        felt = np.where(self.held[:, None], 0.0, delta - self.free.scipy @ spikes)
         return felt + spikes * self.diagonal[:, None]
 
 

@@ -4,14 +4,18 @@ Heat keeps to the maximum principle, and so stays positive, where all off-diagon
 stiffness L = -Δ are zero or negative. Obtuse angles make some positive.
 """
 
+from typing import TYPE_CHECKING, cast
+
 import numpy as np
-from scipy.sparse import csr_array
 
 from geodesic_toolkit import _native
-from geodesic_toolkit._checks import compressed_rows
+from geodesic_toolkit._rows import CompressedRows
 from geodesic_toolkit._typing import FloatArray
 from geodesic_toolkit.discretization import Discretization
 from geodesic_toolkit.gradient import EdgeGradient
+
+if TYPE_CHECKING:
+    from scipy.sparse import csr_array
 
 __all__ = ["obtuse_excess", "positive_part"]
 
@@ -22,7 +26,7 @@ LINK = 1e-3
 """What is left of an edge of the wrong sign: enough that no part comes off."""
 
 
-def obtuse_excess(stiffness: csr_array, mass: FloatArray) -> FloatArray:
+def obtuse_excess(stiffness: CompressedRows, mass: FloatArray) -> FloatArray:
     """Return how much of a stiffness has the wrong sign around each vertex: 0 for an M-matrix.
 
     The share of positive entries in the absolute sum of a row without the diagonal, averaged by
@@ -31,12 +35,12 @@ def obtuse_excess(stiffness: csr_array, mass: FloatArray) -> FloatArray:
 
     Parameters
     ----------
-    stiffness : csr_array of shape (N, N)
+    stiffness : CompressedRows of shape (N, N)
         With an entry for every edge and for the diagonal of every row, be they zero.
         What lies right of the diagonal is enough.
     mass : ndarray of shape (N,)
     """
-    return _native.obtuse_excess(*compressed_rows(stiffness), mass, RINGS)
+    return _native.obtuse_excess(*stiffness.arrays, mass, RINGS)
 
 
 def positive_part(metric: Discretization) -> Discretization:
@@ -64,8 +68,8 @@ def positive_part(metric: Discretization) -> Discretization:
     >>> bool(positive_part(sheared).gradient.edge_weights.min() > 0)
     True
     """
-    given, count = metric.stiffness, len(metric.mass)
-    tails = np.repeat(np.arange(count), np.diff(given.indptr))
+    given, count = metric.rows, len(metric.mass)
+    tails = given.row_of_entry.astype(np.int64)
     heads = given.indices.astype(np.int64)
     upper, diagonal = heads > tails, heads == tails
     weights = np.maximum(-given.data, LINK * np.abs(given.data))
@@ -74,7 +78,7 @@ def positive_part(metric: Discretization) -> Discretization:
     if np.count_nonzero(diagonal) == count:  # the pattern stays, and its analysis serves
         weights[diagonal] = 0.0
         weights[diagonal] = -np.bincount(tails, weights, count)
-        stiffness = csr_array((-weights, given.indices, given.indptr), shape=given.shape)
+        stiffness = cast("csr_array", given.with_data(-weights))  # what the data make of it
     else:
         stiffness = gradient.stiffness()
     return Discretization(

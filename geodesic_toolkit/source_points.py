@@ -1,15 +1,19 @@
 """Sources as convex combinations of vertices: what the heat method starts from."""
 
+from __future__ import annotations
+
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from scipy.sparse import csr_array
 
 from geodesic_toolkit._typing import BoolArray, FloatArray, IntArray
 from geodesic_toolkit.discretization import Discretization
 from geodesic_toolkit.errors import InvalidSourceError
+
+if TYPE_CHECKING:
+    from scipy.sparse import csr_array
 
 __all__ = ["SourcePoints", "as_vertices"]
 
@@ -53,7 +57,7 @@ class SourcePoints:
             object.__setattr__(self, "starts", np.zeros(self.count))
 
     @classmethod
-    def at_vertices(cls, vertices: IntArray, n_vertices: int) -> "SourcePoints":
+    def at_vertices(cls, vertices: IntArray, n_vertices: int) -> SourcePoints:
         """Return sources at vertices."""
         count = len(vertices)
         return cls(vertices, np.ones(count), np.arange(count + 1), n_vertices, np.zeros(count))
@@ -66,6 +70,8 @@ class SourcePoints:
     @cached_property
     def weights(self) -> csr_array:
         """The weights as a matrix of shape (P, N), one row a point, its entries as they come."""
+        from scipy.sparse import csr_array
+
         entries = (self.shares, self.vertices, self.begins)
         return csr_array(entries, shape=(self.count, self.n_vertices))
 

@@ -217,7 +217,7 @@ def positive_weights(faces, lengths, n_vertices):
         faces, inverse_frames(frames), face_areas(frames), n_vertices
     )
     sums = gradient.sums()
-    stiffness, boundary = sums.stiffness(), sums.boundary
+    stiffness, boundary = sums.stiffness().scipy, sums.boundary
     inner = stiffness.tocoo()
     kept = (inner.row != inner.col) & ~(boundary[inner.row] & boundary[inner.col])
     return inner.data[kept], stiffness

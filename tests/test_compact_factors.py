@@ -27,7 +27,7 @@ def grid(n, m):
 
 def heat_system(mesh):
     metric = gt.CotanLaplacian().assemble(mesh)
-    return plus_diagonal(metric.stiffness, metric.mass, metric.scales**2)
+    return plus_diagonal(metric.rows, metric.mass, metric.scales**2).scipy
 
 
 @pytest.fixture(scope="module")

@@ -6,6 +6,7 @@ import slow_kernels
 from scipy.sparse import csr_array, diags_array, random_array
 
 import geodesic_toolkit as gt
+from geodesic_toolkit._rows import CompressedRows
 from geodesic_toolkit.errors import InvalidOptionError, SolverError
 from geodesic_toolkit.linear.log_solve import fill_from_neighbours
 from geodesic_toolkit.testing import shapes
@@ -50,8 +51,8 @@ def test_missing_heat_is_filled_from_neighbours_ring_by_ring():
     path = csr_array(np.diag(np.full(4, 2.0)) - np.eye(4, k=1) - np.eye(4, k=-1) + np.eye(4))
     heat, log_heat = np.array([1.0, -0.1, 0.0, -0.3]), np.array([0.0, *[-np.inf] * 3])
     missing = np.array([False, True, True, True])
-    fill_from_neighbours(path, heat, missing, logarithmic=False)
-    fill_from_neighbours(path, log_heat, missing, logarithmic=True)
+    fill_from_neighbours(CompressedRows.of(path), heat, missing, logarithmic=False)
+    fill_from_neighbours(CompressedRows.of(path), log_heat, missing, logarithmic=True)
     assert (heat > 0).all()
     assert (np.diff(heat) < 0).all()
     np.testing.assert_allclose(log_heat, np.log(heat))
@@ -70,14 +71,14 @@ def test_heat_is_filled_as_its_readable_form_fills_it(seed):
     expected = np.where(missing, 0.0, heat[:, 1])
     rows = (matrix.indptr, matrix.indices, matrix.data)
     slow_kernels.fill(*rows, expected, np.flatnonzero(missing))
-    fill_from_neighbours(matrix, heat[:, 1], missing, logarithmic=False)
+    fill_from_neighbours(CompressedRows.of(matrix), heat[:, 1], missing, logarithmic=False)
     np.testing.assert_allclose(heat[:, 1], expected, rtol=1e-13)
 
 
 def test_heat_far_below_what_floats_hold_is_filled_as_its_logarithm():
     path = csr_array(np.diag(np.full(3, 2.0)) - np.eye(3, k=1) - np.eye(3, k=-1))
     log_heat = np.array([-5000.0, -np.inf, -5001.0])
-    fill_from_neighbours(path, log_heat, np.isinf(log_heat), logarithmic=True)
+    fill_from_neighbours(CompressedRows.of(path), log_heat, np.isinf(log_heat), logarithmic=True)
     assert log_heat[1] == pytest.approx(-5000 + np.log((1 + np.exp(-1.0)) / 2))
 
 
@@ -85,7 +86,7 @@ def test_what_no_value_reaches_stays_empty():
     apart = csr_array(np.eye(3))
     heat, log_heat = np.array([1.0, -1.0, 0.0]), np.array([0.0, -np.inf, -np.inf])
     missing = np.array([False, True, True])
-    fill_from_neighbours(apart, heat, missing, logarithmic=False)
-    fill_from_neighbours(apart, log_heat, missing, logarithmic=True)
+    fill_from_neighbours(CompressedRows.of(apart), heat, missing, logarithmic=False)
+    fill_from_neighbours(CompressedRows.of(apart), log_heat, missing, logarithmic=True)
     np.testing.assert_array_equal(heat, [1.0, 0.0, 0.0])
     np.testing.assert_array_equal(log_heat, [0.0, -np.inf, -np.inf])

@@ -21,6 +21,7 @@ from scipy.spatial import cKDTree
 import geodesic_toolkit as gt
 from geodesic_toolkit import _native
 from geodesic_toolkit._frozen import freeze
+from geodesic_toolkit._rows import CompressedRows
 from geodesic_toolkit.errors import InvalidOptionError, NotEnoughMemoryError, SolverError
 from geodesic_toolkit.linear import memory, supernodal
 from geodesic_toolkit.linear.patterns import SharedAnalysis
@@ -899,7 +900,7 @@ def test_a_factor_that_would_not_fit_is_not_begun(monkeypatch, sphere_system):
         SOLVER.analyze(sphere_system)
     its = analyze(sphere_system)
     with pytest.raises(NotEnoughMemoryError, match=rf"162 unknowns, with {its.n_stored} entries"):
-        supernodal._factorize(sphere_system, its, compact=False)
+        supernodal._factorize(CompressedRows.of(sphere_system), its, compact=False)
 
 
 def test_two_factors_that_would_not_fit_together_are_not_begun_however_often_asked(
@@ -932,7 +933,7 @@ def test_the_memory_that_a_factor_takes_is_foreseen(compact):
             return 1024 * int(status[what].split()[0])
 
         metric = gt.CotanLaplacian().assemble(gt.testing.shapes.grid(450))
-        system = plus_diagonal(metric.stiffness, metric.mass, 1.0)
+        system = plus_diagonal(metric.rows, metric.mass, 1.0)
         factorize = gt.Supernodal(compact=bool(int(sys.argv[1]))).analyze(system)
         expected = factorize.expected_bytes(2) - factorize.expected_bytes(1)
         before = taken("VmRSS")
@@ -967,7 +968,7 @@ def test_memory_that_the_system_refuses_is_an_error():
         from geodesic_toolkit.linear.patterns import plus_diagonal
 
         metric = gt.CotanLaplacian().assemble(gt.testing.shapes.grid(450))
-        system = plus_diagonal(metric.stiffness, metric.mass, 1.0)
+        system = plus_diagonal(metric.rows, metric.mass, 1.0)
         factorize = gt.Supernodal().analyze(system)
         with open("/proc/self/statm") as pages:
             taken = int(pages.read().split()[0]) * resource.getpagesize()

@@ -1,25 +1,23 @@
 """Connected components, numbered by their first vertices."""
 
 import numpy as np
-from scipy.sparse import csr_array
 
 from geodesic_toolkit import _native
-from geodesic_toolkit._checks import compressed_rows
+from geodesic_toolkit._rows import CompressedRows
 from geodesic_toolkit._typing import IntArray
 
 __all__ = ["connected_by_edges", "connected_by_faces", "connected_vertices"]
 
 
-def connected_vertices(matrix: csr_array) -> IntArray:
+def connected_vertices(matrix: CompressedRows) -> IntArray:
     """Return the connected component of every vertex, of shape (N,), numbered from 0.
 
     Parameters
     ----------
-    matrix : csr_array of shape (N, N)
+    matrix : CompressedRows of shape (N, N)
         Its entries, whatever their values, are the edges; those on one side of the diagonal do.
     """
-    indptr, indices, _ = compressed_rows(matrix)
-    return _native.components(indptr, indices)
+    return _native.components(matrix.indptr, matrix.indices)
 
 
 def connected_by_edges(edges: IntArray, n_vertices: int) -> IntArray:
@@ -29,8 +27,8 @@ def connected_by_edges(edges: IntArray, n_vertices: int) -> IntArray:
     --------
     >>> import numpy as np
     >>> from geodesic_toolkit.geometry.components import connected_by_edges
-    >>> connected_by_edges(np.array([[0, 3], [1, 2]]), 5)
-    array([0, 1, 1, 0, 2])
+    >>> connected_by_edges(np.array([[0, 3], [1, 2]]), 5).tolist()
+    [0, 1, 1, 0, 2]
     """
     return _native.components_of_edges(np.ascontiguousarray(edges, dtype=np.int64), n_vertices)
 

@@ -1,7 +1,6 @@
 """The dimension of what a graph samples."""
 
 import numpy as np
-from scipy.sparse import coo_array, csr_array
 
 from geodesic_toolkit._typing import IntArray
 from geodesic_toolkit.geometry.components import connected_by_edges
@@ -34,6 +33,7 @@ def graph_dimension(n_vertices: int, edges: IntArray) -> int:
     """
     if len(edges) == 0:
         return 1
+    from scipy.sparse import coo_array, csr_array
     from scipy.sparse.csgraph import dijkstra  # a tenth of a second
 
     entries = (np.ones(len(edges)), tuple(edges.T))

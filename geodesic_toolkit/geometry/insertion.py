@@ -1,11 +1,16 @@
 """Points made vertices: the faces around them are split, and the surface stays as it is."""
 
+from __future__ import annotations
+
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
-from scipy.sparse import csr_array
 
 from geodesic_toolkit._typing import FloatArray, IntArray
+
+if TYPE_CHECKING:
+    from scipy.sparse import csr_array
 
 __all__ = ["Insertion", "insert_points"]
 

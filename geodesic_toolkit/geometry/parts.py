@@ -1,8 +1,8 @@
 """What the connected parts of a mesh are like: how long edges are, how coarse, where it is cut."""
 
 import numpy as np
-from scipy.sparse import csr_array
 
+from geodesic_toolkit._rows import CompressedRows
 from geodesic_toolkit._typing import BoolArray, FloatArray, IntArray
 from geodesic_toolkit.geometry.triangles import (
     face_areas,
@@ -25,7 +25,7 @@ coarse. Measured on parts of models: those of 22 to 152 vertices that are more t
 
 def part_scales(
     vertices: FloatArray,
-    edges: csr_array,
+    edges: CompressedRows,
     parts: IntArray,
     *,
     spacing: float,
@@ -44,7 +44,7 @@ def part_scales(
     Parameters
     ----------
     vertices : ndarray of shape (N, 3)
-    edges : csr_array of shape (N, N)
+    edges : CompressedRows of shape (N, N)
         With an entry for every edge.
     parts : ndarray of shape (N,), int64
         The connected component of every vertex.

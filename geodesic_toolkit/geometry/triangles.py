@@ -6,10 +6,9 @@ positions, edge lengths of an intrinsic triangulation, a tangent plane).
 """
 
 import numpy as np
-from scipy.sparse import coo_array, csr_array
 
 from geodesic_toolkit import _native
-from geodesic_toolkit._checks import compressed_rows
+from geodesic_toolkit._rows import CompressedRows
 from geodesic_toolkit._typing import BoolArray, FloatArray, IntArray
 from geodesic_toolkit.geometry.components import connected_by_faces
 
@@ -165,6 +164,8 @@ def hat_gradients_from_inverse(inverse: FloatArray) -> FloatArray:
 
 def edges_of_faces(faces: IntArray, n_vertices: int) -> tuple[IntArray, IntArray]:
     """Return the undirected edges (E, 2), smaller vertex first, and how many faces each has."""
+    from scipy.sparse import coo_array, csr_array
+
     tails = faces.ravel()
     heads = faces[:, [1, 2, 0]].ravel()
     rows, columns = np.minimum(tails, heads), np.maximum(tails, heads)
@@ -174,16 +175,15 @@ def edges_of_faces(faces: IntArray, n_vertices: int) -> tuple[IntArray, IntArray
     return np.column_stack(counted.coords).astype(np.int64), counted.data
 
 
-def mean_edge_length(vertices: FloatArray, edges: csr_array) -> float:
+def mean_edge_length(vertices: FloatArray, edges: CompressedRows) -> float:
     """Return the mean length of the edges that a symmetric matrix of shape (N, N) has entries for.
 
     Parameters
     ----------
     vertices : ndarray of shape (N, 3)
-    edges : csr_array of shape (N, N)
+    edges : CompressedRows of shape (N, N)
     """
-    indptr, indices, _ = compressed_rows(edges)
-    return _native.mean_edge_length(vertices, indptr, indices)
+    return _native.mean_edge_length(vertices, edges.indptr, edges.indices)
 
 
 def mean_squared_edges(lengths: FloatArray) -> FloatArray:

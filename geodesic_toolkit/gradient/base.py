@@ -1,13 +1,18 @@
 """What a discrete gradient is."""
 
+from __future__ import annotations
+
 import abc
 import math
+from typing import TYPE_CHECKING
 
 import numpy as np
-from scipy.sparse import csr_array
 
 from geodesic_toolkit._frozen import FrozenArrays
 from geodesic_toolkit._typing import FloatArray
+
+if TYPE_CHECKING:
+    from scipy.sparse import csr_array
 
 __all__ = ["Gradient", "as_columns"]
 

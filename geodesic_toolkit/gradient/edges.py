@@ -1,10 +1,11 @@
 """Gradients along the edges of a graph."""
 
+from __future__ import annotations
+
 from dataclasses import dataclass
-from typing import final
+from typing import TYPE_CHECKING, final
 
 import numpy as np
-from scipy.sparse import coo_array, csr_array
 
 from geodesic_toolkit._checks import check_finite, check_range, coerce
 from geodesic_toolkit._frozen import freeze
@@ -12,6 +13,9 @@ from geodesic_toolkit._typing import FloatArray, IntArray
 from geodesic_toolkit.errors import InvalidDiscretizationError
 from geodesic_toolkit.gradient.base import Gradient, as_columns
 from geodesic_toolkit.gradient.graph_laplacian import graph_laplacian
+
+if TYPE_CHECKING:
+    from scipy.sparse import csr_array
 
 __all__ = ["EdgeGradient"]
 
@@ -120,6 +124,8 @@ class EdgeGradient(Gradient):
     @property
     def matrix(self) -> csr_array:
         """G of shape (E, N): -1 at the start of an edge and +1 at its end."""
+        from scipy.sparse import coo_array, csr_array
+
         count = len(self.edges)
         rows = np.repeat(np.arange(count), 2)
         signs = np.tile([-1.0, 1.0], count)

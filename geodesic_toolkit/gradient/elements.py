@@ -1,11 +1,12 @@
 """Gradients on elements: triangles, tetrahedra, polygons, cells."""
 
+from __future__ import annotations
+
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any, final
+from typing import TYPE_CHECKING, Any, final
 
 import numpy as np
-from scipy.sparse import coo_array, csr_array
 
 from geodesic_toolkit import _native
 from geodesic_toolkit._checks import check_finite, check_range, coerce
@@ -16,6 +17,9 @@ from geodesic_toolkit.geometry.triangles import hat_gradients_from_inverse
 from geodesic_toolkit.gradient.base import Gradient, as_columns
 from geodesic_toolkit.gradient.graph_laplacian import graph_laplacian
 from geodesic_toolkit.gradient.triangle_sums import TriangleSums, sums_of_triangles
+
+if TYPE_CHECKING:
+    from scipy.sparse import csr_array
 
 __all__ = ["ElementGradient"]
 
@@ -94,7 +98,7 @@ class ElementGradient(Gradient):
     @classmethod
     def of_triangles(
         cls, elements: IntArray, inverse: FloatArray, areas: FloatArray, vertex_count: int
-    ) -> "ElementGradient":
+    ) -> ElementGradient:
         """Return the gradient of linear finite elements on triangles.
 
         It keeps three numbers of each; its coefficients are derived when they are asked for.
@@ -210,6 +214,8 @@ class ElementGradient(Gradient):
     @property
     def matrix(self) -> csr_array:
         """G of shape (E dim, N): the rows of an element follow one another."""
+        from scipy.sparse import coo_array, csr_array
+
         count, dim, size = self.coefficients.shape
         rows = np.repeat(np.arange(count * dim), size)
         columns = np.repeat(self.elements, dim, axis=0).ravel()
@@ -224,7 +230,7 @@ class ElementGradient(Gradient):
     def stiffness(self) -> csr_array:
         """Return ``L = Gᵀ W G``, assembled from the elements' off-diagonal entries."""
         if self.of_planes:
-            return self.sums().stiffness()
+            return self.sums().stiffness().scipy
         size = self.elements.shape[1]
         pairs = [(i, j) for i in range(size) for j in range(i + 1, size)]
         products = [

@@ -1,9 +1,15 @@
 """The stiffness of weighted edges, which both kinds of gradient come down to."""
 
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
 import numpy as np
-from scipy.sparse import coo_array, csr_array
 
 from geodesic_toolkit._typing import FloatArray, IntArray
+
+if TYPE_CHECKING:
+    from scipy.sparse import csr_array
 
 __all__ = ["graph_laplacian"]
 
@@ -17,6 +23,8 @@ def graph_laplacian(
     that share the edges share the pattern. Both entries of an edge are one sum, which makes W
     symmetric to the bit; D is its row sum, which makes constants its kernel to rounding.
     """
+    from scipy.sparse import coo_array, csr_array
+
     apart = tails != heads
     tails, heads = tails[apart], heads[apart]
     places = (np.minimum(tails, heads), np.maximum(tails, heads))

@@ -2,10 +2,8 @@
 
 from dataclasses import dataclass
 
-from scipy.sparse import csr_array
-
 from geodesic_toolkit import _native
-from geodesic_toolkit._checks import MOST_ENTRIES
+from geodesic_toolkit._rows import MOST_ENTRIES, CompressedRows
 from geodesic_toolkit._typing import BoolArray, FloatArray, IntArray
 from geodesic_toolkit.errors import NotEnoughMemoryError
 
@@ -18,7 +16,7 @@ class TriangleSums:
 
     Attributes
     ----------
-    edges : csr_array of shape (N, N)
+    edges : CompressedRows of shape (N, N)
         The part of the stiffness L = Gᵀ W G, with L = -Δ positive semidefinite, that lies right of
         the diagonal, in no order within its rows. There is an entry for every edge.
     thirds : ndarray of shape (N,), float64
@@ -29,18 +27,14 @@ class TriangleSums:
         The half-edges of the triangles, sorted.
     """
 
-    edges: csr_array
+    edges: CompressedRows
     thirds: FloatArray
     boundary: BoolArray
     sides: _native.HalfEdges
 
-    def stiffness(self) -> csr_array:
+    def stiffness(self) -> CompressedRows:
         """Return the stiffness: half as long again as the edges have taken, so ask once."""
-        edges = self.edges
-        indptr, indices, data = _native.mirrored(edges.indptr, edges.indices, edges.data)
-        stiffness = csr_array((data, indices, indptr), shape=edges.shape)
-        stiffness.has_canonical_format = True  # or SciPy looks through it
-        return stiffness
+        return CompressedRows(*_native.mirrored(*self.edges.arrays))
 
 
 def sums_of_triangles(
@@ -67,5 +61,4 @@ def sums_of_triangles(
         )
     sides = _native.sorted_half_edges(elements, n_vertices)
     rows, thirds, boundary = _native.edge_sums(elements, sides, inverse_frames, measure)
-    edges = csr_array(rows[::-1], shape=(n_vertices, n_vertices))
-    return TriangleSums(edges, thirds, boundary, sides)
+    return TriangleSums(CompressedRows(*rows), thirds, boundary, sides)

@@ -1,7 +1,7 @@
 """The cotangent Laplacian of triangle meshes."""
 
 from dataclasses import dataclass
-from typing import Any, ClassVar, Literal, final
+from typing import TYPE_CHECKING, Any, ClassVar, Literal, cast, final
 
 import numpy as np
 
@@ -24,6 +24,9 @@ from geodesic_toolkit.geometry.triangles import (
 from geodesic_toolkit.gradient import ElementGradient
 from geodesic_toolkit.laplacians.base import LaplaceOperator
 from geodesic_toolkit.positivity import obtuse_excess
+
+if TYPE_CHECKING:
+    from scipy.sparse import csr_array
 
 __all__ = ["CotanLaplacian"]
 
@@ -177,7 +180,7 @@ class CotanLaplacian(LaplaceOperator):
         }
         discretization = Discretization(
             mass=self._mass(gradient, sums.thirds),
-            stiffness=sums.stiffness(),
+            stiffness=cast("csr_array", sums.stiffness()),  # what it makes of it
             gradient=gradient,
             spacing=spacing,
             boundary=boundary,

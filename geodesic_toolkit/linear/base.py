@@ -1,13 +1,16 @@
 """The contract of a linear solver: factorise once, solve often."""
 
+from __future__ import annotations
+
 import abc
 from collections.abc import Mapping
 from types import MappingProxyType
-from typing import ClassVar, Protocol
-
-from scipy.sparse import csr_array
+from typing import TYPE_CHECKING, Any, ClassVar, Protocol
 
 from geodesic_toolkit._typing import FloatArray
+
+if TYPE_CHECKING:
+    from scipy.sparse import csr_array
 
 __all__ = ["Factor", "Factorizer", "LinearSolver"]
 
@@ -66,7 +69,7 @@ class Factor(abc.ABC):
 class Factorizer(Protocol):
     """What factorises matrices of one pattern."""
 
-    def __call__(self, matrix: csr_array) -> Factor:
+    def __call__(self, matrix: Any) -> Factor:
         """Return the factor of a matrix; may be called from several threads at once."""
         ...
 
@@ -87,6 +90,9 @@ class LinearSolver(abc.ABC):
         M-matrix and the right-hand side is not negative. Heat falls by a factor of about e per
         edge, so its solver must be; sparse Cholesky and LU without pivoting are, an iteration
         that stops on the norm of the residual is not.
+    takes_rows : bool
+        Whether it also takes the matrices of :class:`~geodesic_toolkit._rows.CompressedRows`, and
+        so does without SciPy.
     references : tuple of str
         DOIs of what it implements.
     known_failures : mapping of str to str
@@ -103,6 +109,7 @@ class LinearSolver(abc.ABC):
     """
 
     componentwise: ClassVar[bool]
+    takes_rows: ClassVar[bool] = False
     references: ClassVar[tuple[str, ...]] = ()
     known_failures: ClassVar[Mapping[str, str]] = MappingProxyType({})
 
@@ -127,7 +134,7 @@ class LinearSolver(abc.ABC):
             The factor does not fit.
         """
 
-    def analyze(self, matrix: csr_array) -> Factorizer:  # noqa: ARG002 - a hook
+    def analyze(self, matrix: Any) -> Factorizer:  # noqa: ARG002 - a hook
         """Return what factorises matrices with the pattern of `matrix`.
 
         A solver that can share work between them overrides it. The heat and the Poisson system of
@@ -157,7 +164,7 @@ class _EachAnew:
     def __init__(self, solver: LinearSolver) -> None:
         self._solver = solver
 
-    def __call__(self, matrix: csr_array) -> Factor:
+    def __call__(self, matrix: Any) -> Factor:
         return self._solver.factorize(matrix)
 
     def expected_bytes(self, n_factors: int) -> float:  # noqa: ARG002 - not known

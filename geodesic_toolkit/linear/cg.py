@@ -1,14 +1,18 @@
 """SciPy's conjugate gradients."""
 
+from __future__ import annotations
+
 from dataclasses import dataclass
-from typing import ClassVar, final
+from typing import TYPE_CHECKING, ClassVar, final
 
 import numpy as np
-from scipy.sparse import csr_array
 
 from geodesic_toolkit._typing import FloatArray
 from geodesic_toolkit.errors import InvalidOptionError, SolverError
 from geodesic_toolkit.linear.base import Factor, LinearSolver
+
+if TYPE_CHECKING:
+    from scipy.sparse import csr_array
 
 __all__ = ["CG"]
 
@@ -67,7 +71,7 @@ class CG(LinearSolver):
                 f"max_iterations must be positive, not {self.max_iterations!r}"
             )
 
-    def factorize(self, matrix: csr_array) -> "CGFactor":
+    def factorize(self, matrix: csr_array) -> CGFactor:
         """Return `matrix` with the options of the iteration; nothing is computed yet."""
         return CGFactor(matrix, self)
 

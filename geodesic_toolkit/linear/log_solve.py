@@ -5,10 +5,9 @@ from the source. Its logarithm need not.
 """
 
 import numpy as np
-from scipy.sparse import csr_array
 
 from geodesic_toolkit import _native
-from geodesic_toolkit._checks import compressed_rows
+from geodesic_toolkit._rows import CompressedRows
 from geodesic_toolkit._typing import BoolArray, FloatArray, IntArray
 from geodesic_toolkit.linear.base import Factor
 
@@ -31,7 +30,7 @@ def settled_above(diagonal: FloatArray) -> float:
 
 
 def log_solve(
-    matrix: csr_array,
+    matrix: CompressedRows,
     factor: Factor,
     right_hand_side: FloatArray,
     *,
@@ -51,7 +50,7 @@ def log_solve(
 
     Parameters
     ----------
-    matrix : csr_array of shape (N, N)
+    matrix : CompressedRows of shape (N, N)
         A, symmetric positive definite with (mostly) non-positive off-diagonal entries.
     factor : Factor
         Its factor, from a componentwise accurate solver.
@@ -122,7 +121,7 @@ def _settle(  # noqa: PLR0917 - what a stage changes
 
 
 def _interface(
-    matrix: csr_array, solution: FloatArray, near: BoolArray
+    matrix: CompressedRows, solution: FloatArray, near: BoolArray
 ) -> tuple[IntArray, FloatArray]:
     """Return the rows where A w is not zero for w = (0, u_far), and what it is there, per column.
 
@@ -143,7 +142,7 @@ def _interface(
     return rows, np.add.reduceat(terms, starts, axis=0) if len(rows) else terms
 
 
-def _entries_of(matrix: csr_array, rows: IntArray) -> tuple[IntArray, IntArray]:
+def _entries_of(matrix: CompressedRows, rows: IntArray) -> tuple[IntArray, IntArray]:
     """Return the places of all entries in some rows, and which of the rows each is in."""
     counts = matrix.indptr[rows + 1] - matrix.indptr[rows]
     row = np.repeat(np.arange(len(rows)), counts)
@@ -152,7 +151,7 @@ def _entries_of(matrix: csr_array, rows: IntArray) -> tuple[IntArray, IntArray]:
 
 
 def fill_from_neighbours(
-    matrix: csr_array, solution: FloatArray, missing: BoolArray, *, logarithmic: bool
+    matrix: CompressedRows, solution: FloatArray, missing: BoolArray, *, logarithmic: bool
 ) -> None:
     """Fill the `missing` entries of u, or of log u, in place from neighbours that have a value.
 
@@ -161,7 +160,7 @@ def fill_from_neighbours(
 
     Parameters
     ----------
-    matrix : csr_array of shape (N, N)
+    matrix : CompressedRows of shape (N, N)
     solution : ndarray of shape (N,)
         u or, if `logarithmic`, log u.
     missing : ndarray of shape (N,), bool
@@ -172,7 +171,7 @@ def fill_from_neighbours(
     solution[missing] = nothing
     rows = np.flatnonzero(missing)
     if not logarithmic:
-        _native.fill(*compressed_rows(matrix), solution, rows.astype(np.int32))
+        _native.fill(*matrix.arrays, solution, rows.astype(np.int32))
         return
     row, entries = _entries_of(matrix, rows)
     neighbour, value = matrix.indices[entries], matrix.data[entries]

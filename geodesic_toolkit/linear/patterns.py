@@ -3,8 +3,8 @@
 import threading
 
 import numpy as np
-from scipy.sparse import csr_array, diags_array
 
+from geodesic_toolkit._rows import CompressedRows
 from geodesic_toolkit._typing import FloatArray
 from geodesic_toolkit.linear.base import Factor, Factorizer, LinearSolver
 from geodesic_toolkit.linear.memory import require_memory
@@ -13,15 +13,15 @@ __all__ = ["SharedAnalysis", "plus_diagonal"]
 
 
 def plus_diagonal(
-    matrix: csr_array, diagonal: FloatArray, scale: float | FloatArray = 1.0
-) -> csr_array:
+    matrix: CompressedRows, diagonal: FloatArray, scale: float | FloatArray = 1.0
+) -> CompressedRows:
     """Return ``diag(diagonal) + diag(scale) A`` on the pattern of A, if that has a diagonal.
 
     Sums of sparse matrices lose entries that happen to be zero, and with them the pattern.
 
     Parameters
     ----------
-    matrix : csr_array of shape (N, N)
+    matrix : CompressedRows of shape (N, N)
     diagonal : ndarray of shape (N,)
     scale : float or ndarray of shape (N,)
 
@@ -29,19 +29,19 @@ def plus_diagonal(
     --------
     >>> import numpy as np
     >>> from scipy.sparse import csr_array
+    >>> from geodesic_toolkit._rows import CompressedRows
     >>> from geodesic_toolkit.linear.patterns import plus_diagonal
-    >>> plus_diagonal(csr_array([[1.0, -1.0], [-1.0, 1.0]]), np.array([5.0, 6.0]), 2.0).toarray()
+    >>> matrix = CompressedRows.of(csr_array([[1.0, -1.0], [-1.0, 1.0]]))
+    >>> plus_diagonal(matrix, np.array([5.0, 6.0]), 2.0).scipy.toarray()
     array([[ 7., -2.],
            [-2.,  8.]])
     """
-    n = matrix.shape[0]
-    counts = np.diff(matrix.indptr)
-    places = np.flatnonzero(matrix.indices == np.repeat(np.arange(n, dtype=np.int32), counts))
-    scales = scale if np.ndim(scale) == 0 else np.repeat(scale, counts)
-    scaled = csr_array((matrix.data * scales, matrix.indices, matrix.indptr), shape=matrix.shape)
-    scaled.has_canonical_format = matrix.has_canonical_format  # or SciPy looks through it
-    if len(places) != n:
-        return csr_array(scaled + diags_array(diagonal))
+    scales = scale if np.ndim(scale) == 0 else np.repeat(scale, np.diff(matrix.indptr))
+    scaled, places = matrix.with_data(matrix.data * scales), matrix.diagonal_places
+    if len(places) != len(diagonal):
+        from scipy.sparse import csr_array, diags_array
+
+        return CompressedRows.of(csr_array(scaled.scipy + diags_array(diagonal)))
     scaled.data[places] += diagonal
     return scaled
 
@@ -64,7 +64,7 @@ class SharedAnalysis:
         self._lock = threading.Lock()
         self._factorizer: Factorizer | None = None
 
-    def __call__(self, matrix: csr_array) -> Factor:
+    def __call__(self, matrix: CompressedRows) -> Factor:
         """Return the factor of a matrix.
 
         Raises
@@ -74,14 +74,15 @@ class SharedAnalysis:
         NotEnoughMemoryError
             All that are to come would not fit together.
         """
+        given = matrix if self._solver.takes_rows else matrix.scipy
         with self._lock:
             if self._factorizer is None:
-                factorizer = self._solver.analyze(matrix)
+                factorizer = self._solver.analyze(given)
                 size = f"{matrix.shape[0]} unknowns with {matrix.nnz} entries"
                 needed = factorizer.expected_bytes(self._n_factors)
                 require_memory(needed, f"{self._n_factors} x factorising {size}")
                 self._factorizer = factorizer  # not before: the next call is to ask again
-        return self._factorizer(matrix)
+        return self._factorizer(given)
 
     def expected_bytes(self, n_factors: int | None = None) -> float:
         """Return the bytes that making the factors takes, all of them unless told how many.

@@ -1,15 +1,19 @@
 """SciPy's SuperLU, set up for symmetric matrices."""
 
+from __future__ import annotations
+
 from dataclasses import dataclass
-from typing import Any, ClassVar, final
+from typing import TYPE_CHECKING, Any, ClassVar, final
 
 import numpy as np
-from scipy.sparse import csr_array
 
 from geodesic_toolkit._typing import FloatArray
 from geodesic_toolkit.errors import NotEnoughMemoryError, SolverError
 from geodesic_toolkit.linear.base import Factor, LinearSolver
 from geodesic_toolkit.linear.memory import factor_bytes, require_memory
+
+if TYPE_CHECKING:
+    from scipy.sparse import csr_array
 
 __all__ = ["SuperLU"]
 
@@ -41,7 +45,7 @@ class SuperLU(LinearSolver):
     componentwise: ClassVar[bool] = True
     references: ClassVar[tuple[str, ...]] = ("10.1137/S0895479895291765",)
 
-    def factorize(self, matrix: csr_array) -> "SuperLUFactor":
+    def factorize(self, matrix: csr_array) -> SuperLUFactor:
         """Return the LU factors of a symmetric positive definite `matrix`."""
         require_memory(
             factor_bytes(matrix.shape[0], matrix.nnz),

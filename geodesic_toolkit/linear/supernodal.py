@@ -11,18 +11,22 @@ T. A. Davis, S. Rajamanickam, W. M. Sid-Lakhdar, *A survey of direct methods for
 systems*, Acta Numerica 25, 2016, https://doi.org/10.1017/S0962492916000076
 """
 
+from __future__ import annotations
+
 from dataclasses import dataclass
-from typing import ClassVar, NoReturn, final
+from typing import TYPE_CHECKING, ClassVar, NoReturn, final
 
 import numpy as np
-from scipy.sparse import csr_array
 
 from geodesic_toolkit import _native
-from geodesic_toolkit._checks import compressed_rows
+from geodesic_toolkit._rows import CompressedRows
 from geodesic_toolkit._typing import FloatArray
 from geodesic_toolkit.errors import InvalidOptionError, NotEnoughMemoryError, SolverError
 from geodesic_toolkit.linear.base import Factor, LinearSolver
 from geodesic_toolkit.linear.memory import factor_bytes, require_memory
+
+if TYPE_CHECKING:
+    from scipy.sparse import csr_array
 
 __all__ = ["Supernodal", "SupernodalFactor", "SupernodalFactorizer"]
 
@@ -80,21 +84,22 @@ class Supernodal(LinearSolver):
     compact: bool = False
 
     componentwise: ClassVar[bool] = True
+    takes_rows: ClassVar[bool] = True
     references: ClassVar[tuple[str, ...]] = ("10.1137/S0895479894278952", "10.1137/1034004")
 
     def __post_init__(self) -> None:
         if not isinstance(self.compact, bool | np.bool_):
             raise InvalidOptionError(f"compact must be True or False, not {self.compact!r}")
 
-    def analyze(self, matrix: csr_array) -> "SupernodalFactorizer":
+    def analyze(self, matrix: csr_array | CompressedRows) -> SupernodalFactorizer:
         """Return what factorises matrices with the pattern of `matrix`."""
         require_memory(
             OF_LU * factor_bytes(matrix.shape[0], matrix.nnz),
             f"factorising {matrix.shape[0]} unknowns with {matrix.nnz} entries",
         )
-        return SupernodalFactorizer(_canonical(matrix), compact=bool(self.compact))
+        return SupernodalFactorizer(_rows_of(matrix), compact=bool(self.compact))
 
-    def factorize(self, matrix: csr_array) -> "SupernodalFactor":
+    def factorize(self, matrix: csr_array | CompressedRows) -> SupernodalFactor:
         """Return the Cholesky factor of a symmetric positive definite `matrix`."""
         return self.analyze(matrix)(matrix)
 
@@ -104,20 +109,20 @@ class SupernodalFactorizer:
 
     Parameters
     ----------
-    pattern : csr_array of shape (N, N)
-        Without repeated entries; its values are not used.
+    pattern : CompressedRows of shape (N, N)
+        Its values are not used.
     compact : bool
         Keep the upper half of each number only, where that will do.
 
     Raises
     ------
     SolverError
-        The pattern is not square, or has entries without a mirror image.
+        It has entries without a mirror image.
     """
 
-    def __init__(self, pattern: csr_array, *, compact: bool = False) -> None:
+    def __init__(self, pattern: CompressedRows, *, compact: bool = False) -> None:
         self.compact = compact
-        self._pattern = (pattern.indptr, pattern.indices)
+        self._pattern = pattern.arrays[:2]
         self._analysis = _analyze(pattern)
 
     def expected_bytes(self, n_factors: int) -> float:
@@ -125,9 +130,9 @@ class SupernodalFactorizer:
         one = self._analysis.factor_bytes(self.compact) + 24.0 * len(self._analysis.order)
         return self._analysis.nbytes + n_factors * one
 
-    def __call__(self, matrix: csr_array) -> "SupernodalFactor":
+    def __call__(self, matrix: csr_array | CompressedRows) -> SupernodalFactor:
         """Return the Cholesky factor of `matrix`; of another pattern, after an analysis of it."""
-        its = _canonical(matrix)
+        its = _rows_of(matrix)
         analysis = self._analysis if self._fits(its) else _analyze(its)
         _require_finite(its)
         if self.compact:
@@ -136,12 +141,11 @@ class SupernodalFactorizer:
                 return factor
         return _factorize(its, analysis, compact=False)
 
-    def _fits(self, matrix: csr_array) -> bool:
+    def _fits(self, matrix: CompressedRows) -> bool:
         """Return whether a matrix has the pattern that was analysed."""
-        indptr, indices = self._pattern
-        return matrix.shape == (len(indptr) - 1,) * 2 and all(
+        return all(
             own is other or np.array_equal(own, other)
-            for own, other in ((indptr, matrix.indptr), (indices, matrix.indices))
+            for own, other in zip(self._pattern, matrix.arrays[:2], strict=True)
         )
 
 
@@ -201,27 +205,26 @@ class SupernodalFactor(Factor):
         return f"SupernodalFactor({len(self._analysis.order)} unknowns, {self.nnz} entries)"
 
 
-def _analyze(matrix: csr_array) -> _native.Analysis:
-    """Return the analysis of the pattern of a symmetric matrix with sorted indices."""
-    if matrix.shape[0] != matrix.shape[1]:
-        raise SolverError(f"only square matrices have Cholesky factors, not one of {matrix.shape}")
-    indptr, indices, _ = compressed_rows(matrix)
-    if not _native.is_symmetric(indptr, indices):
+def _analyze(matrix: CompressedRows) -> _native.Analysis:
+    """Return the analysis of the pattern of a symmetric matrix."""
+    if not _native.is_symmetric(matrix.indptr, matrix.indices):
         row, column = _without_mirror_image(matrix)
         raise SolverError(
             f"the matrix is not symmetric: it has an entry ({row}, {column}) and none at "
             f"({column}, {row})"
         )
-    return _native.analyze(indptr, indices)
+    return _native.analyze(matrix.indptr, matrix.indices)
 
 
-def _factorize(matrix: csr_array, analysis: _native.Analysis, *, compact: bool) -> SupernodalFactor:
+def _factorize(
+    matrix: CompressedRows, analysis: _native.Analysis, *, compact: bool
+) -> SupernodalFactor:
     """Return the Cholesky factor of a matrix whose pattern has been analysed."""
     work = f"the Cholesky factor of {matrix.shape[0]} unknowns, with {analysis.n_stored} entries,"
     needed = float(analysis.factor_bytes(compact))
     require_memory(needed, work)
     try:
-        factor = _native.Factor(analysis, compressed_rows(matrix)[2], compact)
+        factor = _native.Factor(analysis, matrix.data, compact)
     except MemoryError as error:  # a limit of this process, or a system that does not say
         raise NotEnoughMemoryError(
             f"{work} needs about {needed / 1e9:.3g} GB of memory, which could not be had"
@@ -229,21 +232,25 @@ def _factorize(matrix: csr_array, analysis: _native.Analysis, *, compact: bool) 
     return SupernodalFactor(analysis, factor)
 
 
-def _is_accurate(factor: SupernodalFactor, matrix: csr_array) -> bool:
+def _is_accurate(factor: SupernodalFactor, matrix: CompressedRows) -> bool:
     """Return whether a factor gives back the constant vector.
 
     That is nearly in the null space of a Laplacian, so its equations are those that errors of the
     factor hurt most.
     """
-    ones = np.ones(matrix.shape[0])
+    with np.errstate(over="ignore"):
+        row_sums = np.add.reduceat(matrix.data, matrix.indptr[:-1])  # no row of a factor is empty
     try:
-        error = np.abs(factor.solve(matrix @ ones) - ones).max(initial=0.0)
+        error = np.abs(factor.solve_over(row_sums) - 1).max(initial=0.0)
     except SolverError:  # the sums overflow, which is for the full factor to report
         return False
     return bool(error <= TOLERANCE)
 
 
-def _require_finite(matrix: csr_array) -> None:
+def _require_finite(matrix: CompressedRows) -> None:
+    with np.errstate(over="ignore", invalid="ignore"):
+        if np.isfinite(matrix.data.sum()):  # the sum of finite ones may overflow, too
+            return
     finite = np.isfinite(matrix.data)
     if not finite.all():
         entry = int(np.argmin(finite))
@@ -254,19 +261,16 @@ def _require_finite(matrix: csr_array) -> None:
         )
 
 
-def _without_mirror_image(matrix: csr_array) -> tuple[int, int]:
+def _without_mirror_image(matrix: CompressedRows) -> tuple[int, int]:
     """Return the first entry of a matrix that has no counterpart across the diagonal."""
-    n = matrix.shape[0]
-    rows = np.repeat(np.arange(n), np.diff(matrix.indptr))
-    entries, mirrored = rows * n + matrix.indices, matrix.indices * np.int64(n) + rows
+    n, rows = matrix.shape[0], matrix.row_of_entry
+    entries, mirrored = rows * np.int64(n) + matrix.indices, matrix.indices * np.int64(n) + rows
     row, column = divmod(int(np.setdiff1d(entries, mirrored)[0]), n)
     return row, column
 
 
-def _canonical(matrix: csr_array) -> csr_array:
-    """Return a matrix without repeated entries, itself if it has none."""
-    if matrix.has_canonical_format:
-        return matrix
-    tidy = matrix.copy()
-    tidy.sum_duplicates()
-    return tidy
+def _rows_of(matrix: csr_array | CompressedRows) -> CompressedRows:
+    """Return a square matrix as kernels take it."""
+    if matrix.shape[0] != matrix.shape[1]:
+        raise SolverError(f"only square matrices have Cholesky factors, not one of {matrix.shape}")
+    return CompressedRows.of(matrix)

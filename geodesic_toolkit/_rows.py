@@ -1,0 +1,121 @@
+"""Sparse matrices as kernels take them, without SciPy.
+
+``import scipy.sparse`` takes longer than to factorise a mesh of 30,000 vertices, so the way from a
+mesh to its distances does without; who asks for a matrix gets one of SciPy's.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from geodesic_toolkit._frozen import FrozenArrays
+from geodesic_toolkit._typing import FloatArray, IndexArray, IntArray
+from geodesic_toolkit.errors import NotEnoughMemoryError
+
+if TYPE_CHECKING:
+    from scipy.sparse import csr_array
+
+__all__ = ["MOST_ENTRIES", "CompressedRows"]
+
+MOST_ENTRIES = np.iinfo(np.int32).max
+"""Entries of a matrix that row pointers of 32 bits can count; half of its memory would be indices
+otherwise."""
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class CompressedRows(FrozenArrays):
+    """A square sparse matrix in compressed rows.
+
+    Attributes
+    ----------
+    indptr : ndarray of shape (N + 1,), int32
+        Row i has the entries ``indptr[i] <= k < indptr[i + 1]``.
+    indices : ndarray of int32
+        Their columns, each once in a row, and sorted unless said otherwise.
+    data : ndarray of float64
+        Their values.
+    """
+
+    indptr: IndexArray
+    indices: IndexArray
+    data: FloatArray
+
+    @classmethod
+    def of(cls, matrix: csr_array | CompressedRows) -> CompressedRows:
+        """Return a square matrix of SciPy's in this form, without a copy where it has it already.
+
+        Raises
+        ------
+        NotEnoughMemoryError
+            There are more entries than 32 bits can count.
+        """
+        if isinstance(matrix, CompressedRows):
+            return matrix
+        if not matrix.has_canonical_format:
+            matrix = matrix.copy()
+            matrix.sum_duplicates()
+        if matrix.nnz > MOST_ENTRIES:
+            raise NotEnoughMemoryError(
+                f"a matrix of {matrix.nnz} entries is too large: row pointers of 32 bits count "
+                f"{MOST_ENTRIES}; thin out the shape, or work on its parts"
+            )
+        return cls(
+            np.ascontiguousarray(matrix.indptr, dtype=np.int32),
+            np.ascontiguousarray(matrix.indices, dtype=np.int32),
+            np.ascontiguousarray(matrix.data, dtype=np.float64),
+        )
+
+    @property
+    def arrays(self) -> tuple[IndexArray, IndexArray, FloatArray]:
+        """Row pointers, columns and values: the first arguments of kernels."""
+        return self.indptr, self.indices, self.data
+
+    @property
+    def shape(self) -> tuple[int, int]:
+        """The number of rows, twice."""
+        return (len(self.indptr) - 1,) * 2
+
+    @property
+    def nnz(self) -> int:
+        """Number of entries."""
+        return len(self.indices)
+
+    @property
+    def row_of_entry(self) -> IndexArray:
+        """The row of every entry."""
+        return np.repeat(np.arange(self.shape[0], dtype=np.int32), np.diff(self.indptr))
+
+    def diagonal(self) -> FloatArray:
+        """Return the diagonal, of shape (N,); 0 where there is no entry."""
+        found = np.zeros(self.shape[0])
+        places = self.diagonal_places
+        found[self.indices[places]] = self.data[places]
+        return found
+
+    @cached_property
+    def diagonal_places(self) -> IntArray:
+        """Where the entries of the diagonal are, row by row."""
+        return np.flatnonzero(self.indices == self.row_of_entry)
+
+    def with_data(self, data: FloatArray) -> CompressedRows:
+        """Return the matrix of other values at the same places."""
+        other = CompressedRows(self.indptr, self.indices, data)
+        if "diagonal_places" in self.__dict__:
+            other.__dict__["diagonal_places"] = self.diagonal_places
+        return other
+
+    @cached_property
+    def scipy(self) -> csr_array:
+        """The matrix as one of SciPy's, on the same memory; of sorted columns."""
+        from scipy.sparse import csr_array
+
+        matrix = csr_array((self.data, self.indices, self.indptr), shape=self.shape)
+        matrix.has_canonical_format = True  # or SciPy looks through it
+        return matrix
+
+    def __getstate__(self) -> dict[str, Any]:
+        return {name: getattr(self, name) for name in ("indptr", "indices", "data")}
