@@ -44,3 +44,14 @@ def test_every_public_name_is_there_and_listed():
 def test_a_wrong_name_is_an_attribute_error():
     with pytest.raises(AttributeError, match="no attribute 'geodesics'"):
         gt.geodesics  # noqa: B018 - the access is the test
+
+
+def test_the_way_from_a_mesh_to_its_distances_does_without_scipy():
+    statement = """
+import geodesic_toolkit as gt, numpy as np
+mesh = gt.TriangleMesh(np.eye(4)[:, :3], [[0, 1, 2], [0, 1, 3], [1, 2, 3], [2, 0, 3]])
+for refine in (False, True):
+    solver = gt.GeodesicSolver(mesh, refine=refine)
+    solver.distance(0), solver.distances([1, 2])
+"""
+    assert "scipy" not in loaded_after(statement)
