@@ -5,8 +5,10 @@ but the last run in the environment that nox itself is installed in, which ``too
 makes.
 """
 
+import os
 import shutil
 import sys
+import sysconfig
 import tomllib
 from pathlib import Path
 
@@ -16,6 +18,7 @@ nox.options.default_venv_backend = "none"
 
 ROOT = Path(__file__).parent
 BIN = Path(sys.executable).parent
+NATIVE = ROOT / "native"
 PLUGINS = sorted(path.parent for path in ROOT.glob("plugins/*/pyproject.toml"))
 
 
@@ -27,11 +30,18 @@ def run(session: nox.Session, tool: str, *arguments: str, **options: dict[str, s
     session.run(found, *arguments, **options)
 
 
+def sources(*kinds: str) -> list[str]:
+    """Return the files of the compiled kernels that have such endings, or all of them."""
+    kinds = kinds or (".c", ".h", ".cpp", ".hpp")
+    return sorted(str(path) for path in NATIVE.rglob("*") if path.suffix in kinds)
+
+
 @nox.session
 def lint(session: nox.Session) -> None:
     """Style, formatting, and the order in which modules may import each other."""
     run(session, "ruff", "check", ".")
     run(session, "ruff", "format", "--check", ".")
+    run(session, "clang-format", "--dry-run", "-Werror", *sources())
     run(session, "lint-imports", "--no-cache")
 
 
@@ -58,6 +68,113 @@ def docs(session: nox.Session) -> None:
     """The documentation with its executed gallery; a warning is an error."""
     arguments = ["-W", "--keep-going", "-q", "-b", "html", "docs", "docs/_build/html"]
     run(session, "sphinx-build", *arguments)
+
+
+# -- the compiled kernels --------------------------------------------------------------------------
+
+
+def configure(session: nox.Session, name: str, *options: str) -> Path:
+    """Set up a build of the kernels, with warnings as errors, and return its folder."""
+    build = ROOT / "build" / name
+    chosen = ["-DCMAKE_BUILD_TYPE=Release", "-DGT_WERROR=ON", *(f"-D{each}" for each in options)]
+    if shutil.which("ninja", path=BIN):
+        chosen += ["-GNinja", f"-DCMAKE_MAKE_PROGRAM={BIN / 'ninja'}"]
+    run(session, "cmake", "-S", str(NATIVE), "-B", str(build), *chosen, silent=True)
+    return build
+
+
+def self_test(session: nox.Session, name: str, *options: str) -> None:
+    """Build the programs that test kernels without Python, and run them."""
+    build = configure(session, name, "GT_PYTHON=OFF", "GT_SELF_TEST=ON", *options)
+    run(session, "cmake", "--build", str(build), "--parallel", silent=True)
+    for program in sorted(build.glob("self_test?")):
+        session.run(str(program), external=True)
+
+
+def host_level() -> int:
+    """Return the level of this processor, as the installed package tells it."""
+    try:
+        from geodesic_toolkit._native import _processor
+    except ImportError:  # not an x86-64 processor: one build serves them all
+        return 2
+    return int(_processor.LEVEL)
+
+
+def sanitizer_libraries(session: nox.Session) -> list[str]:
+    """Return what a Python that was built without sanitizers has to load before all else."""
+    compiler = os.environ.get("CXX", "c++")
+    names = ("libasan.so", "libubsan.so", "libstdc++.so")
+    asked = [[compiler, f"-print-file-name={name}"] for name in names]
+    return [str(session.run(*each, silent=True, external=True)).strip() for each in asked]
+
+
+def sanitized_python(session: nox.Session) -> None:
+    """Run the tests of the kernels in Python on a build with sanitizers."""
+    libraries = sanitizer_libraries(session)
+    if not all(Path(library).is_absolute() for library in libraries):
+        session.log("not the tests in Python: the compiler has no sanitizers to load ahead")
+        return
+    nanobind = session.run(
+        sys.executable, "-m", "nanobind", "--cmake_dir", silent=True, external=True
+    )
+    build = configure(
+        session,
+        "sanitized-python",
+        "GT_SANITIZE=address,undefined",
+        "GT_LEVELS=host",
+        f"Python_EXECUTABLE={sys.executable}",
+        f"nanobind_DIR={str(nanobind).strip()}",
+    )
+    run(session, "cmake", "--build", str(build), "--parallel", silent=True)
+    site = build / "site"
+    shutil.rmtree(site, ignore_errors=True)
+    run(session, "cmake", "--install", str(build), "--prefix", str(site), silent=True)
+    shutil.copytree(ROOT / "geodesic_toolkit", site / "geodesic_toolkit", dirs_exist_ok=True)
+    environment = {
+        "PYTHONPATH": os.pathsep.join([str(site), sysconfig.get_path("purelib")]),
+        "LD_PRELOAD": os.pathsep.join(libraries),
+        # The interpreter's own leaks are many, and tests ask for memory that there is not.
+        "ASAN_OPTIONS": "detect_leaks=0:allocator_may_return_null=1",
+        "UBSAN_OPTIONS": "print_stacktrace=1",
+    }
+    tests = [*sorted(ROOT.glob("tests/test_native*.py")), ROOT / "tests" / "test_supernodal.py"]
+    # -S and -P: not the editable install, and not the checkout beside the tests. A sanitizer ends
+    # the process, so that pytest may not hold back what it has said.
+    python = [sys.executable, "-S", "-P"]
+    options = ["-m", "pytest", "-p", "no:cacheprovider", "--capture=sys", "-q"]
+    session.run(*python, *options, *map(str, tests), env=environment, external=True)
+
+
+@nox.session
+def sanitize(session: nox.Session) -> None:
+    """The kernels under sanitizers: alone on every level of processor, and in Python."""
+    if sys.platform == "win32":
+        session.skip("sanitizers as GCC and Clang have them are for other systems")
+    host = host_level()
+    levels = ";".join(str(level) for level in range(2, host + 1))
+    everywhere = "GT_SANITIZE=address,undefined,float-cast-overflow"
+    self_test(session, "sanitized", everywhere, f"GT_LEVELS={levels}")
+    # Of level 2, where no instruction with a mask hides what is read from the sanitizer.
+    self_test(session, "sanitized-threads", "GT_SANITIZE=thread", "GT_LEVELS=2")
+    self_test(session, "plain-loops", everywhere, f"GT_LEVELS={host}", "GT_PLAIN_LOOPS=ON")
+    if clang := shutil.which("clang++"):
+        self_test(session, "clang", f"CMAKE_CXX_COMPILER={clang}", f"GT_LEVELS={host}")
+    if sys.platform == "linux":
+        sanitized_python(session)
+
+
+@nox.session(default=False)
+def tidy(session: nox.Session) -> None:
+    """clang-tidy on the kernels, as native/.clang-tidy has it: some minutes, not by default."""
+    tool = shutil.which("clang-tidy")
+    if tool is None:
+        session.error(
+            "clang-tidy is not installed; on Debian and Ubuntu: apt-get install clang-tidy"
+        )
+    build = configure(session, "tidy", "GT_PYTHON=OFF", "GT_SELF_TEST=ON", "GT_LEVELS=3")
+    files = session.posargs or sources(".cpp")
+    files = [file for file in files if "/python/" not in file]
+    session.run(tool, "-p", str(build), "--quiet", *files, external=True)
 
 
 @nox.session(venv_backend="uv|virtualenv")

@@ -33,30 +33,39 @@ is_installed() {
     [ "$(dpkg-query -W -f '${db:Status-Status}' "$1" 2>/dev/null)" = installed ]
 }
 
-# Install packages, or say what to install and go on: all but pictures and Open3D works without.
+has_apt() { command -v apt-get && command -v dpkg-query; } >/dev/null
+
+# Install packages if this may be done; show what apt-get says if it fails.
 # apt's lists may be missing (fresh images) or old: they are refreshed once, before the first use.
-want() {
-    local purpose=$1 log
-    shift
-    if can_be_root; then
-        log=$(mktemp)
-        say "installing $* with apt-get"
-        if { [ -n "${lists_are_fresh:-}" ] || as_root apt-get "${quietly[@]}" update; } >"$log" 2>&1 &&
-            lists_are_fresh=yes &&
-            as_root env DEBIAN_FRONTEND=noninteractive apt-get "${quietly[@]}" -y \
-                --no-install-recommends install "$@" >>"$log" 2>&1; then
-            rm -f "$log"
-            return
-        fi
+apt_install() {
+    local log status=1
+    { has_apt && can_be_root; } || return 1
+    log=$(mktemp)
+    say "installing $* with apt-get"
+    if { [ -n "${lists_are_fresh:-}" ] || as_root apt-get "${quietly[@]}" update; } >"$log" 2>&1 &&
+        lists_are_fresh=yes &&
+        as_root env DEBIAN_FRONTEND=noninteractive apt-get "${quietly[@]}" -y \
+            --no-install-recommends install "$@" >>"$log" 2>&1; then
+        status=0
+    else
         cat "$log" >&2
-        rm -f "$log"
     fi
-    say "going on without $purpose; to have it:"
-    say "    sudo apt-get install $*"
+    rm -f "$log"
+    return $status
 }
 quietly=(-qq -o DPkg::Lock::Timeout=300)
 
-if command -v apt-get >/dev/null && command -v dpkg-query >/dev/null; then
+# Install packages, or say what to install and go on: all but pictures and Open3D works without.
+want() {
+    local purpose=$1
+    shift
+    apt_install "$@" || {
+        say "going on without $purpose; to have it:"
+        say "    sudo apt-get install $*"
+    }
+}
+
+if has_apt; then
     # Open3D loads the first three, off-screen rendering the next two, and neither wheel has them.
     wanted=(libusb-1.0-0 libgomp1 libx11-6 libegl1 libgl1)
     if [ -z "${PYTHON:-}" ] && ! python3 -c 'import ensurepip' 2>/dev/null; then
@@ -99,6 +108,37 @@ if [ -n "${PYTHON:-}" ] || ! is_recent "$python"; then
     "$chosen" -m venv --clear .venv || fail "$chosen cannot make a virtual environment; on Debian
 and Ubuntu: sudo apt-get install python3-venv"
 fi
+
+# -- a compiler ------------------------------------------------------------------------------------
+
+# The kernels are in C++. CMake and Ninja come from PyPI where they are missing; these two do not.
+compiles() {
+    printf '#include <bit>\n#include <span>\nstd::span<int> numbers;\n' |
+        ${CXX:-c++} -std=c++20 -x c++ -fsyntax-only - >/dev/null 2>&1  # CXX may be several words
+}
+
+has_headers() {
+    "$python" -c 'import pathlib, sysconfig
+raise SystemExit(not pathlib.Path(sysconfig.get_path("include"), "Python.h").is_file())'
+}
+
+how_to_install() {
+    if has_apt; then
+        printf 'sudo apt-get install %s' "$1"
+    elif [ "$(uname)" = Darwin ]; then
+        printf 'xcode-select --install'
+    elif command -v dnf >/dev/null; then
+        printf 'sudo dnf install %s' "$2"
+    else
+        printf '%s of your system' "$2"
+    fi
+}
+
+compiles || { apt_install g++ && compiles; } ||
+    fail "a compiler for C++20 is needed (GCC 11, Clang 14, or newer): $(how_to_install g++ gcc-c++)"
+headers=python$("$python" -c 'import sys; print("%d.%d" % sys.version_info[:2])')-dev
+has_headers || { apt_install "$headers" && has_headers; } ||
+    fail "the header files of Python are needed: $(how_to_install "$headers" python3-devel)"
 
 # -- the project -----------------------------------------------------------------------------------
 

@@ -7,35 +7,50 @@ import importlib
 import os
 from types import ModuleType
 
-LEVEL = int(os.environ.get("GEODESIC_TOOLKIT_LEVEL", "0"))
-"""The level of the module that is loaded; chosen in the environment to test the lower ones."""
+_CHOICE = "GEODESIC_TOOLKIT_LEVEL"
+_LEVELS = (2, 3, 4)
+
+
+def _processor_level() -> int:
+    try:
+        processor = importlib.import_module(f"{__name__}._processor")
+    except ModuleNotFoundError:  # not an x86-64 processor: there is one module, called the lowest
+        return _LEVELS[0]
+    return int(processor.LEVEL)
 
 
 def _levels() -> list[int]:
-    """Return the levels that this processor has, the best first."""
-    if LEVEL:
-        return [LEVEL]
-    try:
-        processor = importlib.import_module("geodesic_toolkit._native._processor")
-    except ImportError:  # not an x86-64 processor: there is one module
-        return [2]
-    return list(range(processor.LEVEL, 1, -1))
+    """Return the levels to try, the best first: the one that the environment names, or all."""
+    best = _processor_level()
+    possible = [level for level in reversed(_LEVELS) if level <= best]
+    chosen = os.environ.get(_CHOICE)
+    if not chosen:
+        return possible
+    if chosen not in map(str, possible):  # its instructions would end the process
+        raise ImportError(
+            f"{_CHOICE} is {chosen!r}, and this processor has the levels "
+            f"{', '.join(map(str, reversed(possible)))}: name one of them, or unset it"
+        )
+    return [int(chosen)]
 
 
 def _load() -> tuple[ModuleType, int]:
-    failed: list[str] = []
-    for level in _levels():
+    levels = _levels()
+    for level in levels:
         name = f"{__name__}._level{level}"
         try:
             return importlib.import_module(name), level
-        except ImportError as error:
-            failed.append(f"level {level}: {error}")
+        except ModuleNotFoundError as error:  # one that is there and broken is told as it is
+            if error.name != name:
+                raise
     raise ImportError(
-        "the compiled kernels of geodesic-toolkit could not be loaded ("
-        + "; ".join(failed)
-        + "). A checkout is built by: pip install . (it needs a C++ compiler)"
+        "the compiled kernels of geodesic-toolkit are not installed for level "
+        f"{' or '.join(map(str, levels))} of this processor. In a checkout, `pip install .` builds "
+        f"them (it needs a C++ compiler); unset {_CHOICE} if it is set"
     )
 
 
 _kernels, LEVEL = _load()
+"""The level is chosen in the environment to test a lower one."""
+
 globals().update({name: value for name, value in vars(_kernels).items() if name[0] != "_"})

@@ -27,7 +27,8 @@ void bind_heat(nb::module_& module) {
          nb::ndarray<double, nb::ndim<1>, nb::device::cpu> solution, Out<Row> rows) {
         const MatrixView matrix = matrix_of(indptr, indices, data);
         require(n_rows(solution) == matrix.size(), "a value for each row");
-        const Index stride = solution.stride(0);
+        const Index stride = solution.size() > 1 ? solution.stride(0) : 1;
+        require(stride > 0, "values from first to last");
         const std::span<double> values(solution.data(),
                                        solution.size() ? 1 + (solution.size() - 1) * stride : 0);
         unlocked([&] { fill(matrix, values, stride, span(rows)); });

@@ -70,9 +70,9 @@ void bind_linear(nb::module_& module) {
       .def(
           "solve",
           [](const Factor& self, Columns b, nb::ndarray<double, nb::c_contig, nb::device::cpu> x) {
-            require(n_rows(b) == self.analysis().n_vertices() && x.size() == b.size(),
-                    "a row for each unknown, and room for as many solutions");
             const Index columns = n_columns(b);
+            require(n_rows(b) == self.analysis().n_vertices() && have_one_shape(b, x),
+                    "a row for each unknown, and room for as many solutions");
             unlocked([&] { self.solve(span(b), span(x), columns); });
           },
           "b"_a.noconvert(), "x"_a.noconvert())

@@ -4,6 +4,7 @@
 #include <nanobind/nanobind.h>
 #include <nanobind/ndarray.h>
 
+#include <algorithm>
 #include <initializer_list>
 #include <stdexcept>
 #include <string>
@@ -29,14 +30,21 @@ auto span(const nb::ndarray<T, Traits...>& array) {
   return std::span(array.data(), array.size());
 }
 
-inline Index n_rows(const auto& array) { return static_cast<Index>(array.shape(0)); }
-inline Index n_columns(const auto& array) {
-  return array.ndim() == 1 ? 1 : static_cast<Index>(array.shape(1));
-}
-
 // Throw ValueError unless an array is as long as others ask for: kernels trust it.
 inline void require(bool fits, const char* what) {
   if (!fits) throw std::invalid_argument(std::string("arrays do not fit together: ") + what);
+}
+
+// Of arrays of a number of dimensions that is known.
+inline Index n_rows(const auto& array) { return static_cast<Index>(array.shape(0)); }
+// Of a column, which has one, or a table; nothing else may go to a kernel of columns.
+inline Index n_columns(const Columns& columns) {
+  require(columns.ndim() == 1 || columns.ndim() == 2, "a column, or a table of them");
+  return columns.ndim() == 1 ? 1 : static_cast<Index>(columns.shape(1));
+}
+bool have_one_shape(const auto& one, const auto& other) {
+  return one.ndim() == other.ndim() &&
+         std::equal(one.shape_ptr(), one.shape_ptr() + one.ndim(), other.shape_ptr());
 }
 
 template <class Work>

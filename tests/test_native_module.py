@@ -1,0 +1,291 @@
+"""Do the compiled kernels load for each level of processor, and refuse what is not theirs?"""
+
+import importlib
+import os
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+
+import geodesic_toolkit as gt
+from geodesic_toolkit import _native
+
+ROUNDING = 1e-9  # levels differ in whether a product and a sum are rounded once or twice
+
+
+def run(code, *arguments, level=""):
+    """Run `code` in a process of its own, with a level chosen in its environment."""
+    return subprocess.run(
+        [sys.executable, "-c", code, *map(str, arguments)],
+        env={**os.environ, "GEODESIC_TOOLKIT_LEVEL": str(level)},
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+
+
+# -- levels ----------------------------------------------------------------------------------------
+
+
+def test_the_level_is_a_number():
+    assert type(_native.LEVEL) is int
+    assert _native.LEVEL in {2, 3, 4}
+
+
+def test_registers_are_those_of_the_level():
+    assert {2: 2, 3: 4, 4: 8}[_native.LEVEL] == _native.LANES
+
+
+DISTANCES = """
+import sys
+import numpy as np
+import geodesic_toolkit as gt
+from geodesic_toolkit import _native
+mesh = gt.testing.shapes.icosphere(4)
+fields = []
+for refine in (False, True):
+    fields.extend(gt.GeodesicSolver(mesh, refine=refine).distances(range(20)))
+np.save(sys.argv[1], fields)
+print(_native.LEVEL)
+"""
+
+
+def fields(level, folder):
+    """Return distances on a mesh of about one unit, as kernels of some level find them."""
+    finished = run(DISTANCES, folder / "fields.npy", level=level)
+    assert finished.returncode == 0, finished.stderr
+    assert finished.stdout.strip() == str(level)
+    return np.load(folder / "fields.npy")
+
+
+@pytest.mark.parametrize("level", [2, 3, 4])
+def test_distances_do_not_depend_on_the_level(level, tmp_path):
+    if level > _native._processor_level():
+        pytest.skip(f"this processor does not have level {level}")
+    if importlib.util.find_spec(f"geodesic_toolkit._native._level{level}") is None:
+        pytest.skip(f"level {level} is not built: an editable install has the processor's own")
+    found = fields(level, tmp_path)
+    np.testing.assert_allclose(found, fields(_native.LEVEL, tmp_path), rtol=0, atol=ROUNDING)
+
+
+@pytest.mark.parametrize("level", ["1", "5", "best"])
+def test_a_level_that_cannot_be_is_told(level):
+    finished = run("import geodesic_toolkit._native", level=level)
+    assert finished.returncode == 1
+    message = finished.stderr.splitlines()[-1]
+    assert message.startswith("ImportError: GEODESIC_TOOLKIT_LEVEL is ")
+    assert repr(level) in message
+    assert "unset it" in message
+
+
+def test_no_level_above_the_processors_is_tried(monkeypatch):
+    monkeypatch.setattr(_native, "_processor_level", lambda: 3)
+    monkeypatch.delenv("GEODESIC_TOOLKIT_LEVEL", raising=False)
+    assert _native._levels() == [3, 2]
+    monkeypatch.setenv("GEODESIC_TOOLKIT_LEVEL", "4")
+    with pytest.raises(ImportError, match="has the levels 2, 3: name one"):
+        _native._levels()
+
+
+def test_other_processors_have_one_level(monkeypatch):
+    monkeypatch.setattr(_native.importlib, "import_module", missing)
+    assert _native._processor_level() == 2
+
+
+def missing(name):
+    raise ModuleNotFoundError(f"No module named {name!r}", name=name)
+
+
+def test_modules_that_are_missing_are_told_with_what_to_do(monkeypatch):
+    monkeypatch.setattr(_native, "_processor_level", lambda: 3)
+    monkeypatch.delenv("GEODESIC_TOOLKIT_LEVEL", raising=False)
+    monkeypatch.setattr(_native.importlib, "import_module", missing)
+    with pytest.raises(ImportError, match=r"level 3 or 2 .* `pip install \.` builds them"):
+        _native._load()
+
+
+def test_the_next_lower_level_is_taken_where_one_is_missing(monkeypatch):
+    def found(name):
+        return name if name.endswith("_level2") else missing(name)
+
+    monkeypatch.setattr(_native, "_processor_level", lambda: 4)
+    monkeypatch.delenv("GEODESIC_TOOLKIT_LEVEL", raising=False)
+    monkeypatch.setattr(_native.importlib, "import_module", found)
+    assert _native._load() == ("geodesic_toolkit._native._level2", 2)
+
+
+def test_a_module_that_is_broken_is_not_passed_by(monkeypatch):
+    def broken(name):
+        raise ImportError(f"{name}: undefined symbol")
+
+    monkeypatch.setattr(_native, "_processor_level", lambda: 4)
+    monkeypatch.setattr(_native.importlib, "import_module", broken)
+    with pytest.raises(ImportError, match="undefined symbol"):
+        _native._load()
+
+
+# -- arrays ----------------------------------------------------------------------------------------
+
+# A square of two triangles, and a matrix on its vertices that is definite.
+VERTICES = np.array([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]], dtype=np.float64)
+FACES = np.array([[0, 1, 2], [0, 2, 3]])
+INDPTR, INDICES = np.array([0, 2, 4, 6, 8], np.int32), np.array([0, 1, 0, 1, 2, 3, 2, 3], np.int32)
+DATA = np.array([2.0, -1, -1, 2, 2, -1, -1, 2])
+FRAMES, AREAS = np.ones((2, 3)), np.ones(2)
+TWIN = np.array([-1, 4, -1, -1, 1, -1])
+HELD = np.zeros(4, dtype=bool)
+
+
+def calls():
+    """Return calls of kernels that go well, by name: the function and its arguments."""
+    sides = _native.sorted_half_edges(FACES, 4)
+    analysis = _native.analyze(INDPTR, INDICES)
+    factor = _native.Factor(analysis, DATA)
+    table = np.ones((4, 3))
+    return {
+        "components": (_native.components, INDPTR, INDICES),
+        "is_sound": (_native.is_sound, INDPTR, INDICES, DATA),
+        "obtuse_excess": (_native.obtuse_excess, INDPTR, INDICES, DATA, np.ones(4), 2),
+        "is_symmetric": (_native.is_symmetric, INDPTR, INDICES),
+        "analyze": (_native.analyze, INDPTR, INDICES),
+        "Factor": (_native.Factor, analysis, DATA),
+        "solve": (factor.solve, np.ones(4), np.ones(4)),
+        "solve_table": (factor.solve, table, table.copy()),
+        "measure_triangles": (_native.measure_triangles, VERTICES, FACES),
+        "measure_lengths": (_native.measure_lengths, FRAMES),
+        "edge_lengths": (_native.edge_lengths, FRAMES),
+        "sorted_half_edges": (_native.sorted_half_edges, FACES, 4),
+        "edge_sums": (_native.edge_sums, FACES, sides, FRAMES, AREAS),
+        "mirrored": (_native.mirrored, np.array([0, 1, 1, 2, 2], np.int32), INDICES[[1, 5]], AREAS),
+        "mean_edge_length": (_native.mean_edge_length, VERTICES, INDPTR, INDICES),
+        "flip_edges": (_native.flip_edges, FACES.copy(), FRAMES.copy(), TWIN.copy(), HELD),
+        "poisson_load": (_native.poisson_load, FACES, FRAMES, AREAS, np.ones(4), False),
+        "fill": (_native.fill, INDPTR, INDICES, DATA, np.ones(4), np.array([0], np.int32)),
+    }
+
+
+CALLS = calls()
+WRITES = {"solve", "solve_table", "flip_edges", "fill"}
+ARRAYS = [
+    (name, place)
+    for name, (_, *arguments) in CALLS.items()
+    for place, argument in enumerate(arguments)
+    if isinstance(argument, np.ndarray)
+]
+
+
+def call(name, place, array):
+    """Call a kernel with another array in one place."""
+    function, *arguments = CALLS[name]
+    arguments[place] = array
+    return function(*arguments)
+
+
+@pytest.mark.parametrize("name", CALLS)
+def test_what_fits_is_taken(name):
+    function, *arguments = CALLS[name]
+    function(*arguments)
+
+
+@pytest.mark.parametrize(("name", "place"), ARRAYS)
+def test_arrays_of_another_type_are_not_converted(name, place):
+    array = CALLS[name][1 + place]
+    for dtype in {np.float64, np.float32, np.int64, np.int32, np.uint8} - {array.dtype.type}:
+        with pytest.raises(TypeError, match="incompatible function arguments"):
+            call(name, place, array.astype(dtype))
+
+
+@pytest.mark.parametrize(("name", "place"), ARRAYS)
+def test_arrays_with_gaps_are_not_copied(name, place):
+    if (name, place) == ("fill", 3):
+        pytest.skip("a column of a table is what it is for")
+    array = CALLS[name][1 + place]
+    gaps = np.repeat(array, 2, axis=-1)[..., ::2]
+    if array.shape[-1] == 1:
+        pytest.skip("one number has no gaps")
+    assert not gaps.flags.c_contiguous
+    with pytest.raises(TypeError, match="incompatible function arguments"):
+        call(name, place, gaps)
+
+
+@pytest.mark.parametrize(
+    ("name", "place"),
+    [
+        ("solve", 1),
+        ("flip_edges", 0),
+        ("flip_edges", 1),
+        ("flip_edges", 2),
+        ("fill", 3),
+        ("fill", 4),
+    ],
+)
+def test_what_may_not_be_written_to_is_not(name, place):
+    array = CALLS[name][1 + place].copy()
+    array.flags.writeable = False
+    with pytest.raises(TypeError, match="incompatible function arguments"):
+        call(name, place, array)
+
+
+@pytest.mark.parametrize(
+    ("name", "place", "array"),
+    [
+        ("components", 0, np.array([0, 2, 4, 6, 9], np.int32)),  # one more than there are indices
+        ("components", 0, np.array([1, 2, 4, 6, 8], np.int32)),
+        ("components", 0, np.array([], np.int32)),
+        ("is_symmetric", 1, INDICES[:-1]),
+        ("analyze", 1, INDICES[:-1]),
+        ("is_sound", 2, DATA[:-1]),
+        ("obtuse_excess", 3, np.ones(5)),
+        ("Factor", 1, np.append(DATA, 1.0)),
+        ("solve", 0, np.ones(5)),
+        ("solve", 0, np.ones((5, 1))),
+        ("solve", 0, np.ones((4, 2))),  # for which there is no room
+        ("solve", 0, np.ones((2, 2))),
+        ("solve", 1, np.ones(3)),
+        ("solve_table", 0, np.ones((4, 3, 1))),
+        ("solve_table", 1, np.ones((4, 4))),
+        ("measure_triangles", 0, np.ones((4, 2))),
+        ("measure_triangles", 1, np.zeros((2, 4), np.int64)),
+        ("measure_lengths", 0, np.ones((2, 2))),
+        ("edge_lengths", 0, np.ones((3, 2))),
+        ("sorted_half_edges", 0, np.zeros((3, 2), np.int64)),
+        ("edge_sums", 0, np.zeros((3, 3), np.int64)),
+        ("edge_sums", 2, np.ones((3, 3))),
+        ("edge_sums", 3, np.ones(1)),
+        ("mirrored", 2, np.ones(3)),
+        ("mean_edge_length", 0, np.ones((3, 3))),
+        ("flip_edges", 1, np.ones((3, 3))),
+        ("flip_edges", 2, np.zeros(5, np.int64)),
+        ("poisson_load", 1, np.ones((3, 3))),
+        ("poisson_load", 2, np.ones(3)),
+        ("poisson_load", 3, np.ones((4, 2, 2))),
+        ("fill", 3, np.ones(3)),
+        ("fill", 3, np.ones(4)[::-1]),
+    ],
+)
+def test_shapes_that_do_not_fit_are_told(name, place, array):
+    with pytest.raises(ValueError, match="arrays do not fit together: "):
+        call(name, place, array)
+
+
+def test_a_number_is_no_column():
+    with pytest.raises(ValueError, match="arrays do not fit together: "):
+        call("solve", 0, np.array(1.0))
+
+
+def test_no_analysis_is_a_type_error():
+    with pytest.raises(TypeError, match="incompatible function arguments"):
+        _native.Factor(None, DATA)
+
+
+def test_a_solver_error_is_that_of_the_package():
+    with pytest.raises(gt.errors.SolverError, match=r"not positive definite .* vertex"):
+        _native.Factor(_native.analyze(INDPTR, INDICES), -DATA)
+
+
+def test_arrays_outlive_what_they_are_of():
+    order = _native.analyze(INDPTR, INDICES).order
+    assert sorted(order) == [0, 1, 2, 3]
+    with pytest.raises(ValueError, match="read-only"):
+        order[0] = 1
