@@ -11,7 +11,7 @@ Cloud cloud_of(const In<double, 2>& points, const In<double, 2>& normals,
   require(points.shape(1) == 3 && normals.shape(1) == 3 && n_rows(normals) == n_rows(points),
           "three coordinates and a normal for each point");
   require(n_rows(neighbours) == n_rows(points), "neighbours for each point");
-  return {span(points), span(normals), span(neighbours), n_columns(neighbours)};
+  return {span(points), span(normals), span(neighbours), static_cast<Index>(neighbours.shape(1))};
 }
 
 }  // namespace

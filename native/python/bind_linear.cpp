@@ -81,8 +81,8 @@ void bind_linear(nb::module_& module) {
         const Factor& factor = nb::cast<const Factor&>(self);
         if (factor.halves().empty()) return nb::cast(view(factor.numbers(), self));
         const std::size_t shape[] = {static_cast<std::size_t>(factor.halves().size())};
-        return nb::cast(nb::ndarray<nb::numpy, const std::uint32_t>(&factor.halves()[0].upper, 1,
-                                                                    shape, self));
+        return nb::cast(
+            nb::ndarray<nb::numpy, const std::uint32_t>(&factor.halves()[0].upper, 1, shape, self));
       });
   module.def(
       "eliminate_front",
