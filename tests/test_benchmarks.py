@@ -67,17 +67,73 @@ def test_an_exponent_is_that_of_the_power_law_without_failed_sizes(module):
     assert growth.fit(rows[:2], "build", "cpu") is None
 
 
-def test_a_ratio_is_that_of_the_medians_against_the_faster_library(module):
+def test_a_ratio_is_the_median_of_the_rounds_against_the_faster_library(module):
     tables = module("measuring.performance_tables")
 
     def runs(*times):
-        return {"build": [{"cpu": time, "wall": time} for time in times]}
+        return {"build": [{"cpu": time, "wall": 2 * time} for time in times]}
 
     times = {"ours": runs(1, 2, 9), "potpourri3d": runs(8, 8, 9), "libigl": runs(99, 9, 1)}
     assert tables.faster_peer(times, "build") == "potpourri3d"
     assert tables.against_peers(times, "ours", "build") == "**4** (1-8)"
     times["libigl"]["failure"] = times["potpourri3d"]["failure"] = "over 1 s"
     assert tables.against_peers(times, "ours", "build") == "-"
+
+
+def test_a_library_that_is_not_there_has_a_dash_and_is_named(module, capsys, monkeypatch):
+    performance = module("performance")
+    found = performance.importlib.util.find_spec
+    monkeypatch.setattr(
+        performance.importlib.util,
+        "find_spec",
+        lambda name: None if name == "potpourri3d" else found(name),
+    )
+    kept = performance.columns("ours;potpourri3d;libigl", "superlu")
+    assert kept == ["ours", "libigl", "ours, solver=superlu"]
+    assert "potpourri3d is left out" in capsys.readouterr().out
+    tables = module("measuring.performance_tables")
+    assert tables.against({"ours": {"start": [{"wall": 1.0}]}}, "ours", "potpourri3d", "start") == (
+        "-"
+    )
+
+
+def test_rounds_are_given_for_all_sizes_or_for_each(module):
+    performance = module("performance")
+    assert performance.rounds_of("3", 2) == [3, 3]
+    assert performance.rounds_of("9,2", 2) == [9, 2]
+    assert performance.rounds_of("", 2) == [0, 0]
+    with pytest.raises(ValueError, match="3 numbers for 2 sizes"):
+        performance.rounds_of("1,2,3", 2)
+
+
+def test_every_library_is_first_once_before_one_is_first_again(module):
+    turned = module("performance").turned
+    assert [turned(["a", "b", "c"], k)[0] for k in range(4)] == ["a", "b", "c", "a"]
+    assert sorted(turned(["a", "b", "c"], 2)) == ["a", "b", "c"]
+
+
+def test_the_default_columns_have_no_options(module):
+    libraries = module("measuring.libraries")
+    assert libraries.options(libraries.OURS_DEFAULT) == {}
+    assert libraries.options(libraries.PEER_DEFAULT) == {}
+    assert libraries.options(libraries.OURS) == {"refine": False}
+    assert libraries.options("potpourri3d") == {"use_robust": False}
+
+
+def test_a_worker_has_imported_no_more_than_the_mesh_has_needed(tmp_path):
+    np.savez(tmp_path / "mesh.npz", faces=np.eye(3))
+    code = f"""
+import sys, numpy
+numpy.load({str(tmp_path / "mesh.npz")!r})["faces"]
+before = set(sys.modules)
+import measuring.worker
+print(*set(sys.modules) - before)
+"""
+    finished = subprocess.run(
+        [sys.executable, "-c", code], cwd=BENCHMARKS, capture_output=True, text=True, check=True
+    )
+    more = {name.partition(".")[0] for name in finished.stdout.split()}
+    assert more <= {"measuring", "gc", "json", "_json"}
 
 
 def test_the_errors_on_a_sphere_are_those_of_the_arc(module):
@@ -110,10 +166,12 @@ class TestProcesses:
         assert process._process.returncode is not None
 
     def test_performance_is_measured_on_a_generated_mesh(self):
-        options = ["--generated", "--sizes", "0.6k", "--rounds", "1", "--libraries", "ours"]
-        shown = run_script("performance.py", *options, "--parts", "rounds,memory")
-        for title in ("build and one source", "a further source, alone", "peak memory"):
+        options = ["--generated", "--sizes", "0.6k", "--rounds", "1", "--parts", "rounds,memory"]
+        shown = run_script("performance.py", *options, "--libraries", "ours;ours, refined;libigl")
+        for title in ("import and first distance", "a further source, alone", "peak memory"):
             assert title in shown
+        assert "refined: build and one source | **" in shown
+        assert "potpourri3d as it comes / this package as it comes | - |" in shown
         assert "Traceback" not in shown
 
     def test_growth_is_measured_and_drawn(self, tmp_path):
