@@ -22,7 +22,7 @@ def module(monkeypatch):
     return importlib.import_module
 
 
-def run_script(name, *options):
+def run_script(name, *options, status=0):
     finished = subprocess.run(
         [sys.executable, str(BENCHMARKS / name), *options],
         env=dict(os.environ),
@@ -30,7 +30,7 @@ def run_script(name, *options):
         text=True,
         check=False,
     )
-    assert finished.returncode == 0, finished.stderr
+    assert finished.returncode == status, finished.stderr + finished.stdout
     return finished.stdout
 
 
@@ -136,6 +136,43 @@ print(*set(sys.modules) - before)
     assert more <= {"measuring", "gc", "json", "_json"}
 
 
+def test_a_phase_that_has_become_slower_is_named(module):
+    regression = module("regression")
+    slower = regression.Phase("3k", 4, "flips", times=[(1.0, 2.0), (1.0, 4.0), (1.0, 1.0)])
+    faster = regression.Phase("3k", 4, "stars", times=[(2.0, 1.0)])
+    other = regression.Phase("3k", 4, "poles")
+    assert regression.complaints([slower, faster, other], 0.7) == [
+        "flips at 3k, level 4: 0.50 of the speed of the base, below 0.7"
+    ]
+    assert regression.complaints([slower, faster, other], 0.4) == []
+    assert "**0.50** (0.25-1.00), 2 s" in regression.table([slower, faster], 0.7)
+
+
+def test_a_phase_may_be_missing_from_the_base_but_not_from_the_new_version(module):
+    regression = module("regression")
+    phases = [regression.Phase("3k", 0, name) for name in ("flips", "poles", "stars")]
+    here, missing = {"cpu": 1.0}, {"failure": "ImportError: none"}
+    for phase, base, new in zip(phases, (missing, here, here), (here, missing, here), strict=True):
+        regression.note(phase, base, new)
+    assert regression.left_out(phases) == ["flips: the base has none: ImportError: none"]
+    assert regression.complaints(phases, 0.7) == [
+        "poles at 3k: the new version fails: ImportError: none"
+    ]
+
+
+def test_a_base_is_an_interpreter_or_a_commit(module, monkeypatch):
+    regression = module("regression")
+    with regression.interpreter(sys.executable) as found:
+        assert found == sys.executable
+    commands = []
+    monkeypatch.setattr(regression, "run", lambda *command: commands.append(command))
+    with regression.interpreter("v1.2") as made:
+        assert "geodesic-" in made
+    assert [word for word in commands[0] if word in {"worktree", "add", "v1.2"}]
+    assert "install" in commands[2]
+    assert "remove" in commands[-1]
+
+
 def test_the_errors_on_a_sphere_are_those_of_the_arc(module):
     points = np.array([[1.0, 0, 0], [0, 1.0, 0], [-1.0, 0, 0]])
     found = module("measuring.growing").errors(points, 0, np.pi * np.array([0, 0.55, 0.98]))
@@ -173,6 +210,18 @@ class TestProcesses:
         assert "refined: build and one source | **" in shown
         assert "potpourri3d as it comes / this package as it comes | - |" in shown
         assert "Traceback" not in shown
+
+    def test_every_phase_of_a_version_is_compared_with_its_own(self, module):
+        options = ["--base", sys.executable, "--sizes", "0.6k", "--rounds", "1", "--bound", "0"]
+        shown = run_script("regression.py", *options, "--seconds", "0")
+        for name in module("measuring.phases").NAMES:
+            assert f"| {name} | **" in shown
+        assert "left out" not in shown
+
+    def test_a_slower_phase_is_the_exit_status(self):
+        options = ["--base", sys.executable, "--sizes", "0.6k", "--rounds", "1", "--bound", "1e9"]
+        shown = run_script("regression.py", *options, "--phases", "flips", status=1)
+        assert "SLOWER: flips at 0.6k, level" in shown
 
     def test_growth_is_measured_and_drawn(self, tmp_path):
         pytest.importorskip("matplotlib")
