@@ -14,8 +14,8 @@ python benchmarks/performance.py --libraries "ours;libigl"  some of the columns
 python benchmarks/performance.py --solvers superlu          this package by other solvers as well
 python benchmarks/performance.py --write                    also into docs/_tables
 
-An import takes longer from an editable installation: install the package itself before. Parts that
-are not measured keep the figures and the date of the run that measured them.
+Parts that are not measured keep the figures and the date of the run that measured them. Columns
+whose package is not installed are left out, and named.
 """
 
 import argparse
