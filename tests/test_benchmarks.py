@@ -22,7 +22,7 @@ def module(monkeypatch):
     return importlib.import_module
 
 
-def run_script(name, *options):
+def run_script(name, *options, status=0):
     finished = subprocess.run(
         [sys.executable, str(BENCHMARKS / name), *options],
         env=dict(os.environ),
@@ -30,7 +30,7 @@ def run_script(name, *options):
         text=True,
         check=False,
     )
-    assert finished.returncode == 0, finished.stderr
+    assert finished.returncode == status, finished.stderr + finished.stdout
     return finished.stdout
 
 
@@ -67,17 +67,110 @@ def test_an_exponent_is_that_of_the_power_law_without_failed_sizes(module):
     assert growth.fit(rows[:2], "build", "cpu") is None
 
 
-def test_a_ratio_is_that_of_the_medians_against_the_faster_library(module):
+def test_a_ratio_is_the_median_of_the_rounds_against_the_faster_library(module):
     tables = module("measuring.performance_tables")
 
     def runs(*times):
-        return {"build": [{"cpu": time, "wall": time} for time in times]}
+        return {"build": [{"cpu": time, "wall": 2 * time} for time in times]}
 
     times = {"ours": runs(1, 2, 9), "potpourri3d": runs(8, 8, 9), "libigl": runs(99, 9, 1)}
     assert tables.faster_peer(times, "build") == "potpourri3d"
     assert tables.against_peers(times, "ours", "build") == "**4** (1-8)"
     times["libigl"]["failure"] = times["potpourri3d"]["failure"] = "over 1 s"
     assert tables.against_peers(times, "ours", "build") == "-"
+
+
+def test_a_library_that_is_not_there_has_a_dash_and_is_named(module, capsys, monkeypatch):
+    performance = module("performance")
+    found = performance.importlib.util.find_spec
+    monkeypatch.setattr(
+        performance.importlib.util,
+        "find_spec",
+        lambda name: None if name == "potpourri3d" else found(name),
+    )
+    kept = performance.columns("ours;potpourri3d;libigl", "superlu")
+    assert kept == ["ours", "libigl", "ours, solver=superlu"]
+    assert "potpourri3d is left out" in capsys.readouterr().out
+    tables = module("measuring.performance_tables")
+    assert tables.against({"ours": {"start": [{"wall": 1.0}]}}, "ours", "potpourri3d", "start") == (
+        "-"
+    )
+
+
+def test_rounds_are_given_for_all_sizes_or_for_each(module):
+    performance = module("performance")
+    assert performance.rounds_of("3", 2) == [3, 3]
+    assert performance.rounds_of("9,2", 2) == [9, 2]
+    assert performance.rounds_of("", 2) == [0, 0]
+    with pytest.raises(ValueError, match="3 numbers for 2 sizes"):
+        performance.rounds_of("1,2,3", 2)
+
+
+def test_every_library_is_first_once_before_one_is_first_again(module):
+    turned = module("performance").turned
+    assert [turned(["a", "b", "c"], k)[0] for k in range(4)] == ["a", "b", "c", "a"]
+    assert sorted(turned(["a", "b", "c"], 2)) == ["a", "b", "c"]
+
+
+def test_the_default_columns_have_no_options(module):
+    libraries = module("measuring.libraries")
+    assert libraries.options(libraries.OURS_DEFAULT) == {}
+    assert libraries.options(libraries.PEER_DEFAULT) == {}
+    assert libraries.options(libraries.OURS) == {"refine": False}
+    assert libraries.options("potpourri3d") == {"use_robust": False}
+
+
+def test_a_worker_has_imported_no_more_than_the_mesh_has_needed(tmp_path):
+    np.savez(tmp_path / "mesh.npz", faces=np.eye(3))
+    code = f"""
+import sys, numpy
+numpy.load({str(tmp_path / "mesh.npz")!r})["faces"]
+before = set(sys.modules)
+import measuring.worker
+print(*set(sys.modules) - before)
+"""
+    finished = subprocess.run(
+        [sys.executable, "-c", code], cwd=BENCHMARKS, capture_output=True, text=True, check=True
+    )
+    more = {name.partition(".")[0] for name in finished.stdout.split()}
+    assert more <= {"measuring", "gc", "json", "_json"}
+
+
+def test_a_phase_that_has_become_slower_is_named(module):
+    regression = module("regression")
+    slower = regression.Phase("3k", 4, "flips", times=[(1.0, 2.0), (1.0, 4.0), (1.0, 1.0)])
+    faster = regression.Phase("3k", 4, "stars", times=[(2.0, 1.0)])
+    other = regression.Phase("3k", 4, "poles")
+    assert regression.complaints([slower, faster, other], 0.7) == [
+        "flips at 3k, level 4: 0.50 of the speed of the base, below 0.7"
+    ]
+    assert regression.complaints([slower, faster, other], 0.4) == []
+    assert "**0.50** (0.25-1.00), 2 s" in regression.table([slower, faster], 0.7)
+
+
+def test_a_phase_may_be_missing_from_the_base_but_not_from_the_new_version(module):
+    regression = module("regression")
+    phases = [regression.Phase("3k", 0, name) for name in ("flips", "poles", "stars")]
+    here, missing = {"cpu": 1.0}, {"failure": "ImportError: none"}
+    for phase, base, new in zip(phases, (missing, here, here), (here, missing, here), strict=True):
+        regression.note(phase, base, new)
+    assert regression.left_out(phases) == ["flips: the base has none: ImportError: none"]
+    assert regression.complaints(phases, 0.7) == [
+        "poles at 3k: the new version fails: ImportError: none"
+    ]
+
+
+def test_a_base_is_an_interpreter_or_a_commit(module, monkeypatch):
+    regression = module("regression")
+    with regression.interpreter(sys.executable) as found:
+        assert found == sys.executable
+    commands = []
+    monkeypatch.setattr(regression, "run", lambda *command: commands.append(command))
+    with regression.interpreter("v1.2") as made:
+        assert "geodesic-" in made
+    assert [word for word in commands[0] if word in {"worktree", "add", "v1.2"}]
+    assert "install" in commands[2]
+    assert "remove" in commands[-1]
 
 
 def test_the_errors_on_a_sphere_are_those_of_the_arc(module):
@@ -110,11 +203,25 @@ class TestProcesses:
         assert process._process.returncode is not None
 
     def test_performance_is_measured_on_a_generated_mesh(self):
-        options = ["--generated", "--sizes", "0.6k", "--rounds", "1", "--libraries", "ours"]
-        shown = run_script("performance.py", *options, "--parts", "rounds,memory")
-        for title in ("build and one source", "a further source, alone", "peak memory"):
+        options = ["--generated", "--sizes", "0.6k", "--rounds", "1", "--parts", "rounds,memory"]
+        shown = run_script("performance.py", *options, "--libraries", "ours;ours, refined;libigl")
+        for title in ("import and first distance", "a further source, alone", "peak memory"):
             assert title in shown
+        assert "refined: build and one source | **" in shown
+        assert "potpourri3d as it comes / this package as it comes | - |" in shown
         assert "Traceback" not in shown
+
+    def test_every_phase_of_a_version_is_compared_with_its_own(self, module):
+        options = ["--base", sys.executable, "--sizes", "0.6k", "--rounds", "1", "--bound", "0"]
+        shown = run_script("regression.py", *options, "--seconds", "0")
+        for name in module("measuring.phases").NAMES:
+            assert f"| {name} | **" in shown
+        assert "left out" not in shown
+
+    def test_a_slower_phase_is_the_exit_status(self):
+        options = ["--base", sys.executable, "--sizes", "0.6k", "--rounds", "1", "--bound", "1e9"]
+        shown = run_script("regression.py", *options, "--phases", "flips", status=1)
+        assert "SLOWER: flips at 0.6k, level" in shown
 
     def test_growth_is_measured_and_drawn(self, tmp_path):
         pytest.importorskip("matplotlib")

@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 
 import geodesic_toolkit as gt
-from measuring import clocks, libraries
+from measuring import clocks
 
 SOURCES = 10
 
@@ -61,8 +61,7 @@ def tell(stage: str, **found: Any) -> None:
 
 
 def warm_up(kind: str, path: str) -> None:
-    """Load all kernels, and the code that a shape of this kind needs."""
-    libraries.load_kernels()
+    """Load the code that a shape of this kind needs."""
     gt.GeodesicSolver(domain(kind, path)()).distances([0, 1])
 
 

@@ -1,10 +1,21 @@
-"""The libraries that are measured, all behind two functions; each imports its own package only."""
+"""The libraries that are measured, all behind two functions; each imports its own package only.
+
+A process that is to measure an import imports this module before: nothing here imports more than
+NumPy has done already.
+"""
 
 from collections.abc import Callable
-from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
+
+OURS = "ours"
+"""The column of this package without refinement."""
+
+OURS_DEFAULT = "ours, as it comes"
+"""The same without a single option."""
+
+REFINED = "ours, refined"
 
 SOLVER = "ours, solver="
 """Columns of this package with another linear solver begin so."""
@@ -12,16 +23,25 @@ SOLVER = "ours, solver="
 PEERS = ("potpourri3d", "libigl")
 """The faster of them is what ratios refer to."""
 
-ROBUST = "potpourri3d, robust"
+PEER_DEFAULT = "potpourri3d, as it comes"
+"""potpourri3d without a single option: the robust one."""
+
+COLUMNS = (OURS, OURS_DEFAULT, REFINED, *PEERS, PEER_DEFAULT)
+
+PACKAGES = {"ours": "geodesic_toolkit", "potpourri3d": "potpourri3d", "libigl": "igl"}
 
 
-@dataclass
-class Ready:
+class Ready(NamedTuple):
     """A shape prepared: distance from a source, from each of many; the linear solver if known."""
 
     one: Callable[[int], np.ndarray]
     each: Callable[[list[int]], Any]
     solver: str = ""
+
+
+def package(library: str) -> str:
+    """Return the name of the package that a column needs."""
+    return PACKAGES[library.partition(",")[0]]
 
 
 def build(library: str, vertices: np.ndarray, faces: np.ndarray) -> Ready:
@@ -30,54 +50,15 @@ def build(library: str, vertices: np.ndarray, faces: np.ndarray) -> Ready:
         return _ours(vertices, faces, **options(library))
     if library == "libigl":
         return _libigl(vertices, faces)
-    return _potpourri3d(vertices, faces, robust=library == ROBUST)
+    return _potpourri3d(vertices, faces, **options(library))
 
 
 def options(library: str) -> dict[str, Any]:
-    """Return the options of `GeodesicSolver` that a column stands for."""
+    """Return the options of this package, or of potpourri3d, that a column stands for."""
     if library.startswith(SOLVER):
-        return {"solver": library.removeprefix(SOLVER)}
-    return {"refine": True} if "refined" in library else {}
-
-
-def load(library: str) -> None:
-    """Import the package and nothing more."""
-    if library.startswith("ours"):
-        import geodesic_toolkit  # noqa: F401
-    elif library == "libigl":
-        import igl  # noqa: F401
-    else:
-        import potpourri3d  # noqa: F401
-
-
-def warm_up(library: str, vertices: np.ndarray, faces: np.ndarray) -> None:
-    """Load all kernels, and use the library once on a small mesh of the same kind."""
-    if library.startswith("ours"):
-        load_kernels()
-    ready = build(library, vertices, faces)
-    ready.one(0)
-    ready.each([0, 1])
-
-
-def load_kernels() -> None:
-    """Load what this package compiles, or compile it where that is still to be done."""
-    from geodesic_toolkit import _kernels
-
-    _kernels.warm()
-
-
-def componentwise_solvers() -> list[str]:
-    """Return the installed linear solvers that can serve heat."""
-    import geodesic_toolkit as gt
-
-    names = []
-    for name in gt.solvers:
-        try:
-            if gt.solvers[name].componentwise:
-                names.append(name)
-        except gt.errors.PluginError as error:
-            print(f"{name} is left out: {error}")
-    return names
+        return {"solver": library.removeprefix(SOLVER), "refine": False}
+    known = {OURS: {"refine": False}, REFINED: {"refine": True}}
+    return known.get(library, {"use_robust": False} if library == "potpourri3d" else {})
 
 
 def _ours(vertices: np.ndarray, faces: np.ndarray, **options: Any) -> Ready:
@@ -88,10 +69,10 @@ def _ours(vertices: np.ndarray, faces: np.ndarray, **options: Any) -> Ready:
     return Ready(solver.distance, solver.distances, used)
 
 
-def _potpourri3d(vertices: np.ndarray, faces: np.ndarray, *, robust: bool) -> Ready:
+def _potpourri3d(vertices: np.ndarray, faces: np.ndarray, **options: Any) -> Ready:
     import potpourri3d as pp3d
 
-    solver = pp3d.MeshHeatMethodDistanceSolver(vertices, faces, use_robust=robust)
+    solver = pp3d.MeshHeatMethodDistanceSolver(vertices, faces, **options)
     return Ready(solver.compute_distance, one_by_one(solver.compute_distance))
 
 

@@ -12,7 +12,7 @@ import numpy as np
 
 from measuring.clocks import timed
 
-PACKAGES = ("geodesic-toolkit", "numpy", "scipy", "numba", "potpourri3d", "libigl")
+PACKAGES = ("geodesic-toolkit", "numpy", "scipy", "potpourri3d", "libigl")
 
 
 def machine() -> dict[str, Any]:

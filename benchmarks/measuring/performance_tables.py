@@ -13,30 +13,55 @@ BATCH = 16
 """Sources that are asked for at once."""
 
 MEASURES = {
-    "build": "build and one source",
-    "one": "a further source, alone",
-    "each": f"a further source, in a batch of {BATCH}",
+    "start": ("import and first distance, by the clock", "wall"),
+    "import": ("the import alone, by the clock", "wall"),
+    "build": ("build and one source", "cpu"),
+    "one": ("a further source, alone", "cpu"),
+    "each": (f"a further source, in a batch of {BATCH}", "cpu"),
 }
+"""What is measured in a round: what it is called, and the clock that counts."""
+
+PREPARED = ("build", "one", "each")
+"""Measures that leave the import out."""
+
+STARTS = {
+    "potpourri3d without `use_robust` / this package without refinement": (
+        libraries.OURS,
+        "potpourri3d",
+    ),
+    "potpourri3d as it comes / this package as it comes": (
+        libraries.OURS_DEFAULT,
+        libraries.PEER_DEFAULT,
+    ),
+    "potpourri3d as it comes / this package, refined": (libraries.REFINED, libraries.PEER_DEFAULT),
+}
+"""The rows of new processes: a column of this package, and which other is set against it."""
 
 
 def tables(results: dict[str, Any]) -> dict[str, str]:
-    """Return every table that can be made of what was measured."""
+    """Return every table that can be made of what was measured, the main one first."""
     made = {}
     if "rounds" in results:
+        made["performance_start_up"] = start_up_table(results["rounds"])
         made["performance"] = ratio_table(results)
         made["performance_libraries"] = library_table(results)
         made["performance_seconds"] = seconds_table(results)
     if "limit" in results:
         made["performance_limit"] = limit_table(results["limit"])
-    if "start-up" in results:
-        made["performance_start_up"] = start_up_table(results["start-up"])
     return made
 
 
-def median(own: dict[str, Any], measure: str, clock: str = "cpu") -> float:
+def values(own: dict[str, Any], measure: str, clock: str | None = None) -> list[float]:
+    """Return what was found, round by round, by the clock that counts unless told."""
+    if "failure" in own:
+        return []
+    return [run[clock or MEASURES[measure][1]] for run in own.get(measure, [])]
+
+
+def median(own: dict[str, Any], measure: str, clock: str | None = None) -> float:
     """Return the median over the rounds, not a number where there are none."""
-    times = [run[clock] for run in own.get(measure, [])]
-    return float(np.median(times)) if times and "failure" not in own else float("nan")
+    known = values(own, measure, clock)
+    return float(np.median(known)) if known else float("nan")
 
 
 def faster_peer(times: dict[str, Any], measure: str) -> str | None:
@@ -47,14 +72,18 @@ def faster_peer(times: dict[str, Any], measure: str) -> str | None:
 
 
 def against_peers(times: dict[str, Any], library: str, measure: str) -> str:
-    """Return how often `library` fits into the faster of the peers, and the range over rounds."""
-    peer, own = faster_peer(times, measure), times.get(library, {})
-    if peer is None or not np.isfinite(median(own, measure)):
+    """Return how often `library` fits into the faster of the peers."""
+    peer = faster_peer(times, measure)
+    return "-" if peer is None else against(times, library, peer, measure)
+
+
+def against(times: dict[str, Any], library: str, peer: str, measure: str) -> str:
+    """Return how often `library` fits into `peer`: the median of the rounds, and their range."""
+    own, other = (values(times.get(name, {}), measure) for name in (library, peer))
+    if not own or not other:
         return "-"
-    pairs = zip(times[peer][measure], own[measure], strict=True)
-    ratios = [their["cpu"] / our["cpu"] for their, our in pairs]
-    ratio = median(times[peer], measure) / median(own, measure)
-    return f"**{ratio:.2g}** ({min(ratios):.2g}-{max(ratios):.2g})"
+    ratios = [their / our for their, our in zip(other, own, strict=True)]
+    return f"**{np.median(ratios):.2g}** ({min(ratios):.2g}-{max(ratios):.2g})"
 
 
 def memory_against_peers(times: dict[str, Any], memory: dict[str, Any]) -> str:
@@ -66,14 +95,22 @@ def memory_against_peers(times: dict[str, Any], memory: dict[str, Any]) -> str:
     return f"**{peaks[peer] / peaks['ours']:.2g}**"
 
 
+def start_up_table(part: dict[str, Any]) -> str:
+    """Return the table of import and first distance, by the clock."""
+    sizes = part["sizes"]
+    rows = [
+        [title, *(against(own["libraries"], *pair, "start") for own in sizes.values())]
+        for title, pair in STARTS.items()
+    ]
+    note = f"{said(sizes)} {sentence(part['machine'])}"
+    return markdown(["", *headings(sizes)], rows, note)
+
+
 def ratio_table(results: dict[str, Any]) -> str:
-    """Return the table of this package against the faster of the peers."""
+    """Return the table of this package against the faster of the peers, imports left out."""
     sizes = results["rounds"]["sizes"]
     memory = results.get("memory", {}).get("sizes", {})
-    rows = [
-        [title, *(against_peers(own["libraries"], "ours", m) for own in sizes.values())]
-        for m, title in MEASURES.items()
-    ]
+    rows = [ratio_row(sizes, libraries.OURS, measure) for measure in PREPARED]
     if memory:
         cells = [
             memory_against_peers(own["libraries"], memory[size]["libraries"])
@@ -82,12 +119,17 @@ def ratio_table(results: dict[str, Any]) -> str:
             for size, own in sizes.items()
         ]
         rows.append(["peak memory", *cells])
-    refined = "ours, refined"
-    for m, title in MEASURES.items():
-        cells = [against_peers(own["libraries"], refined, m) for own in sizes.values()]
+    for measure in PREPARED:
+        title, *cells = ratio_row(sizes, libraries.REFINED, measure)
         rows.append([f"refined: {title}", *cells])
-    note = f"{said(sizes)} {chosen(sizes)}{sentence(results['rounds']['machine'])}"
+    note = f"{said(sizes)} {sentence(results['rounds']['machine'])}"
     return markdown(["", *headings(sizes)], rows, note)
+
+
+def ratio_row(sizes: dict[str, Any], library: str, measure: str) -> list[str]:
+    """Return the row of one measure of a column of this package."""
+    cells = [against_peers(own["libraries"], library, measure) for own in sizes.values()]
+    return [MEASURES[measure][0], *cells]
 
 
 def headings(sizes: dict[str, Any]) -> list[str]:
@@ -101,17 +143,6 @@ def said(sizes: dict[str, Any]) -> str:
     if len({own["rounds"] for own in sizes.values()}) == 1:
         return f"{next(iter(sizes.values()))['rounds']} rounds."
     return f"Rounds: {', '.join(counts)}."
-
-
-def chosen(sizes: dict[str, Any]) -> str:
-    """Return which linear solver this package took by itself."""
-    used: dict[str, list[str]] = {}
-    for size, own in sizes.items():
-        solver = own["libraries"].get("ours", {}).get("solver")
-        if solver:
-            used.setdefault(solver, []).append(size)
-    takes = "; ".join(f"{solver} at {', '.join(where)}" for solver, where in used.items())
-    return f"Its linear solver by default: {takes}. " if takes else ""
 
 
 def library_table(results: dict[str, Any]) -> str:
@@ -138,7 +169,7 @@ def seconds_table(results: dict[str, Any]) -> str:
 
     def cell(own: dict[str, Any], measure: str, library: str) -> str:
         times = own["libraries"].get(library, {})
-        cpu, wall = median(times, measure), median(times, measure, "wall")
+        cpu, wall = median(times, measure, "cpu"), median(times, measure, "wall")
         return f"{seconds(cpu)} ({seconds(wall)})" if np.isfinite(cpu) else "-"
 
     def memory_cell(own: dict[str, Any], _: str, library: str) -> str:
@@ -161,7 +192,7 @@ def long_table(
     names = [name for name in names if name not in without]
     rows = [
         [title if k == 0 else "", name, *(cell(own, measure, name) for own in sizes.values())]
-        for measure, title in MEASURES.items()
+        for measure, (title, _) in MEASURES.items()
         for k, name in enumerate(names)
     ]
     for k, name in enumerate(names if memory else []):
@@ -200,36 +231,3 @@ def limit_cells(answer: dict[str, Any], bytes_a_second: float) -> list[str]:
         f"**{answer['solve'] / least:.2g}**",
         f"{answer['block'] / least:.2g}",
     ]
-
-
-def start_up_table(part: dict[str, Any]) -> str:
-    """Return the table of fresh processes."""
-    sizes = part["sizes"]
-    names = list(dict.fromkeys(name for own in sizes.values() for name in own["rows"]))
-    rows = []
-    for name in names:
-        calls = [own["rows"].get(name, {"failure": "-"}) for own in sizes.values()]
-        imports = [call["import"] for call in calls if "import" in call]
-        shown = "-"
-        if imports:
-            middle = {c: float(np.median([run[c] for run in imports])) for c in ("cpu", "wall")}
-            shown = f"{seconds(middle['cpu'])} ({seconds(middle['wall'])})"
-        cells = [
-            f"{seconds(call['first']['cpu'])} ({seconds(call['first']['wall'])})"
-            if "first" in call
-            else call["failure"]
-            for call in calls
-        ]
-        rows.append([name, shown, *cells])
-    alone = [own["rows"]["ours"].get("alone") for own in sizes.values() if "ours" in own["rows"]]
-    note = "Medians of fresh processes; imports with that of numpy."
-    if alone and alone[0]:
-        note += f" `import geodesic_toolkit` alone takes {seconds(alone[0]['wall'])}."
-    if part.get("warm"):
-        warm = part["warm"]
-        note += (
-            f" Compiling everything ahead takes {seconds(warm['cpu'])} of CPU and "
-            f"{seconds(warm['wall'])} by the clock."
-        )
-    columns = ["", "import", *(f"first call, {own['mesh']}" for own in sizes.values())]
-    return markdown(columns, rows, f"{note} {sentence(part['machine'])}")

@@ -18,12 +18,14 @@ class NoAnswerError(Exception):
 
 
 class Process:
-    """A worker, alive until it fails or is closed."""
+    """A worker of some interpreter, alive until it fails or is closed."""
 
-    def __init__(self, module: str, *arguments: str, **environment: str) -> None:
+    def __init__(
+        self, module: str, *arguments: str, python: str = sys.executable, **environment: str
+    ) -> None:
         self._errors = tempfile.TemporaryFile("w+", encoding="utf-8")  # noqa: SIM115 - until `close`
         self._process = subprocess.Popen(
-            [sys.executable, "-m", module, *arguments],
+            [python, "-m", module, *arguments],
             cwd=BENCHMARKS,
             env=user_environment(environment),
             stdin=subprocess.PIPE,

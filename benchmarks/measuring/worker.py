@@ -1,20 +1,22 @@
 """The process of one library: it does what it is asked, a line of JSON in, a line of JSON out.
 
-python -m measuring.worker LIBRARY WARM-UP.npz MESH.npz
+python -m measuring.worker LIBRARY MESH.npz
 
-Commands, each with its answer:
+It starts with NumPy and the arrays, and with nothing of the library. Commands, each with its
+answer:
 
-    {"do": "build", "source": 0}       clocks of a build and of one source, and its mean distance
+    {"do": "start", "source": 0}       clocks of the import, of a build with one source, and of
+                                       both; the mean distance and the linear solver
     {"do": "one", "sources": [...]}    clocks a source, each in a call of its own
     {"do": "each", "sources": [...]}   clocks a source, all in one call where there is one for that
-    {"do": "release"}                  forgets what was built
+    {"do": "memory", "source": 0, "small": MESH.npz}
+                                       most bytes held while building and solving, above what was
+                                       held after the same on a small mesh
     {"do": "limit"}                    the Poisson factor of this package: bytes, seconds of a solve
-    {"do": "memory", "source": 0}      most bytes held while building and solving, above the imports
 """
 
-import ctypes
-import ctypes.util
 import gc
+import importlib
 import json
 import os
 import sys
@@ -26,7 +28,6 @@ from typing import Any
 import numpy as np
 
 from measuring import clocks, libraries
-from measuring.machine import reading
 
 ENOUGH = 0.2
 """Seconds of single sources after which their mean is taken."""
@@ -39,23 +40,36 @@ READ = 256 * 2**20
 
 
 class Worker:
-    """A library, a mesh, and what was built last."""
+    """A library, a mesh, and what was built of it."""
 
-    def __init__(self, library: str, warm_up: str, mesh: str) -> None:
+    def __init__(self, library: str, mesh: str) -> None:
         self.library = library
-        libraries.load(library)
-        libraries.warm_up(library, *_arrays(warm_up))
         self.mesh = _arrays(mesh)
         self.ready: libraries.Ready | None = None
 
-    def build(self, source: int) -> dict[str, Any]:
-        def work() -> np.ndarray:
+    def start(self, source: int) -> dict[str, Any]:
+        """Clock what a user waits for in a new process: the import, then the first distance."""
+
+        def build() -> np.ndarray:
             self.ready = libraries.build(self.library, *self.mesh)
             return self.ready.one(source)
 
-        self.release()
-        spent, distance = clocks.timed(work)
-        return {**spent, "mean": float(np.mean(distance)), "solver": self.ready.solver}
+        def import_and_build() -> tuple[Any, ...]:
+            package = libraries.package(self.library)
+            return (
+                *clocks.clocked(lambda: importlib.import_module(package))[:1],
+                *clocks.clocked(build),
+            )
+
+        start, (imported, built, distance) = clocks.timed(import_and_build)
+        assert self.ready is not None
+        return {
+            "start": start,
+            "import": imported,
+            "build": built,
+            "mean": float(np.mean(distance)),
+            "solver": self.ready.solver,
+        }
 
     def one(self, sources: list[int]) -> dict[str, Any]:
         """Clock calls of one source each, without a break: after other work short ones are slow."""
@@ -77,21 +91,17 @@ class Worker:
         spent, _ = clocks.timed(lambda: self.ready.each(sources))
         return {clock: seconds / len(sources) for clock, seconds in spent.items()}
 
-    def release(self) -> dict[str, Any]:
-        self.ready = None
+    def memory(self, source: int, small: str) -> dict[str, Any]:
+        self._use(*_arrays(small), source=0)
         gc.collect()
-        name = ctypes.util.find_library("c")
-        if name is not None:  # give back what the allocator keeps
-            getattr(ctypes.CDLL(name), "malloc_trim", int)(0)
-        return {}
-
-    def memory(self, source: int) -> dict[str, Any]:
-        self.release()
+        clocks.trim()
         before = clocks.resident()
         clocks.forget_peak()
-        ready = libraries.build(self.library, *self.mesh)
-        ready.one(source)
+        self._use(*self.mesh, source=source)
         return {"bytes": clocks.peak_resident() - before}
+
+    def _use(self, vertices: np.ndarray, faces: np.ndarray, source: int) -> None:
+        libraries.build(self.library, vertices, faces).one(source)
 
     def limit(self) -> dict[str, Any]:
         """Return the bytes of the factor of the Poisson system, and the seconds of a solve."""
@@ -125,6 +135,8 @@ def _solves(solve: Callable[[np.ndarray], np.ndarray], right: np.ndarray) -> tup
 
     What is read in between puts the factor out of the cache.
     """
+    from measuring.machine import reading
+
     other = np.ones(READ // 8)
     solve(right)
     seconds, speeds = [], []
