@@ -91,7 +91,7 @@ class LinearSolver(abc.ABC):
         edge, so its solver must be; sparse Cholesky and LU without pivoting are, an iteration
         that stops on the norm of the residual is not.
     takes_rows : bool
-        Whether it also takes the matrices of :class:`~geodesic_toolkit._rows.CompressedRows`, and
+        Whether it also takes matrices as ``CompressedRows`` of ``geodesic_toolkit._rows``, and
         so does without SciPy.
     references : tuple of str
         DOIs of what it implements.
