@@ -5,9 +5,9 @@
 // one that converges. At a source kappa is infinite.
 #pragma once
 
-#include <algorithm>
-#include <cmath>
 #include <limits>
+
+#include "core/vectors.hpp"
 
 namespace geodesic {
 
@@ -25,12 +25,6 @@ struct Front {
   double distance, kappa;
 };
 
-// What reaches a vertex: its distance, kappa of the front there on a flat surface, and how far the
-// ray has come since the front left the mean distance of the edge that it crossed.
-struct Arrival {
-  double distance = kInfinity, kappa = 0.0, step = 0.0;
-};
-
 // kappa one straight `step` further on a surface of Gaussian curvature K.
 //
 // The Riccati equation kappa' = -kappa^2 - K, split: exact on the plane, then the kick of K.
@@ -41,67 +35,85 @@ inline double along(double kappa, double step, double curvature) {
   return planar - curvature * step;
 }
 
-// kappa of the front where it crosses an edge, from kappa at its ends.
+// What is said of a few triangles at a time.
+using Lanes = Pack<8>;
+
+GT_INLINE Lanes lesser(const Lanes& a, const Lanes& b) { return choose(a, b, a, b); }
+GT_INLINE Lanes size(const Lanes& a) {
+  const Lanes zero = Lanes::zeros();
+  return choose(a, zero, zero - a, a);
+}
+
+// Edges from a to b with the front at both ends, and how far these are from the third vertex.
+struct Edges {
+  Lanes distance_a, distance_b, kappa_a, kappa_b, edge, to_a, to_b;
+
+  // How far along the edges the third vertices lie, times twice their length.
+  GT_INLINE Lanes twice_along() const { return edge * edge + (to_a - to_b) * (to_a + to_b); }
+};
+
+// What reaches the third vertex: its distance, infinite if no ray through it crosses the edge; the
+// radius of the front there on a flat surface, negative if it converges; and how far the ray has
+// come since the front left the mean distance of the edge.
+struct Arrivals {
+  Lanes distance, radius, step;
+};
+
+// The radius of the front where it crosses an edge, from kappa at its ends; negative if it
+// converges.
 //
 // Of two circles the mean radius (with the mean curvature already the first ring about a source
 // would be wrong, and with it the order of the method).
-inline double on_edge(double kappa_a, double kappa_b, double edge, double mean_distance) {
-  if (std::isinf(kappa_a) || std::isinf(kappa_b)) return 1 / mean_distance;
-  if (std::abs(kappa_a - kappa_b) * edge > kDisagreement) return 1 / mean_distance;
-  if (kappa_a * kappa_b > 0) return 2 * kappa_a * kappa_b / (kappa_a + kappa_b);
-  return (kappa_a + kappa_b) / 2;
+GT_INLINE Lanes radius_on(const Edges& it, const Lanes& mean_distance) {
+  const Lanes zero = Lanes::zeros(), two = Lanes::spread(2.0);
+  const Lanes product = it.kappa_a * it.kappa_b, sum = it.kappa_a + it.kappa_b;
+  const Lanes radius = choose(zero, product, sum, two) / choose(zero, product, two * product, sum);
+  const Lanes disagreement = size(it.kappa_a - it.kappa_b) * it.edge;  // no number at two sources
+  const Lanes seen = choose(disagreement, Lanes::spread(kDisagreement), radius, mean_distance);
+  const Lanes straight = it.edge * Lanes::spread(1 / kStraight);
+  return choose(size(seen), straight, seen, straight);
 }
 
-// What reaches corner c of a triangle through its edge ab; infinite if no ray through c crosses it.
+// What comes across edges.
 //
-// In the plane, with a at the origin, b at (edge, 0) and c at (c_x, c_y), the front on the edge is
-// a circle of curvature kappa whose centre lies below, or above if it converges. The ray through c
-// is at a right angle to it.
-inline Arrival across(double d_a, double d_b, double kappa, double edge, double c_x, double c_y) {
-  if (std::abs(kappa) * edge < kStraight) kappa = kStraight / edge;
-  const double sign = kappa > 0 ? 1.0 : -1.0;
-  const double radius = sign / kappa, mean_distance = (d_a + d_b) / 2;
-  const double radius_a = radius + sign * (d_a - mean_distance);
-  const double radius_b = radius + sign * (d_b - mean_distance);
-  if (radius_a < 0 || radius_b < 0 || radius_a + radius_b < edge) return {};
-  const double centre_x = (radius_a * radius_a - radius_b * radius_b + edge * edge) / (2 * edge);
-  const double below = radius_a * radius_a - centre_x * centre_x;
-  if (below < 0) return {};
-  const double centre_y = -sign * std::sqrt(below);
-  const double rise = sign * (c_y - centre_y);
-  if (rise <= 1e-9 * radius) return {};
-  const double crossing = c_x - (c_x - centre_x) * c_y / (c_y - centre_y);
-  if (crossing < 0 || crossing > edge) return {};
-  const double x = c_x - centre_x, y = c_y - centre_y;
-  const double radius_c = std::sqrt(x * x + y * y);
-  const double step = sign * (radius_c - radius);
-  return {mean_distance + step, sign / std::max(radius_c, 1e-12 * edge), step};
+// In the plane, with a at the origin, b at (edge, 0) and the third vertex at (x, y), the front on
+// the edge is a circle whose centre lies below, or above if it converges. The ray through the third
+// vertex is at a right angle to it. No number stands for no circle.
+GT_INLINE Arrivals across(const Edges& it) {
+  const Lanes zero = Lanes::zeros(), half = Lanes::spread(0.5), one = Lanes::spread(1.0);
+  const Lanes none = Lanes::spread(kInfinity);
+  const Lanes over_twice_edge = half / it.edge, x = it.twice_along() * over_twice_edge;
+  const Lanes square = it.to_a * it.to_a - x * x, y = root(choose(square, zero, zero, square));
+  const Lanes ahead = it.distance_a - it.distance_b, mean = half * (it.distance_a + it.distance_b);
+  const Lanes radius = radius_on(it, mean), sign = choose(radius, zero, zero - one, one);
+  const Lanes radius_a = radius + half * ahead;
+  const Lanes centre_x = half * it.edge + Lanes::spread(2.0) * radius * ahead * over_twice_edge;
+  // Over the centre, in the direction of the front.
+  const Lanes rise = sign * y + root(radius_a * radius_a - centre_x * centre_x);
+  const Lanes aside = x - centre_x, crossing = x * rise - sign * aside * y;  // times the rise
+  const Lanes reached = sign * root(aside * aside + rise * rise), step = reached - radius;
+  Lanes distance = mean + step;
+  distance = choose(distance, lesser(it.distance_a, it.distance_b), none, distance);
+  distance = choose(size(ahead), it.edge, distance, none);
+  distance = choose(Lanes::spread(1e-9) * size(radius), rise, distance, none);
+  distance = choose(crossing, zero, none, distance);
+  distance = choose(it.edge * rise, crossing, none, distance);
+  return {distance, reached, step};
 }
 
-// Whether a corner at distance d may get less through the edge ab of its triangle.
+// Where the third vertex may get less than `limit` across an edge: a bit for each place.
 //
-// At x on the edge, between 0 and `edge`, the front is not sooner than d_a - x and d_b - edge + x,
-// and then has the way to the corner before it: least where both are equal. `twice` is 2 `edge`
-// times the place of the corner along the edge.
-inline bool may_gain(double d, double d_a, double d_b, double edge, double to_a, double twice) {
-  if (!(std::abs(d_a - d_b) < edge) || std::min(d_a, d_b) >= d)  // also where one is not reached
-    return false;
-  const double x = (edge + d_a - d_b) / 2, left = d - (d_a + d_b - edge) / 2;
-  return left > 0 && edge * (left * left - to_a * to_a - x * x) + x * twice > 0;
-}
-
-// What reaches a corner through the opposite edge, from a to b, if that is less than `limit`;
-// otherwise infinite. `to_a` and `to_b` are their distances from the corner.
-inline Arrival through(double limit, const Front& a, const Front& b, double edge, double to_a,
-                       double to_b) {
-  const double twice = edge * edge + (to_a - to_b) * (to_a + to_b);
-  if (!may_gain(limit, a.distance, b.distance, edge, to_a, twice)) return {};  // two thirds of all
-  const double x = twice / (2 * edge);
-  const double y = std::sqrt(std::max(to_a * to_a - x * x, 0.0));
-  const double front = on_edge(a.kappa, b.kappa, edge, (a.distance + b.distance) / 2);
-  const Arrival found = across(a.distance, b.distance, front, edge, x, y);
-  const bool better = std::min(a.distance, b.distance) <= found.distance && found.distance < limit;
-  return better ? found : Arrival{};
+// At x on the edge, between 0 and its length, the front is not sooner than d_a - x and d_b - edge +
+// x, and then has the way to the vertex before it: least where both are equal.
+GT_INLINE unsigned may_gain(const Lanes& limit, const Edges& it) {
+  const Lanes zero = Lanes::zeros(), half = Lanes::spread(0.5);
+  const Lanes ahead = it.distance_a - it.distance_b, x = half * (it.edge + ahead);
+  const Lanes left = limit - half * (it.distance_a + it.distance_b - it.edge);
+  Lanes gain = it.edge * (left * left - it.to_a * it.to_a - x * x) + x * it.twice_along();
+  gain = choose(zero, left, gain, zero);
+  gain = choose(size(ahead), it.edge, gain, zero);  // not where one has not been reached
+  gain = choose(lesser(it.distance_a, it.distance_b), limit, gain, zero);
+  return below(zero, gain);
 }
 
 }  // namespace geodesic

@@ -1,5 +1,7 @@
 #include "wavefront/sweeper.hpp"
 
+#include <bit>
+
 #include "core/processor.hpp"
 #include "wavefront/crossing.hpp"
 #include "wavefront/falling.hpp"
@@ -8,7 +10,7 @@ namespace geodesic {
 namespace {
 
 // Vertices between the one that is visited and the one whose neighbours are fetched from memory.
-// Its corners have been as many before, and where they are as many before that.
+// Its fans have been as many before, and where they are as many before that.
 constexpr Index kAhead = 12;
 
 // What a vertex knows: the front there, the curvature K of the surface, its place in the order, and
@@ -20,14 +22,37 @@ struct Vertex {
   bool pending;
 };
 
+// The numbers of the spokes that follow.
+GT_INLINE Lanes next(const Lanes& of) {
+  return Lanes::of([&](int i) { return of[(i + 1) % kSpokes]; });
+}
+
+// The vertices at the ends of the spokes of a fan.
+struct Ring {
+  const Fan* fan;
+  Lanes distance, kappa;
+
+  Ring(const Fan& of, const Vertex* vertices)
+      : fan(&of),
+        distance(Lanes::of([&](int i) { return vertices[of.neighbour[i]].front.distance; })),
+        kappa(Lanes::of([&](int i) { return vertices[of.neighbour[i]].front.kappa; })) {}
+
+  // The edges opposite the centre.
+  GT_INLINE Edges rim() const {
+    const Lanes to = Lanes::load(fan->to);
+    return {distance, next(distance), kappa, next(kappa), Lanes::load(fan->edge), to, next(to)};
+  }
+};
+
 // Sweeps of one set of sources.
 class Sweep {
  public:
-  Sweep(const Corners& corners, std::span<const double> curvature, std::span<const bool> reflex,
+  Sweep(const Fans& fans, std::span<const double> curvature, std::span<const bool> reflex,
         Array<Row> order, double tolerance)
-      : corners_(corners),
-        starts_(corners.starts.data()),
-        ends_(corners.ends),
+      : fans_(fans.fans.data()),
+        starts_(fans.starts.data()),
+        own_ends_(fans.ends),
+        ends_(fans.ends.data()),
         reflex_(reflex),
         order_(std::move(order)),
         vertices_(order_.size()),
@@ -47,12 +72,10 @@ class Sweep {
       if (sources.distances[p] <= front.distance)
         front = {sources.distances[p], sources.curvatures[p]};
     }
-    for (const Index v : sources.vertices) {
-      for (Row c = starts_[v]; c < starts_[v + 1]; ++c) {
-        await(vertices_[corners_.around[c].a]);
-        await(vertices_[corners_.around[c].b]);
-      }
-    }
+    for (const Index v : sources.vertices)
+      for (Row fan = starts_[v]; fan < starts_[v + 1]; ++fan)
+        for (const std::uint32_t neighbour : fans_[fan].neighbour)
+          await(vertices_[neighbour]);
   }
 
   // Whether any vertex is to be visited.
@@ -68,10 +91,7 @@ class Sweep {
       if (!vertices_[v].pending) continue;
       vertices_[v].pending = false;
       --n_pending_;
-      const Front found = nearest(v);
-      if (!(found.distance < vertices_[v].front.distance - tolerance_)) continue;
-      vertices_[v].front = found;
-      const Index earliest = tell(v);
+      const Index earliest = visit(v);
       if (earliest < rank && returns > 0) {
         rank = earliest;
         --returns;
@@ -82,115 +102,136 @@ class Sweep {
   // Stars need not be mutual: who is heard by the reached but hears none of them itself now listens
   // to every triangle that it is part of. Return whether there are any.
   bool open_ears(std::span<const double> log_heat) {
-    const Array<Row>& own = corners_.ends;
     for (Index v = 0; v < vertices_.size(); ++v) {
       if (std::isfinite(vertices_[v].front.distance) || !std::isfinite(log_heat[v])) continue;
       if (ends_[v] == starts_[v + 1]) continue;
-      if (heard_.empty()) heard_ = copy(own);
+      if (heard_.empty()) {
+        heard_ = Array<Row>(vertices_.size());
+        std::ranges::copy(own_ends_, heard_.begin());
+        ends_ = heard_.data();
+      }
       heard_[v] = starts_[v + 1];
       await(vertices_[v]);
     }
-    if (!heard_.empty()) ends_ = heard_;
     return n_pending_ > 0;
   }
 
  private:
-  static Array<Row> copy(const Array<Row>& from) {
-    Array<Row> result(from.size());
-    std::copy(from.begin(), from.end(), result.begin());
-    return result;
-  }
-
   void await(Vertex& vertex) {
     n_pending_ += !vertex.pending;
     vertex.pending = true;
   }
 
-  // Distance and kappa that the corners of vertex v have for it, infinite if none improves it.
-  //
-  // First along the edges, which costs little and leaves few triangles that may do better.
-  Front nearest(Row v) const {
-    const Corner* const corner = corners_.around.data();
-    const double enough = vertices_[v].front.distance - tolerance_, bend = vertices_[v].curvature;
-    double best = enough, step = 0.0;
-    Row via = kNone;
-    for (Row c = starts_[v]; c < ends_[v]; ++c) {
-      const double by_a = vertices_[corner[c].a].front.distance + corner[c].to_a;
-      const double by_b = vertices_[corner[c].b].front.distance + corner[c].to_b;
-      if (by_a < best) {
-        best = by_a;
-        via = static_cast<Row>(corner[c].a);
-        step = corner[c].to_a;
-      }
-      if (by_b < best) {
-        best = by_b;
-        via = static_cast<Row>(corner[c].b);
-        step = corner[c].to_b;
-      }
+  // Visit a vertex; return the least rank of those who gain from it.
+  Index visit(Row v) {
+    const Row start = starts_[v], end = starts_[v + 1];
+    const double enough = vertices_[v].front.distance - tolerance_;
+    if (end - start == 1) {  // most have one fan, of which everything stays in registers
+      const Ring ring(fans_[start], vertices_.data());
+      Front found{enough, 0.0};
+      look_for(ring, v, found);
+      if (!(found.distance < enough)) return order_.size();
+      vertices_[v].front = found;
+      return tell(ring, v);
     }
-    const double by_edge = best;
-    double kappa = 0.0;
-    for (Row c = starts_[v]; c < ends_[v]; ++c) {
-      const Vertex &a = vertices_[corner[c].a], &b = vertices_[corner[c].b];
-      const Arrival found =
-          through(best, a.front, b.front, corner[c].edge, corner[c].to_a, corner[c].to_b);
-      if (!(found.distance < best)) continue;
-      best = found.distance;
-      kappa = found.kappa - (a.curvature + b.curvature + bend) / 3 * found.step;
-    }
-    if (best < by_edge) return {best, kappa};
-    if (via == kNone) return {kInfinity, 0.0};
-    if (reflex_[via])  // about a corner of the boundary: the front is a circle about it
-      return {best, 1 / step};
-    return {best, along(vertices_[via].front.kappa, step, (vertices_[via].curvature + bend) / 2)};
-  }
-
-  // Whether the vertex `near` gains from v, in their triangle with the vertex `other`. `to_v` and
-  // `to_other` are their distances from `near`, `edge` lies between the two.
-  bool gains(const Vertex& near, const Vertex& v, const Vertex& other, double to_v, double to_other,
-             double edge) const {
-    const double limit = near.front.distance - tolerance_;
-    if (limit > v.front.distance + to_v) return true;
-    return through(limit, v.front, other.front, edge, to_v, to_other).distance < limit;
-  }
-
-  // Let those be pending who gain from vertex v; return the least of their ranks.
-  Index tell(Row v) {
-    const Vertex reached = vertices_[v];
+    Front found{enough, 0.0};
+    for (Row fan = start; fan < ends_[v]; ++fan) look_for({fans_[fan], vertices_.data()}, v, found);
+    if (!(found.distance < enough)) return order_.size();
+    vertices_[v].front = found;
     Index earliest = order_.size();
-    const auto ask = [&](Vertex& near, const Vertex& other, double to_v, double to_other,
-                         double edge) {
-      // Who is pending already needs no look: if he comes earlier, this vertex made him so.
-      if (near.pending || !gains(near, reached, other, to_v, to_other, edge)) return;
-      await(near);
-      earliest = std::min<Index>(earliest, near.rank);
-    };
-    for (Row c = starts_[v]; c < starts_[v + 1]; ++c) {
-      const auto& [a, b, to_a, to_b, edge] = corners_.around[c];
-      ask(vertices_[a], vertices_[b], to_a, edge, to_b);
-      ask(vertices_[b], vertices_[a], to_b, edge, to_a);
+    for (Row fan = start; fan < end; ++fan)
+      earliest = std::min(earliest, tell({fans_[fan], vertices_.data()}, v));
+    return earliest;
+  }
+
+  // Put down what a fan has for vertex v, if it is better than what was found before.
+  GT_INLINE void look_for(const Ring& ring, Row v, Front& found) const {
+    const Lanes by_edge = ring.distance + Lanes::load(ring.fan->to);
+    const Arrivals arrivals = across(ring.rim());
+    const double best = choose(arrivals.distance, by_edge, arrivals.distance, by_edge).least();
+    if (!(best < found.distance)) return;
+    found.distance = best;
+    const double bend = vertices_[v].curvature;
+    const unsigned edges = ~below(Lanes::spread(best), by_edge) & kAll;
+    if (edges) {
+      const int lane = std::countr_zero(edges);
+      const Row via = static_cast<Row>(ring.fan->neighbour[lane]);
+      const Vertex& near = vertices_[via];
+      const double step = ring.fan->to[lane];
+      if (reflex_[via])  // about a corner of the boundary: the front is a circle about it
+        found.kappa = 1 / step;
+      else
+        found.kappa = along(near.front.kappa, step, (near.curvature + bend) / 2);
+      return;
     }
+    const int lane = std::countr_zero(~below(Lanes::spread(best), arrivals.distance) & kAll);
+    double radii[kSpokes], steps[kSpokes];
+    arrivals.radius.store(radii);
+    arrivals.step.store(steps);
+    const Vertex& a = vertices_[ring.fan->neighbour[lane]];
+    const Vertex& b = vertices_[ring.fan->neighbour[(lane + 1) % kSpokes]];
+    const double least = 1e-12 * ring.fan->edge[lane];
+    const double radius = std::copysign(std::max(std::abs(radii[lane]), least), radii[lane]);
+    found.kappa = 1 / radius - (a.curvature + b.curvature + bend) / 3 * steps[lane];
+  }
+
+  // Let those of a fan be pending who gain from vertex v; return the least of their ranks.
+  //
+  // Who is pending already needs no look: if he comes earlier, this vertex made him so.
+  GT_INLINE Index tell(const Ring& ring, Row v) {
+    const Lanes limit = ring.distance - Lanes::spread(tolerance_);
+    const Lanes to = Lanes::load(ring.fan->to), edge = Lanes::load(ring.fan->edge);
+    const Lanes distance = Lanes::spread(vertices_[v].front.distance);
+    const Lanes kappa = Lanes::spread(vertices_[v].front.kappa);
+    Index earliest = order_.size();
+    const auto await_all = [&](unsigned who) {
+      for (; who; who &= who - 1) {
+        Vertex& near = vertices_[ring.fan->neighbour[std::countr_zero(who)]];
+        if (near.pending) continue;
+        await(near);
+        earliest = std::min<Index>(earliest, near.rank);
+      }
+    };
+    const unsigned along_edge = below(distance + to, limit);
+    await_all(along_edge);
+    const Lanes next_distance = next(ring.distance), next_to = next(to);
+    // For each spoke across the edge from v to the next, and for the next across that to this one.
+    const Edges later{distance, next_distance, kappa, next(ring.kappa), next_to, to, edge};
+    const Edges sooner{distance, ring.distance, kappa, ring.kappa, to, next_to, edge};
+    const Lanes next_limit = next(limit);
+    const unsigned one = may_gain(limit, later) & ~along_edge;
+    if (one) [[unlikely]] await_all(one & below(across(later).distance, limit));
+    const unsigned other = onward(may_gain(next_limit, sooner)) & ~along_edge;
+    if (other) [[unlikely]]
+      await_all(other & onward(below(across(sooner).distance, next_limit)));
     return earliest;
   }
 
   // Fetch what vertices will need: the order of the heat is none that memory could foresee. Of one
-  // the place of its corners, of one before it these, and of one before that its neighbours.
-  void look_ahead(Index rank) const {
+  // the place of its fans, of one before it these, and of one before that its neighbours.
+  //
+  // Inline, or else GCC finds a function without effects, and leaves its calls out.
+  GT_INLINE void look_ahead(Index rank) const {
     if (rank + 3 * kAhead >= order_.size()) return;
     const Row last = order_[rank + 3 * kAhead], later = order_[rank + 2 * kAhead],
               soon = order_[rank + kAhead];
-    const Corner* const corner = corners_.around.data();
     prefetch(&starts_[last]);
-    prefetch(&ends_[last]);
     prefetch(&vertices_[later]);
-    for (Row c = starts_[later]; c < ends_[later]; c += 2) prefetch(&corner[c]);
-    for (Row c = starts_[soon]; c < ends_[soon]; ++c) prefetch(&vertices_[corner[c].a]);
+    const char* const fan = reinterpret_cast<const char*>(&fans_[starts_[later]]);
+    for (std::size_t byte = 0; byte < sizeof(Fan); byte += 64) prefetch(fan + byte);
+    for (const std::uint32_t neighbour : fans_[starts_[soon]].neighbour)
+      prefetch(&vertices_[neighbour]);
   }
 
-  const Corners& corners_;
+  static constexpr unsigned kAll = (1u << kSpokes) - 1;
+  // The bits of spokes, each given to the next.
+  static unsigned onward(unsigned bits) { return (bits << 1 | bits >> (kSpokes - 1)) & kAll; }
+
+  const Fan* fans_;
   const Row* starts_;
-  std::span<const Row> ends_;  // of the corners that vertices listen to
-  Array<Row> heard_;           // the same, where they are others
+  std::span<const Row> own_ends_;
+  const Row* ends_;   // of the fans that vertices listen to
+  Array<Row> heard_;  // the same, where they are others
   std::span<const bool> reflex_;
   Array<Row> order_;
   Array<Vertex> vertices_;
@@ -209,14 +250,13 @@ Array<T> copied(std::span<const T> values) {
 
 Sweeper::Sweeper(const Corners& corners, std::span<const double> curvature,
                  std::span<const bool> reflex)
-    : corners_{copied<Row>(corners.starts), copied<Row>(corners.ends),
-               copied<Corner>(corners.around)},
+    : fans_(fans_of(corners)),
       curvature_(copied(curvature)),
       reflex_(copied(reflex)) {}
 
 void Sweeper::sweep(std::span<const double> log_heat, const Sources& sources, const Effort& effort,
                     std::span<double> distances, std::span<double> kappas) const {
-  Sweep sweep(corners_, curvature_, reflex_, falling(log_heat), effort.tolerance);
+  Sweep sweep(fans_, curvature_, reflex_, falling(log_heat), effort.tolerance);
   sweep.begin(sources);
   const auto all_reached = [&] {
     for (Index v = 0; v < n_vertices(); ++v)

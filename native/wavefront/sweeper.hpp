@@ -6,7 +6,7 @@
 // into the plane, with the curvature of the front carried along by its Riccati equation.
 #pragma once
 
-#include "wavefront/corners.hpp"
+#include "wavefront/fans.hpp"
 
 namespace geodesic {
 
@@ -30,7 +30,7 @@ class Sweeper {
   // Curvature of the surface at vertices, and whether fronts turn about them.
   Sweeper(const Corners& corners, std::span<const double> curvature, std::span<const bool> reflex);
 
-  Index n_vertices() const { return corners_.ends.size(); }
+  Index n_vertices() const { return curvature_.size(); }
 
   // Write the distance of each vertex, infinite where no triangle connects, and if there is room
   // for it the curvature of the front there. `log_heat` gives the order of visits.
@@ -38,7 +38,7 @@ class Sweeper {
              std::span<double> distances, std::span<double> kappas) const;
 
  private:
-  Corners corners_;
+  Fans fans_;
   Array<double> curvature_;
   Array<bool> reflex_;
 };
