@@ -13,6 +13,9 @@ namespace {
 // Its fans have been as many before, and where they are as many before that.
 constexpr Index kAhead = 12;
 
+// More than any distance that is finite.
+constexpr double kLarge = std::numeric_limits<double>::max();
+
 // What a vertex knows: the front there, the curvature K of the surface, its place in the order, and
 // whether it is to be visited.
 struct Vertex {
@@ -187,13 +190,18 @@ class Sweep {
     const auto await_all = [&](unsigned who) {
       for (; who; who &= who - 1) {
         Vertex& near = vertices_[ring.fan->neighbour[std::countr_zero(who)]];
-        if (near.pending) continue;
-        await(near);
-        earliest = std::min<Index>(earliest, near.rank);
+        const Index rank = near.pending ? order_.size() : near.rank;
+        n_pending_ += !near.pending;
+        near.pending = true;
+        earliest = std::min(earliest, rank);
       }
     };
+    // Who has not been reached gains whatever v has: the processor need not wait for that.
+    const unsigned unreached = below(Lanes::spread(kLarge), ring.distance) & below(to, Lanes::spread(kInfinity));
+    await_all(unreached);
     const unsigned along_edge = below(distance + to, limit);
-    await_all(along_edge);
+    if (const unsigned more = along_edge & ~unreached) [[unlikely]]
+      await_all(more);
     const Lanes next_distance = next(ring.distance), next_to = next(to);
     // For each spoke across the edge from v to the next, and for the next across that to this one.
     const Edges later{distance, next_distance, kappa, next(ring.kappa), next_to, to, edge};
