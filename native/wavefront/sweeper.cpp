@@ -25,25 +25,21 @@ struct Vertex {
   bool pending;
 };
 
-// The numbers of the spokes that follow.
-GT_INLINE Lanes next(const Lanes& of) {
-  return Lanes::of([&](int i) { return of[(i + 1) % kSpokes]; });
-}
-
 // The vertices at the ends of the spokes of a fan.
 struct Ring {
   const Fan* fan;
-  Lanes distance, kappa;
+  Lanes distance, radius;
 
   Ring(const Fan& of, const Vertex* vertices)
       : fan(&of),
         distance(Lanes::of([&](int i) { return vertices[of.neighbour[i]].front.distance; })),
-        kappa(Lanes::of([&](int i) { return vertices[of.neighbour[i]].front.kappa; })) {}
+        radius(Lanes::of([&](int i) { return vertices[of.neighbour[i]].front.radius; })) {}
 
   // The edges opposite the centre.
   GT_INLINE Edges rim() const {
     const Lanes to = Lanes::load(fan->to);
-    return {distance, next(distance), kappa, next(kappa), Lanes::load(fan->edge), to, next(to)};
+    return {distance, turned(distance), radius, turned(radius), Lanes::load(fan->edge),
+            to,       turned(to)};
   }
 };
 
@@ -62,7 +58,7 @@ class Sweep {
         tolerance_(tolerance) {
     for (Index rank = 0; rank < order_.size(); ++rank) {
       const Row v = order_[rank];
-      vertices_[v] = {{kInfinity, 0.0}, curvature[v], static_cast<Row>(rank), false};
+      vertices_[v] = {{kInfinity, 1.0}, curvature[v], static_cast<Row>(rank), false};
     }
   }
 
@@ -73,12 +69,11 @@ class Sweep {
     for (std::size_t p = 0; p < sources.vertices.size(); ++p) {
       Front& front = vertices_[sources.vertices[p]].front;
       if (sources.distances[p] <= front.distance)
-        front = {sources.distances[p], sources.curvatures[p]};
+        front = {sources.distances[p], inverse(sources.curvatures[p])};
     }
     for (const Index v : sources.vertices)
       for (Row fan = starts_[v]; fan < starts_[v + 1]; ++fan)
-        for (const std::uint32_t neighbour : fans_[fan].neighbour)
-          await(vertices_[neighbour]);
+        for (const std::uint32_t neighbour : fans_[fan].neighbour) await(vertices_[neighbour]);
   }
 
   // Whether any vertex is to be visited.
@@ -147,35 +142,58 @@ class Sweep {
     return earliest;
   }
 
+  // The places where less than `limit` comes across edges.
+  static unsigned gains(const Edges& edges, const Lanes& limit) {
+    const Arrivals arrivals = across(edges);
+    return arrivals.arrive & below(arrivals.distance, limit);
+  }
+
   // Put down what a fan has for vertex v, if it is better than what was found before.
   GT_INLINE void look_for(const Ring& ring, Row v, Front& found) const {
-    const Lanes by_edge = ring.distance + Lanes::load(ring.fan->to);
     const Arrivals arrivals = across(ring.rim());
-    const double best = choose(arrivals.distance, by_edge, arrivals.distance, by_edge).least();
-    if (!(best < found.distance)) return;
-    found.distance = best;
-    const double bend = vertices_[v].curvature;
-    const unsigned edges = ~below(Lanes::spread(best), by_edge) & kAll;
-    if (edges) {
-      const int lane = std::countr_zero(edges);
-      const Row via = static_cast<Row>(ring.fan->neighbour[lane]);
-      const Vertex& near = vertices_[via];
-      const double step = ring.fan->to[lane];
-      if (reflex_[via])  // about a corner of the boundary: the front is a circle about it
-        found.kappa = 1 / step;
-      else
-        found.kappa = along(near.front.kappa, step, (near.curvature + bend) / 2);
-      return;
-    }
-    const int lane = std::countr_zero(~below(Lanes::spread(best), arrivals.distance) & kAll);
-    double radii[kSpokes], steps[kSpokes];
+    double distances[kSpokes], radii[kSpokes], steps[kSpokes];
+    arrivals.distance.store(distances);
     arrivals.radius.store(radii);
     arrivals.step.store(steps);
-    const Vertex& a = vertices_[ring.fan->neighbour[lane]];
-    const Vertex& b = vertices_[ring.fan->neighbour[(lane + 1) % kSpokes]];
-    const double least = 1e-12 * ring.fan->edge[lane];
-    const double radius = std::copysign(std::max(std::abs(radii[lane]), least), radii[lane]);
-    found.kappa = 1 / radius - (a.curvature + b.curvature + bend) / 3 * steps[lane];
+    double best = found.distance;
+    int lane = -1;
+    unsigned arrived = arrivals.arrive & below(arrivals.distance, Lanes::spread(best));
+    for (; arrived; arrived &= arrived - 1) {  // one, as a rule
+      const int other = std::countr_zero(arrived);
+      if (!(distances[other] < best)) continue;
+      best = distances[other];
+      lane = other;
+    }
+    const Lanes by_edge = ring.distance + Lanes::load(ring.fan->to), limit = Lanes::spread(best);
+    const unsigned edges = lane < 0 ? below(by_edge, limit) : ~below(limit, by_edge) & kAll;
+    if (edges) [[unlikely]] {
+      by_edge.store(distances);
+      follow_edge(ring, v, edges, distances, found);
+    } else if (lane >= 0) {
+      const Vertex& a = vertices_[ring.fan->neighbour[lane]];
+      const Vertex& b = vertices_[ring.fan->neighbour[(lane + 1) % kSpokes]];
+      const double bend = (a.curvature + b.curvature + vertices_[v].curvature) * (1.0 / 3);
+      const double least = 1e-12 * ring.fan->edge[lane];
+      const double planar = std::copysign(std::max(std::abs(radii[lane]), least), radii[lane]);
+      const double radius = planar / (1 - bend * steps[lane] * planar);
+      found = {best, std::abs(radius) < kHuge ? radius : kHuge};
+    }
+  }
+
+  // Put down the least distance that those edges have for vertex v.
+  void follow_edge(const Ring& ring, Row v, unsigned edges, const double* distances,
+                   Front& found) const {
+    int lane = std::countr_zero(edges);
+    for (; edges; edges &= edges - 1) {
+      const int other = std::countr_zero(edges);
+      if (distances[other] < distances[lane]) lane = other;
+    }
+    const auto via = ring.fan->neighbour[lane];
+    const Vertex& near = vertices_[via];
+    const double step = ring.fan->to[lane];
+    // About a corner of the boundary: the front is a circle about it.
+    const double bend = (near.curvature + vertices_[v].curvature) / 2;
+    found = {distances[lane], reflex_[via] ? step : after_step(near.front.radius, step, bend)};
   }
 
   // Let those of a fan be pending who gain from vertex v; return the least of their ranks.
@@ -185,7 +203,7 @@ class Sweep {
     const Lanes limit = ring.distance - Lanes::spread(tolerance_);
     const Lanes to = Lanes::load(ring.fan->to), edge = Lanes::load(ring.fan->edge);
     const Lanes distance = Lanes::spread(vertices_[v].front.distance);
-    const Lanes kappa = Lanes::spread(vertices_[v].front.kappa);
+    const Lanes radius = Lanes::spread(vertices_[v].front.radius);
     Index earliest = order_.size();
     const auto await_all = [&](unsigned who) {
       for (; who; who &= who - 1) {
@@ -197,21 +215,23 @@ class Sweep {
       }
     };
     // Who has not been reached gains whatever v has: the processor need not wait for that.
-    const unsigned unreached = below(Lanes::spread(kLarge), ring.distance) & below(to, Lanes::spread(kInfinity));
+    const unsigned unreached =
+        below(Lanes::spread(kLarge), ring.distance) & below(to, Lanes::spread(kInfinity));
     await_all(unreached);
     const unsigned along_edge = below(distance + to, limit);
     if (const unsigned more = along_edge & ~unreached) [[unlikely]]
       await_all(more);
-    const Lanes next_distance = next(ring.distance), next_to = next(to);
+    const Lanes next_distance = turned(ring.distance), next_to = turned(to);
     // For each spoke across the edge from v to the next, and for the next across that to this one.
-    const Edges later{distance, next_distance, kappa, next(ring.kappa), next_to, to, edge};
-    const Edges sooner{distance, ring.distance, kappa, ring.kappa, to, next_to, edge};
-    const Lanes next_limit = next(limit);
+    const Edges later{distance, next_distance, radius, turned(ring.radius), next_to, to, edge};
+    const Edges sooner{distance, ring.distance, radius, ring.radius, to, next_to, edge};
+    const Lanes next_limit = turned(limit);
     const unsigned one = may_gain(limit, later) & ~along_edge;
-    if (one) [[unlikely]] await_all(one & below(across(later).distance, limit));
+    if (one) [[unlikely]]
+      await_all(one & gains(later, limit));
     const unsigned other = onward(may_gain(next_limit, sooner)) & ~along_edge;
     if (other) [[unlikely]]
-      await_all(other & onward(below(across(sooner).distance, next_limit)));
+      await_all(other & onward(gains(sooner, next_limit)));
     return earliest;
   }
 
@@ -258,9 +278,7 @@ Array<T> copied(std::span<const T> values) {
 
 Sweeper::Sweeper(const Corners& corners, std::span<const double> curvature,
                  std::span<const bool> reflex)
-    : fans_(fans_of(corners)),
-      curvature_(copied(curvature)),
-      reflex_(copied(reflex)) {}
+    : fans_(fans_of(corners)), curvature_(copied(curvature)), reflex_(copied(reflex)) {}
 
 void Sweeper::sweep(std::span<const double> log_heat, const Sources& sources, const Effort& effort,
                     std::span<double> distances, std::span<double> kappas) const {
@@ -277,7 +295,7 @@ void Sweeper::sweep(std::span<const double> log_heat, const Sources& sources, co
     sweep.run(sweeps < effort.steady ? 0 : effort.returns);
   }
   for (Index v = 0; v < n_vertices(); ++v) distances[v] = sweep.vertices()[v].front.distance;
-  for (Index v = 0; v < count(kappas); ++v) kappas[v] = sweep.vertices()[v].front.kappa;
+  for (Index v = 0; v < count(kappas); ++v) kappas[v] = 1 / sweep.vertices()[v].front.radius;
 }
 
 }  // namespace geodesic
