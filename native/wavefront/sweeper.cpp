@@ -3,8 +3,8 @@
 #include <bit>
 
 #include "core/processor.hpp"
+#include "core/threads.hpp"
 #include "wavefront/crossing.hpp"
-#include "wavefront/falling.hpp"
 
 namespace geodesic {
 namespace {
@@ -43,47 +43,57 @@ struct Ring {
   }
 };
 
-// Sweeps of one set of sources.
+// Sweeps of one set of sources after the other.
 class Sweep {
  public:
-  Sweep(const Fans& fans, std::span<const double> curvature, std::span<const bool> reflex,
-        Array<Row> order, double tolerance)
+  Sweep(const Fans& fans, std::span<const double> curvature, std::span<const bool> reflex)
       : fans_(fans.fans.data()),
         starts_(fans.starts.data()),
         own_ends_(fans.ends),
-        ends_(fans.ends.data()),
+        curvature_(curvature),
         reflex_(reflex),
-        order_(std::move(order)),
-        vertices_(order_.size()),
-        tolerance_(tolerance) {
-    for (Index rank = 0; rank < order_.size(); ++rank) {
-      const Row v = order_[rank];
-      vertices_[v] = {{kInfinity, 1.0}, curvature[v], static_cast<Row>(rank), false};
-    }
-  }
+        vertices_(fans.ends.size()) {}
 
   std::span<const Vertex> vertices() const { return vertices_; }
 
-  // Put sources at their distances, the nearest where there are several at a vertex.
-  void begin(const Sources& sources) {
-    for (std::size_t p = 0; p < sources.vertices.size(); ++p) {
+  // Begin with set k, which the order belongs to. The nearest counts where there are several at a
+  // vertex.
+  void begin(std::span<const Row> order, const Sources& sources, Index k) {
+    order_ = order;
+    ends_ = own_ends_.data();
+    tolerance_ = sources.tolerances[k];
+    for (Index rank = 0; rank < count(order); ++rank) {
+      const Row v = order[rank];
+      vertices_[v] = {{kInfinity, 1.0}, curvature_[v], static_cast<Row>(rank), false};
+    }
+    n_pending_ = 0;
+    for (Index p = sources.begins[k]; p < sources.begins[k + 1]; ++p) {
       Front& front = vertices_[sources.vertices[p]].front;
       if (sources.distances[p] <= front.distance)
         front = {sources.distances[p], inverse(sources.curvatures[p])};
     }
-    for (const Index v : sources.vertices)
+    for (Index p = sources.begins[k]; p < sources.begins[k + 1]; ++p) {
+      const Index v = sources.vertices[p];
       for (Row fan = starts_[v]; fan < starts_[v + 1]; ++fan)
         for (const std::uint32_t neighbour : fans_[fan].neighbour) await(vertices_[neighbour]);
+    }
   }
 
   // Whether any vertex is to be visited.
   bool is_under_way() const { return n_pending_ > 0; }
 
+  // Whether every vertex has a distance that set k sends heat to.
+  bool has_reached_all(const HeatTable& heat, Index k) const {
+    for (Index v = 0; v < vertices_.size(); ++v)
+      if (!std::isfinite(vertices_[v].front.distance) && heat.reaches(v, k)) return false;
+    return true;
+  }
+
   // Visit the pending vertices in their order once. Whoever gains from a vertex that improved is
   // pending. Where one of them comes earlier in the order, the sweep returns to it at once, before
   // what it will improve spreads; but only so many times.
   void run(Index returns) {
-    for (Index rank = 0; rank < order_.size() && n_pending_ > 0;) {
+    for (Index rank = 0; rank < n_ranks() && n_pending_ > 0;) {
       look_ahead(rank + 1);
       const Row v = order_[rank++];
       if (!vertices_[v].pending) continue;
@@ -99,12 +109,12 @@ class Sweep {
 
   // Stars need not be mutual: who is heard by the reached but hears none of them itself now listens
   // to every triangle that it is part of. Return whether there are any.
-  bool open_ears(std::span<const double> log_heat) {
+  bool open_ears(const HeatTable& heat, Index k) {
     for (Index v = 0; v < vertices_.size(); ++v) {
-      if (std::isfinite(vertices_[v].front.distance) || !std::isfinite(log_heat[v])) continue;
+      if (std::isfinite(vertices_[v].front.distance) || !heat.reaches(v, k)) continue;
       if (ends_[v] == starts_[v + 1]) continue;
-      if (heard_.empty()) {
-        heard_ = Array<Row>(vertices_.size());
+      if (heard_.empty()) heard_ = Array<Row>(vertices_.size());
+      if (ends_ != heard_.data()) {
         std::ranges::copy(own_ends_, heard_.begin());
         ends_ = heard_.data();
       }
@@ -115,6 +125,8 @@ class Sweep {
   }
 
  private:
+  Index n_ranks() const { return count(order_); }
+
   void await(Vertex& vertex) {
     n_pending_ += !vertex.pending;
     vertex.pending = true;
@@ -128,15 +140,15 @@ class Sweep {
       const Ring ring(fans_[start], vertices_.data());
       Front found{enough, 0.0};
       look_for(ring, v, found);
-      if (!(found.distance < enough)) return order_.size();
+      if (!(found.distance < enough)) return n_ranks();
       vertices_[v].front = found;
       return tell(ring, v);
     }
     Front found{enough, 0.0};
     for (Row fan = start; fan < ends_[v]; ++fan) look_for({fans_[fan], vertices_.data()}, v, found);
-    if (!(found.distance < enough)) return order_.size();
+    if (!(found.distance < enough)) return n_ranks();
     vertices_[v].front = found;
-    Index earliest = order_.size();
+    Index earliest = n_ranks();
     for (Row fan = start; fan < end; ++fan)
       earliest = std::min(earliest, tell({fans_[fan], vertices_.data()}, v));
     return earliest;
@@ -204,11 +216,11 @@ class Sweep {
     const Lanes to = Lanes::load(ring.fan->to), edge = Lanes::load(ring.fan->edge);
     const Lanes distance = Lanes::spread(vertices_[v].front.distance);
     const Lanes radius = Lanes::spread(vertices_[v].front.radius);
-    Index earliest = order_.size();
+    Index earliest = n_ranks();
     const auto await_all = [&](unsigned who) {
       for (; who; who &= who - 1) {
         Vertex& near = vertices_[ring.fan->neighbour[std::countr_zero(who)]];
-        const Index rank = near.pending ? order_.size() : near.rank;
+        const Index rank = near.pending ? n_ranks() : near.rank;
         n_pending_ += !near.pending;
         near.pending = true;
         earliest = std::min(earliest, rank);
@@ -240,7 +252,7 @@ class Sweep {
   //
   // Inline, or else GCC finds a function without effects, and leaves its calls out.
   GT_INLINE void look_ahead(Index rank) const {
-    if (rank + 3 * kAhead >= order_.size()) return;
+    if (rank + 3 * kAhead >= n_ranks()) return;
     const Row last = order_[rank + 3 * kAhead], later = order_[rank + 2 * kAhead],
               soon = order_[rank + kAhead];
     prefetch(&starts_[last]);
@@ -258,12 +270,13 @@ class Sweep {
   const Fan* fans_;
   const Row* starts_;
   std::span<const Row> own_ends_;
-  const Row* ends_;   // of the fans that vertices listen to
-  Array<Row> heard_;  // the same, where they are others
+  const Row* ends_ = nullptr;  // of the fans that vertices listen to
+  Array<Row> heard_;           // the same, where they are others
+  std::span<const double> curvature_;
   std::span<const bool> reflex_;
-  Array<Row> order_;
+  std::span<const Row> order_;
   Array<Vertex> vertices_;
-  double tolerance_;
+  double tolerance_ = 0.0;
   Index n_pending_ = 0;
 };
 
@@ -280,22 +293,25 @@ Sweeper::Sweeper(const Corners& corners, std::span<const double> curvature,
                  std::span<const bool> reflex)
     : fans_(fans_of(corners)), curvature_(copied(curvature)), reflex_(copied(reflex)) {}
 
-void Sweeper::sweep(std::span<const double> log_heat, const Sources& sources, const Effort& effort,
-                    std::span<double> distances, std::span<double> kappas) const {
-  Sweep sweep(fans_, curvature_, reflex_, falling(log_heat), effort.tolerance);
-  sweep.begin(sources);
-  const auto all_reached = [&] {
-    for (Index v = 0; v < n_vertices(); ++v)
-      if (!std::isfinite(sweep.vertices()[v].front.distance) && std::isfinite(log_heat[v]))
-        return false;
-    return true;
-  };
-  for (Index sweeps = 0; sweep.is_under_way() || sweep.open_ears(log_heat); ++sweeps) {
-    if (sweeps >= effort.most_sweeps && all_reached()) break;
-    sweep.run(sweeps < effort.steady ? 0 : effort.returns);
-  }
-  for (Index v = 0; v < n_vertices(); ++v) distances[v] = sweep.vertices()[v].front.distance;
-  for (Index v = 0; v < count(kappas); ++v) kappas[v] = 1 / sweep.vertices()[v].front.radius;
+void Sweeper::sweep(const HeatTable& heat, const Sources& sources, const Effort& effort,
+                    std::span<double> distances, std::span<double> kappas, int n_threads) const {
+  const Index n = n_vertices(), n_sets = heat.n_columns;
+  in_pieces(n_sets, (n_sets + n_threads - 1) / n_threads, n_threads, [&](Index begin, Index end) {
+    Sweep sweep(fans_, curvature_, reflex_);
+    const Array<Row> orders = falling(heat, begin, end);
+    for (Index k = begin; k < end; ++k) {
+      const Row* const order = orders.data() + (k - begin) * n;
+      sweep.begin({order, static_cast<std::size_t>(n)}, sources, k);
+      for (Index sweeps = 0; sweep.is_under_way() || sweep.open_ears(heat, k); ++sweeps) {
+        if (sweeps >= effort.most_sweeps && sweep.has_reached_all(heat, k)) break;
+        sweep.run(sweeps < effort.steady ? 0 : effort.returns);
+      }
+      const std::span<const Vertex> vertices = sweep.vertices();
+      for (Index v = 0; v < n; ++v) distances[k * n + v] = vertices[v].front.distance;
+      if (kappas.empty()) continue;
+      for (Index v = 0; v < n; ++v) kappas[k * n + v] = 1 / vertices[v].front.radius;
+    }
+  });
 }
 
 }  // namespace geodesic
