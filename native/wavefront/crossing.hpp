@@ -28,27 +28,34 @@ struct Front {
   double distance, radius;
 };
 
-// The radius of a front from its curvature, and back.
+// The radius of a front from its curvature.
 inline double inverse(double kappa) {
   const double radius = 1 / kappa;
   return std::abs(radius) < kHuge ? radius : kHuge;
 }
 
-// The radius one straight `step` further on a surface of Gaussian curvature K.
-//
-// The Riccati equation kappa' = -kappa^2 - K, split: exact on the plane, then the kick of K.
-inline double after_step(double radius, double step, double curvature) {
-  if (radius == 0) return step;
-  const double wider = radius + step;
-  const double planar = wider / radius > 1e-9 ? wider : 1e-9 * step;
-  return inverse(1 / planar - curvature * step);
+// The radius one straight `step` further on a flat surface.
+inline double wider(double radius, double step) {
+  const double sum = radius + step;
+  return radius == 0 || sum / radius > 1e-9 ? sum : 1e-9 * step;
 }
 
-// What is said of a few triangles at a time.
-using Lanes = Pack<8>;
+// The same on one of Gaussian curvature K, that is `bend`.
+//
+// The Riccati equation kappa' = -kappa^2 - K, split: exact on the plane, then the kick of K.
+inline double bent(double radius, double step, double bend) {
+  const double result = radius / (1 - bend * step * radius);
+  return std::abs(result) < kHuge ? result : kHuge;
+}
 
-GT_INLINE Lanes lesser(const Lanes& a, const Lanes& b) { return choose(a, b, a, b); }
-// Edges from a to b with the front at both ends, and how far these are from the third vertex.
+template <class Lanes>
+GT_INLINE Lanes lesser(const Lanes& a, const Lanes& b) {
+  return choose(a, b, a, b);
+}
+
+// Edges from a to b with the front at both ends, and how far these are from the third vertex; a few
+// of them at a time.
+template <class Lanes>
 struct Edges {
   Lanes distance_a, distance_b, radius_a, radius_b, edge, to_a, to_b;
 
@@ -56,12 +63,12 @@ struct Edges {
   GT_INLINE Lanes twice_along() const { return edge * edge + (to_a - to_b) * (to_a + to_b); }
 };
 
-// What reaches the third vertex: its distance, the radius of the front there on a flat surface, how
-// far the ray has come since the front left the mean distance of the edge, and a bit for each place
-// where a ray through the vertex crosses the edge.
+// What reaches the third vertex: its distance, infinite if no ray through it crosses the edge, the
+// radius of the front there on a flat surface, and how far the ray has come since the front left the
+// mean distance of the edge.
+template <class Lanes>
 struct Arrivals {
   Lanes distance, radius, step;
-  unsigned arrive;
 };
 
 // The radius of the front where it crosses an edge.
@@ -69,7 +76,8 @@ struct Arrivals {
 // Of two circles that both spread, or both converge, the mean radius (with the mean curvature
 // already the first ring about a source would be wrong, and with it the order of the method);
 // otherwise that of the mean curvature.
-GT_INLINE Lanes radius_on(const Edges& it, const Lanes& mean_distance) {
+template <class Lanes>
+GT_INLINE Lanes radius_on(const Edges<Lanes>& it, const Lanes& mean_distance) {
   const Lanes product = it.radius_a * it.radius_b, sum = it.radius_a + it.radius_b;
   const Lanes other = (product + product) / sum;
   Lanes radius = choose(Lanes::zeros(), product, Lanes::spread(0.5) * sum, other);
@@ -86,7 +94,8 @@ GT_INLINE Lanes radius_on(const Edges& it, const Lanes& mean_distance) {
 // In the plane, with a at the origin, b at (edge, 0) and the third vertex at (x, y), the front on
 // the edge is a circle whose centre lies below, or above if it converges. The ray through the third
 // vertex is at a right angle to it. Where there is no such circle, or no edge, nothing arrives.
-GT_INLINE Arrivals across(const Edges& it) {
+template <class Lanes>
+GT_INLINE Arrivals<Lanes> across(const Edges<Lanes>& it) {
   const Lanes zero = Lanes::zeros(), half = Lanes::spread(0.5);
   const Lanes per_edge = Lanes::spread(1.0) / it.edge, x = half * it.twice_along() * per_edge;
   const Lanes square = it.to_a * it.to_a - x * x, y = root(choose(square, zero, zero, square));
@@ -96,20 +105,22 @@ GT_INLINE Arrivals across(const Edges& it) {
   // Over the centre, in the direction of the front.
   const Lanes rise = signed_by(radius, y) + root(radius_a * radius_a - centre_x * centre_x);
   const Lanes crossing = x * rise - signed_by(radius, aside * y);  // along the edge, times the rise
+  const Lanes none = Lanes::spread(kInfinity);
+  Lanes start = choose(size(ahead), it.edge, mean, none);
+  start = choose(Lanes::spread(1e-9) * size(radius), rise, start, none);
+  start = choose(crossing, zero, none, start);
+  start = choose(it.edge * rise, crossing, none, start);
   const Lanes reached = signed_by(radius, root(aside * aside + rise * rise));
-  const Lanes step = reached - radius, distance = mean + step;
-  const unsigned arrive = below(size(ahead), it.edge) &
-                          below(Lanes::spread(1e-9) * size(radius), rise) & ~below(crossing, zero) &
-                          ~below(it.edge * rise, crossing);
-  const unsigned too_soon = below(distance, lesser(it.distance_a, it.distance_b));
-  return {distance, reached, step, arrive & ~too_soon};
+  const Lanes step = reached - radius, distance = start + step;
+  return {choose(lesser(it.distance_a, it.distance_b), distance, distance, none), reached, step};
 }
 
 // Where the third vertex may get less than `limit` across an edge: a bit for each place.
 //
 // At x on the edge, between 0 and its length, the front is not sooner than d_a - x and d_b - edge +
 // x, and then has the way to the vertex before it: least where both are equal.
-GT_INLINE unsigned may_gain(const Lanes& limit, const Edges& it) {
+template <class Lanes>
+GT_INLINE unsigned may_gain(const Lanes& limit, const Edges<Lanes>& it) {
   const Lanes zero = Lanes::zeros(), half = Lanes::spread(0.5);
   const Lanes ahead = it.distance_a - it.distance_b, x = half * (it.edge + ahead);
   const Lanes left = limit - half * (it.distance_a + it.distance_b - it.edge);

@@ -9,6 +9,8 @@
 namespace geodesic {
 namespace {
 
+using Lanes = Pack<kSpokes>;
+
 // Vertices between the one that is visited and the one whose neighbours are fetched from memory.
 // Its fans have been as many before, and where they are as many before that.
 constexpr Index kAhead = 12;
@@ -36,10 +38,10 @@ struct Ring {
         radius(Lanes::of([&](int i) { return vertices[of.neighbour[i]].front.radius; })) {}
 
   // The edges opposite the centre.
-  GT_INLINE Edges rim() const {
+  GT_INLINE Edges<Lanes> rim() const {
     const Lanes to = Lanes::load(fan->to);
-    return {distance, turned(distance), radius, turned(radius), Lanes::load(fan->edge),
-            to,       turned(to)};
+    return {distance,  turned(distance), radius, turned(radius), Lanes::load(fan->edge), to,
+            turned(to)};
   }
 };
 
@@ -133,117 +135,109 @@ class Sweep {
   }
 
   // Visit a vertex; return the least rank of those who gain from it.
-  Index visit(Row v) {
+  GT_INLINE Index visit(Row v) {
     const Row start = starts_[v], end = starts_[v + 1];
     const double enough = vertices_[v].front.distance - tolerance_;
+    Front found{enough, 0.0};
     if (end - start == 1) {  // most have one fan, of which everything stays in registers
       const Ring ring(fans_[start], vertices_.data());
-      Front found{enough, 0.0};
       look_for(ring, v, found);
       if (!(found.distance < enough)) return n_ranks();
       vertices_[v].front = found;
-      return tell(ring, v);
+      return tell(ring, found);
     }
-    Front found{enough, 0.0};
     for (Row fan = start; fan < ends_[v]; ++fan) look_for({fans_[fan], vertices_.data()}, v, found);
     if (!(found.distance < enough)) return n_ranks();
     vertices_[v].front = found;
     Index earliest = n_ranks();
     for (Row fan = start; fan < end; ++fan)
-      earliest = std::min(earliest, tell({fans_[fan], vertices_.data()}, v));
+      earliest = std::min(earliest, tell({fans_[fan], vertices_.data()}, found));
     return earliest;
-  }
-
-  // The places where less than `limit` comes across edges.
-  static unsigned gains(const Edges& edges, const Lanes& limit) {
-    const Arrivals arrivals = across(edges);
-    return arrivals.arrive & below(arrivals.distance, limit);
   }
 
   // Put down what a fan has for vertex v, if it is better than what was found before.
   GT_INLINE void look_for(const Ring& ring, Row v, Front& found) const {
-    const Arrivals arrivals = across(ring.rim());
-    double distances[kSpokes], radii[kSpokes], steps[kSpokes];
-    arrivals.distance.store(distances);
-    arrivals.radius.store(radii);
-    arrivals.step.store(steps);
-    double best = found.distance;
-    int lane = -1;
-    unsigned arrived = arrivals.arrive & below(arrivals.distance, Lanes::spread(best));
-    for (; arrived; arrived &= arrived - 1) {  // one, as a rule
-      const int other = std::countr_zero(arrived);
-      if (!(distances[other] < best)) continue;
-      best = distances[other];
-      lane = other;
+    const Arrivals<Lanes> arrivals = across(ring.rim());
+    const Lanes to = Lanes::load(ring.fan->to), by_edge = ring.distance + to;
+    const double best = choose(arrivals.distance, by_edge, arrivals.distance, by_edge).least();
+    if (!(best < found.distance)) return;
+    // What comes along edges, and behind it what comes across them: no branch, which would wait for
+    // the distance, and the next vertex with it.
+    double radii[2 * kSpokes], steps[2 * kSpokes];
+    (ring.radius + to).store(radii);
+    to.store(steps);
+    arrivals.radius.store(radii + kSpokes);
+    arrivals.step.store(steps + kSpokes);
+    const Lanes limit = Lanes::spread(best);
+    const unsigned later = below(limit, by_edge) | below(limit, arrivals.distance) << kSpokes;
+    const int way = std::countr_zero(~later) & (2 * kSpokes - 1), lane = way % kSpokes;
+    const bool crosses = way >= kSpokes;
+    const auto near = ring.fan->neighbour[lane];
+    const double step = steps[way], least = 1e-12 * step;
+    double radius = radii[way];
+    double bend = vertices_[v].curvature + vertices_[near].curvature;
+    bend += kShare[crosses] * vertices_[ring.fan->neighbour[(lane + 1) % kSpokes]].curvature;
+    bend *= kMean[crosses];
+    if (!crosses && !(vertices_[near].front.radius > 0 && !reflex_[near])) [[unlikely]] {
+      const double before = reflex_[near] ? 0.0 : vertices_[near].front.radius;
+      radius = wider(before, step);  // about a corner of the boundary: a circle about it
+      if (before == 0) bend = 0.0;
     }
-    const Lanes by_edge = ring.distance + Lanes::load(ring.fan->to), limit = Lanes::spread(best);
-    const unsigned edges = lane < 0 ? below(by_edge, limit) : ~below(limit, by_edge) & kAll;
-    if (edges) [[unlikely]] {
-      by_edge.store(distances);
-      follow_edge(ring, v, edges, distances, found);
-    } else if (lane >= 0) {
-      const Vertex& a = vertices_[ring.fan->neighbour[lane]];
-      const Vertex& b = vertices_[ring.fan->neighbour[(lane + 1) % kSpokes]];
-      const double bend = (a.curvature + b.curvature + vertices_[v].curvature) * (1.0 / 3);
-      const double least = 1e-12 * ring.fan->edge[lane];
-      const double planar = std::copysign(std::max(std::abs(radii[lane]), least), radii[lane]);
-      const double radius = planar / (1 - bend * steps[lane] * planar);
-      found = {best, std::abs(radius) < kHuge ? radius : kHuge};
-    }
+    radius = std::copysign(std::max(std::abs(radius), least), radius);
+    found = {best, bent(radius, step, bend)};
   }
 
-  // Put down the least distance that those edges have for vertex v.
-  void follow_edge(const Ring& ring, Row v, unsigned edges, const double* distances,
-                   Front& found) const {
-    int lane = std::countr_zero(edges);
-    for (; edges; edges &= edges - 1) {
-      const int other = std::countr_zero(edges);
-      if (distances[other] < distances[lane]) lane = other;
-    }
-    const auto via = ring.fan->neighbour[lane];
-    const Vertex& near = vertices_[via];
-    const double step = ring.fan->to[lane];
-    // About a corner of the boundary: the front is a circle about it.
-    const double bend = (near.curvature + vertices_[v].curvature) / 2;
-    found = {distances[lane], reflex_[via] ? step : after_step(near.front.radius, step, bend)};
-  }
-
-  // Let those of a fan be pending who gain from vertex v; return the least of their ranks.
-  //
-  // Who is pending already needs no look: if he comes earlier, this vertex made him so.
-  GT_INLINE Index tell(const Ring& ring, Row v) {
+  // Let those of a fan be pending who gain from the front at its centre; return the least of their
+  // ranks.
+  GT_INLINE Index tell(const Ring& ring, const Front& front) {
     const Lanes limit = ring.distance - Lanes::spread(tolerance_);
     const Lanes to = Lanes::load(ring.fan->to), edge = Lanes::load(ring.fan->edge);
-    const Lanes distance = Lanes::spread(vertices_[v].front.distance);
-    const Lanes radius = Lanes::spread(vertices_[v].front.radius);
-    Index earliest = n_ranks();
-    const auto await_all = [&](unsigned who) {
-      for (; who; who &= who - 1) {
-        Vertex& near = vertices_[ring.fan->neighbour[std::countr_zero(who)]];
-        const Index rank = near.pending ? n_ranks() : near.rank;
-        n_pending_ += !near.pending;
-        near.pending = true;
-        earliest = std::min(earliest, rank);
-      }
-    };
-    // Who has not been reached gains whatever v has: the processor need not wait for that.
+    const Lanes distance = Lanes::spread(front.distance), radius = Lanes::spread(front.radius);
+    // Who has not been reached gains whatever comes: the processor need not wait for that.
     const unsigned unreached =
         below(Lanes::spread(kLarge), ring.distance) & below(to, Lanes::spread(kInfinity));
-    await_all(unreached);
+    Index earliest = await_all(*ring.fan, unreached);
     const unsigned along_edge = below(distance + to, limit);
     if (const unsigned more = along_edge & ~unreached) [[unlikely]]
-      await_all(more);
-    const Lanes next_distance = turned(ring.distance), next_to = turned(to);
-    // For each spoke across the edge from v to the next, and for the next across that to this one.
-    const Edges later{distance, next_distance, radius, turned(ring.radius), next_to, to, edge};
-    const Edges sooner{distance, ring.distance, radius, ring.radius, to, next_to, edge};
-    const Lanes next_limit = turned(limit);
-    const unsigned one = may_gain(limit, later) & ~along_edge;
-    if (one) [[unlikely]]
-      await_all(one & gains(later, limit));
-    const unsigned other = onward(may_gain(next_limit, sooner)) & ~along_edge;
-    if (other) [[unlikely]]
-      await_all(other & onward(gains(sooner, next_limit)));
+      earliest = std::min(earliest, await_all(*ring.fan, more));
+    // For each spoke across the edge from the centre to the next, and for the next across that to
+    // this one.
+    const Lanes next_to = turned(to);
+    const unsigned one = may_gain<Lanes>(limit, {distance, turned(ring.distance), radius, radius, next_to, to, edge});
+    const unsigned other = may_gain<Lanes>(turned(limit), {distance, ring.distance, radius, radius, to, next_to, edge});
+    for (unsigned who = one & ~along_edge; who; who &= who - 1) {
+      const int spoke = std::countr_zero(who);
+      earliest = std::min(earliest, ask(*ring.fan, spoke, (spoke + 1) % kSpokes, spoke, front));
+    }
+    for (unsigned who = other & ~before(along_edge); who; who &= who - 1) {
+      const int spoke = std::countr_zero(who);
+      earliest = std::min(earliest, ask(*ring.fan, (spoke + 1) % kSpokes, spoke, spoke, front));
+    }
+    return earliest;
+  }
+
+  // Let the vertex at the end of a spoke be pending if it gains across the edge from the centre to
+  // the end of another; return its rank then.
+  Index ask(const Fan& fan, int spoke, int other, int edge, const Front& front) {
+    using Lane = Pack<2>;  // twice the same: there is no register of one number
+    const Vertex &near = vertices_[fan.neighbour[spoke]], &far = vertices_[fan.neighbour[other]];
+    const auto arrivals = across<Lane>({Lane::spread(front.distance), Lane::spread(far.front.distance),
+        Lane::spread(front.radius), Lane::spread(far.front.radius), Lane::spread(fan.to[other]),
+        Lane::spread(fan.to[spoke]), Lane::spread(fan.edge[edge])});
+    if (!(arrivals.distance[0] < near.front.distance - tolerance_)) return n_ranks();
+    return await_all(fan, 1u << spoke);
+  }
+
+  // Let vertices at the ends of spokes be pending; return the least rank of those who were not.
+  GT_INLINE Index await_all(const Fan& fan, unsigned who) {
+    Index earliest = n_ranks();
+    for (; who; who &= who - 1) {
+      Vertex& near = vertices_[fan.neighbour[std::countr_zero(who)]];
+      const Index rank = near.pending ? n_ranks() : near.rank;
+      n_pending_ += !near.pending;
+      near.pending = true;
+      earliest = std::min(earliest, rank);
+    }
     return earliest;
   }
 
@@ -263,9 +257,11 @@ class Sweep {
       prefetch(&vertices_[neighbour]);
   }
 
+  // Of curvature along an edge and across one: the share of the second neighbour, and the mean.
+  static constexpr double kShare[2] = {0.0, 1.0}, kMean[2] = {1.0 / 2, 1.0 / 3};
   static constexpr unsigned kAll = (1u << kSpokes) - 1;
-  // The bits of spokes, each given to the next.
-  static unsigned onward(unsigned bits) { return (bits << 1 | bits >> (kSpokes - 1)) & kAll; }
+  // The bits of spokes, each given to the one before.
+  static unsigned before(unsigned bits) { return (bits >> 1 | bits << (kSpokes - 1)) & kAll; }
 
   const Fan* fans_;
   const Row* starts_;
