@@ -232,7 +232,7 @@ class HeatMethod:
         """Write the distances from one block of source sets, (K, N): the paper's three steps."""
         heat, worst = self._diffuse(block)
         if self._sweeper is not None:
-            self._sweep(heat.log(), block, distances)
+            self._sweep(heat, block, distances)
             return worst
         values = heat.values[:, 0] if len(block) == 1 else heat.values
         load = self.metric.gradient.descent_load(values, logarithmic=heat.logarithmic)
@@ -382,25 +382,17 @@ class HeatMethod:
 
     # -- instead of steps 2 and 3 --------------------------------------------------------------
 
-    def _sweep(
-        self, log_heat: FloatArray, block: Sequence[SourcePoints], distances: FloatArray
-    ) -> None:
+    def _sweep(self, heat: Heat, block: Sequence[SourcePoints], distances: FloatArray) -> None:
         """Write refined distances, (K, N); the sweeps of a block share the processors."""
         assert self._sweeper is not None
-        sweeper = self._sweeper.prepare()
-
-        def fill(k: int) -> None:
-            points = block[k]
-            known = points.distances + points.starts[points.rows]
-            distances[k] = sweeper.distance(
-                log_heat[:, k], points.vertices, known, points.curvatures
-            )
-
-        if len(block) == 1:
-            fill(0)
-            return
-        with ThreadPoolExecutor(min(len(block), PROCESSORS)) as pool:
-            list(pool.map(fill, range(len(block))))
+        large = self.n_vertices * len(block) >= WORTH_A_THREAD
+        self._sweeper.fill(
+            distances,
+            heat.values,
+            block,
+            logarithmic=heat.logarithmic,
+            n_threads=min(len(block), PROCESSORS) if large else 1,
+        )
 
     # -- sources -------------------------------------------------------------------------------
 

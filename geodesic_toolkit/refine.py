@@ -11,6 +11,7 @@ virtual source lies at 1/κ, and κ follows the Riccati equation ``κ' = -κ² -
 curvature: second order on smooth surfaces.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -22,6 +23,7 @@ from geodesic_toolkit.discretization import Discretization
 from geodesic_toolkit.errors import UnsupportedDomainError
 from geodesic_toolkit.geometry.intrinsic import MOST_SIDES
 from geodesic_toolkit.gradient import ElementGradient
+from geodesic_toolkit.source_points import SourcePoints
 
 __all__ = ["WavefrontSweeper"]
 
@@ -110,49 +112,58 @@ class WavefrontSweeper:
         _ = self._fronts
         return self
 
-    def distance(
+    def distance(self, log_heat: FloatArray, points: SourcePoints) -> FloatArray:
+        """Return refined distances (N,) from one set of sources, in the order of log u, (N,)."""
+        distances = np.empty((1, len(log_heat)))
+        self.fill(distances, log_heat[:, None], [points], logarithmic=True)
+        return np.asarray(distances[0])
+
+    def fill(
         self,
-        log_heat: FloatArray,
-        vertices: IntArray,
         distances: FloatArray,
-        curvatures: FloatArray | None = None,
-    ) -> FloatArray:
-        """Return refined distances.
+        heat: FloatArray,
+        block: Sequence[SourcePoints],
+        *,
+        logarithmic: bool,
+        n_threads: int = 1,
+    ) -> None:
+        """Write refined distances from each of K source sets.
 
         Parameters
         ----------
-        log_heat : ndarray of shape (N,)
-            Gives the order of visits.
-        vertices : ndarray of shape (P,), int64
-            Vertices at and around the sources.
-        distances : ndarray of shape (P,), float64
-            Their distances, which are taken as exact.
-        curvatures : ndarray of shape (P,), float64, optional
-            Geodesic curvature of the front there; unless given that of a circle, infinite at its
-            centre.
-
-        Returns
-        -------
-        ndarray of shape (N,), float64
+        distances : ndarray of shape (K, N), float64
             ``inf`` where no triangle connects.
+        heat : ndarray of shape (N, K), float64
+            Gives the order of visits.
+        block : sequence of SourcePoints
+            Distances at and around the points are taken as exact.
+        logarithmic : bool
+            Whether `heat` is log u instead of u.
+        n_threads : int, optional
+            Threads that share the sets.
         """
-        if curvatures is None:
-            with np.errstate(divide="ignore"):
-                curvatures = 1 / distances
-        refined, count = np.empty(len(log_heat)), len(log_heat)
+        count = self._gradient.n_vertices
+        vertices, known, curvatures = (
+            np.ascontiguousarray(np.concatenate(parts))
+            for parts in zip(*map(_fronts_at, block), strict=True)
+        )
+        begins = np.zeros(len(block) + 1, dtype=np.int64)
+        np.cumsum([len(points.vertices) for points in block], out=begins[1:])
         self._fronts.sweep(
-            np.ascontiguousarray(log_heat),
+            np.ascontiguousarray(heat),
+            logarithmic,
+            begins,
             vertices,
-            distances,
+            known,
             curvatures,
-            tolerance=TOLERANCE * float(self.metric.scales[vertices].min()),
+            TOLERANCE * np.minimum.reduceat(self.metric.scales[vertices], begins[:-1]),
             # Clouds' stars are not mutual, and returns among them can go on and on.
             returns=0 if self._gradient.stars else RETURNS * count,
             steady=int(count < LARGE),
             most_sweeps=MAX_SWEEPS,
-            distances=refined,
+            distances=distances,
+            n_threads=n_threads,
         )
-        return refined
 
     @cached_property
     def _fronts(self) -> _native.Sweeper:
@@ -232,3 +243,11 @@ class WavefrontSweeper:
             return _native.star_curvatures(elements, frames, boundary, COARSE_STARS)
         triangles = (elements, areas, self._defects)
         return _native.curvatures(*triangles, self._corners, boundary, COARSE)
+
+
+def _fronts_at(points: SourcePoints) -> tuple[IntArray, FloatArray, FloatArray]:
+    """Return the vertices at and around points, and the front there: d and κ."""
+    known = points.distances
+    if points.delayed:
+        known = known + points.starts[points.rows]
+    return points.vertices, known, points.curvatures

@@ -13,6 +13,7 @@ from scipy.sparse import coo_array, csr_array
 import geodesic_toolkit as gt
 from geodesic_toolkit import _native, refine
 from geodesic_toolkit.refine import WavefrontSweeper
+from geodesic_toolkit.source_points import SourcePoints
 from geodesic_toolkit.testing import shapes
 
 
@@ -241,16 +242,17 @@ def test_a_front_turns_about_a_reflex_corner_of_the_boundary(monkeypatch):
 @pytest.mark.parametrize("name", ["sphere", "obtuse", "scrambled", "many sheets", "cloud"])
 def test_after_the_sweeps_no_vertex_has_anything_to_gain(name):
     solver = gt.GeodesicSolver(DOMAINS[name], refine=True)
-    fronts, log_heat = solver.method._sweeper._fronts, solver.method.log_heat(2)
-    tolerance = refine.TOLERANCE * solver.method.metric.spacing
+    method = solver.method
+    fronts, log_heat = method._sweeper._fronts, method.log_heat(2)
+    tolerance = np.array([refine.TOLERANCE * method.metric.spacing])
 
     def swept(vertices, distances, kappas):
         """Return what sweeps make of fronts at vertices, of which all neighbours are asked."""
-        found = np.empty(len(log_heat)), np.empty(len(log_heat))
-        fronts.sweep(
-            log_heat, vertices, distances, kappas, tolerance, 0, 0, refine.MAX_SWEEPS, *found
-        )
-        return found
+        found = np.empty((1, len(log_heat))), np.empty((1, len(log_heat)))
+        begins = np.array([0, len(vertices)])
+        sources = (begins, vertices, distances, kappas, tolerance)
+        fronts.sweep(log_heat, True, *sources, 0, 0, refine.MAX_SWEEPS, *found)
+        return found[0][0], found[1][0]
 
     distance, kappa = swept(np.array([2]), np.array([0.0]), np.array([np.inf]))
     reached = np.flatnonzero(np.isfinite(distance))
@@ -262,37 +264,62 @@ def test_after_the_sweeps_no_vertex_has_anything_to_gain(name):
 @pytest.mark.parametrize(
     ("name", "value", "message"),
     [
-        ("log_heat", np.zeros(7), "a number for each vertex"),
+        ("heat", np.zeros(7), "a number for each vertex"),
+        ("heat", np.zeros((162, 2)), "a number for each vertex"),
+        ("distances", np.zeros((2, 162)), "a number for each vertex"),
+        ("begins", np.array([0, 2]), "a beginning and a tolerance"),
+        ("begins", np.array([0]), "a beginning and a tolerance"),
+        ("tolerances", np.zeros(2), "a beginning and a tolerance"),
         ("known", np.zeros(2), "a distance and a curvature"),
         ("vertices", np.array([162]), "vertices of the sources"),
         ("vertices", np.array([-1]), "vertices of the sources"),
+        ("n_threads", 0, "at least one thread"),
     ],
 )
 def test_arrays_that_do_not_fit_are_refused(name, value, message):
     fronts, count = WavefrontSweeper(assembled(DOMAINS["sphere"]))._fronts, 162
-    arrays = {
-        "log_heat": np.zeros(count),
+    arguments = {
+        "heat": np.zeros(count),
+        "logarithmic": True,
+        "begins": np.array([0, 1]),
         "vertices": np.array([0]),
         "known": np.array([0.0]),
         "curvatures": np.array([np.inf]),
-        "distances": np.empty(count),
+        "tolerances": np.zeros(1),
+        "returns": 0,
+        "steady": 0,
+        "most_sweeps": 1,
+        "distances": np.empty((1, count)),
     }
-    options = {"tolerance": 0.0, "returns": 0, "steady": 0, "most_sweeps": 1}
+    fronts.sweep(**arguments)
     with pytest.raises(ValueError, match=message):
-        fronts.sweep(**(arrays | {name: value}), **options)
+        fronts.sweep(**(arguments | {name: value}))
 
 
 @given(st.lists(st.integers(-50, 50).map(lambda k: k / 7 if k > -50 else -np.inf), min_size=1))
 def test_the_order_falls_and_keeps_that_of_equals(values):
     values = np.array(values)
-    np.testing.assert_array_equal(_native.falling(values), np.argsort(-values, kind="stable"))
+    expected = np.argsort(-values, kind="stable")
+    np.testing.assert_array_equal(_native.falling(values, True), expected)
+    np.testing.assert_array_equal(_native.falling(np.exp(values), False), expected)
 
 
-def test_values_of_any_size_are_ordered():
+@pytest.mark.parametrize("count", [1, 2, 3000, 70_000])
+def test_heat_of_any_range_is_ordered_to_six_digits(count):
     rng = np.random.default_rng(0)
-    for count in (2, 3000, 70_000):
-        values = -np.exp(rng.normal(size=count) * 3)
-        np.testing.assert_array_equal(_native.falling(values), np.argsort(-values, kind="stable"))
+    log_heat = rng.uniform(-700, 0, (count, 3))
+    log_heat[rng.random((count, 3)) < 0.1] = -np.inf
+    orders = [
+        _native.falling(log_heat, True).reshape(3, count),
+        _native.falling(np.exp(log_heat), False).reshape(3, count),
+    ]
+    for order in orders:
+        for own, values in zip(order, log_heat.T, strict=True):
+            assert (np.sort(own) == np.arange(count)).all()
+            found, best = values[own], np.sort(values)[::-1]
+            warm = np.isfinite(best)
+            np.testing.assert_allclose(found[warm], best[warm], rtol=0, atol=1e-6)
+            assert (own[~warm] == np.flatnonzero(~np.isfinite(values))).all()
 
 
 @pytest.mark.parametrize("returns", [0, 1, 8])
@@ -301,7 +328,9 @@ def test_an_order_that_says_nothing_costs_sweeps_and_not_the_distance(returns, m
     sphere = shapes.icosphere(3)
     sweeper = WavefrontSweeper(assembled(sphere))
     noise = np.random.default_rng(0).normal(size=sphere.n_vertices)
-    distance = sweeper.distance(noise, np.array([0]), np.array([0.0]))
+    source = SourcePoints.at_vertices(np.array([0]), sphere.n_vertices)
+    (distance,) = distances = np.empty((1, sphere.n_vertices))
+    sweeper.fill(distances, noise, [source], logarithmic=True)
     assert mean_relative_error(distance, on_sphere(sphere, 0)) < 5e-3
 
 

@@ -253,8 +253,8 @@ def curvatures(
 def star_curvatures(elements: Indices, frames: Numbers, boundary: Bools, coarse: float) -> Numbers:
     """Return the same of stars, from the angles about their own centres."""
 
-def falling(values: Numbers) -> Rows:
-    """Return the order in which values fall as far as nine digits tell, and then by number."""
+def falling(heat: Numbers, logarithmic: bool) -> Rows:
+    """Return the order in which heat falls as far as nine digits tell, and then by number."""
 
 @final
 class Sweeper:
@@ -263,17 +263,21 @@ class Sweeper:
     def __init__(self, corners: Corners, curvature: Numbers, reflex: Bools) -> None: ...
     def sweep(
         self,
-        log_heat: Numbers,
+        heat: Numbers,
+        logarithmic: bool,
+        begins: Indices,
         vertices: Indices,
         known: Numbers,
         curvatures: Numbers,
-        tolerance: float,
+        tolerances: Numbers,
         returns: int,
         steady: int,
         most_sweeps: int,
         distances: Numbers,
         kappas: Numbers | None = None,
-    ) -> None: ...
+        n_threads: int = 1,
+    ) -> None:
+        """Write the distances from K source sets, (K, N), in the order of their heat, (N, K)."""
 
 # -- point clouds ----------------------------------------------------------------------------------
 

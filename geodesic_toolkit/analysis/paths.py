@@ -234,9 +234,7 @@ def _refined(solver: GeodesicSolver, metric: Discretization, sources: SourcePoin
     method = solver.method
     if method.refine:
         return method.distance(sources)
-    return WavefrontSweeper(metric).distance(
-        method.log_heat(sources), sources.vertices, sources.distances, sources.curvatures
-    )
+    return WavefrontSweeper(metric).distance(method.log_heat(sources), sources)
 
 
 def _from_goal(metric: Discretization, positions: FloatArray, goal: SourcePoints) -> FloatArray:
@@ -255,7 +253,7 @@ def _from_goal(metric: Discretization, positions: FloatArray, goal: SourcePoints
     lengths = np.maximum(lengths, SAME * lengths.max(initial=0.0) + TINY)  # 0 would be no edge
     graph = csr_array(coo_array((lengths, tuple(edges.T)), shape=(count, count)))
     along = dijkstra(graph, directed=False, indices=goal.vertices, min_only=True)
-    return sweeper.distance(-along, goal.vertices, goal.distances, goal.curvatures)
+    return sweeper.distance(-along, goal)
 
 
 def _surface_point(

@@ -124,10 +124,10 @@ class Descent {
     for (const Place& image : images) {
       const Ways x = Ways::spread(image.x), y = Ways::spread(image.y), z = Ways::spread(image.z);
       const Ways ahead = x * nx + y * ny + z * nz;
-      fx = where_greater(ahead, front, x, fx);
-      fy = where_greater(ahead, front, y, fy);
-      fz = where_greater(ahead, front, z, fz);
-      front = where_greater(ahead, front, ahead, front);
+      fx = choose(front, ahead, x, fx);
+      fy = choose(front, ahead, y, fy);
+      fz = choose(front, ahead, z, fz);
+      front = choose(front, ahead, ahead, front);
     }
     front.store(front_);
     fx.store(foremost_.x);

@@ -3,7 +3,6 @@
 
 #include "python/bindings.hpp"
 #include "wavefront/curvature.hpp"
-#include "wavefront/falling.hpp"
 #include "wavefront/sweeper.hpp"
 
 namespace geodesic {
@@ -31,8 +30,16 @@ void require_elements(const In<Index, 2>& elements, const In<double, 2>& frames)
           "three vertices and three numbers for each element");
 }
 
-bool are_below(std::span<const Index> vertices, Index n) {
-  return std::ranges::all_of(vertices, [n](Index v) { return 0 <= v && v < n; });
+void require_sources(const Sources& sources, Index n_sets, Index n_vertices) {
+  require(count(sources.begins) == n_sets + 1 && count(sources.tolerances) == n_sets &&
+              sources.begins.front() == 0 && sources.begins.back() == count(sources.vertices) &&
+              std::ranges::is_sorted(sources.begins),
+          "a beginning and a tolerance for each set of sources");
+  require(sources.distances.size() == sources.vertices.size() &&
+              sources.curvatures.size() == sources.vertices.size(),
+          "a distance and a curvature at each vertex of the sources");
+  require(std::ranges::all_of(sources.vertices, [&](Index v) { return 0 <= v && v < n_vertices; }),
+          "vertices of the sources below their number");
 }
 
 }  // namespace
@@ -92,8 +99,11 @@ void bind_wavefront(nb::module_& module) {
       "elements"_a.noconvert(), "frames"_a.noconvert(), "boundary"_a.noconvert(), "coarse"_a);
   module.def(
       "falling",
-      [](In<double> values) { return give(unlocked([&] { return falling(span(values)); })); },
-      "values"_a.noconvert());
+      [](Columns heat, bool logarithmic) {
+        const HeatTable table{span(heat), n_columns(heat), logarithmic};
+        return give(unlocked([&] { return falling(table, 0, table.n_columns); }));
+      },
+      "heat"_a.noconvert(), "logarithmic"_a);
   nb::class_<Sweeper>(module, "Sweeper")
       .def(
           "__init__",
@@ -105,25 +115,27 @@ void bind_wavefront(nb::module_& module) {
           "corners"_a, "curvature"_a.noconvert(), "reflex"_a.noconvert())
       .def(
           "sweep",
-          [](const Sweeper& self, In<double> log_heat, In<Index> vertices, In<double> known,
-             In<double> curvatures, double tolerance, Index returns, Index steady,
-             Index most_sweeps, Out<double> distances, std::optional<Out<double>> kappas) {
-            const Index n = self.n_vertices();
-            require(n_rows(log_heat) == n && n_rows(distances) == n &&
-                        (!kappas || n_rows(*kappas) == n),
-                    "a number for each vertex");
-            require(known.size() == vertices.size() && curvatures.size() == vertices.size(),
-                    "a distance and a curvature at each vertex of the sources");
-            require(are_below(span(vertices), n), "vertices of the sources below their number");
+          [](const Sweeper& self, Columns heat, bool logarithmic, In<Index> begins,
+             In<Index> vertices, In<double> known, In<double> curvatures, In<double> tolerances,
+             Index returns, Index steady, Index most_sweeps, Out<double, 2> distances,
+             std::optional<Out<double, 2>> kappas, int n_threads) {
+            const HeatTable table{span(heat), n_columns(heat), logarithmic};
+            const Sources sources{span(begins), span(vertices), span(known), span(curvatures),
+                                  span(tolerances)};
+            require(n_rows(heat) == self.n_vertices() && distances.size() == heat.size() &&
+                        (!kappas || kappas->size() == heat.size()),
+                    "a number for each vertex and each set of sources");
+            require_sources(sources, table.n_columns, self.n_vertices());
+            require(n_threads > 0, "at least one thread");
             unlocked([&] {
-              self.sweep(span(log_heat), {span(vertices), span(known), span(curvatures)},
-                         {tolerance, returns, steady, most_sweeps}, span(distances),
-                         kappas ? span(*kappas) : std::span<double>());
+              self.sweep(table, sources, {returns, steady, most_sweeps}, span(distances),
+                         kappas ? span(*kappas) : std::span<double>(), n_threads);
             });
           },
-          "log_heat"_a.noconvert(), "vertices"_a.noconvert(), "known"_a.noconvert(),
-          "curvatures"_a.noconvert(), "tolerance"_a, "returns"_a, "steady"_a, "most_sweeps"_a,
-          "distances"_a.noconvert(), "kappas"_a.noconvert() = nb::none());
+          "heat"_a.noconvert(), "logarithmic"_a, "begins"_a.noconvert(), "vertices"_a.noconvert(),
+          "known"_a.noconvert(), "curvatures"_a.noconvert(), "tolerances"_a.noconvert(),
+          "returns"_a, "steady"_a, "most_sweeps"_a, "distances"_a.noconvert(),
+          "kappas"_a.noconvert() = nb::none(), "n_threads"_a = 1);
 }
 
 }  // namespace geodesic

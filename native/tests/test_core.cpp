@@ -99,7 +99,7 @@ TEST(packs_of_every_width_load_add_and_sum) {
       sum += numbers[i];
       CHECK(std::abs(stored[i] - (numbers[i] * halves[0] - halves[i])) < 1e-15);
       CHECK(half[i] == double(halves[i]) && spread[i] == double(halves[0]));
-      CHECK(where_greater(whole, spread, whole, half)[i] ==
+      CHECK(choose(spread, whole, whole, half)[i] ==
             (numbers[i] > double(halves[0]) ? numbers[i] : double(halves[i])));
     }
     CHECK(std::abs(whole.sum() - sum) < 1e-14);

@@ -1,13 +1,13 @@
-// A front of distance on its way across a triangle.
+// A front of distance on its way across triangles.
 //
-// Every vertex that the front has reached holds its distance d and the geodesic curvature kappa of
-// the front there: 1/r for a circle of radius r that spreads, 0 for a straight front, negative for
-// one that converges. At a source kappa is infinite.
+// Every vertex that the front has reached holds its distance d and the radius of the front there,
+// 1 / kappa with its geodesic curvature kappa: that of a circle that spreads, huge for a straight
+// front, negative for one that converges. At a source it is 0.
 #pragma once
 
-#include <algorithm>
-#include <cmath>
 #include <limits>
+
+#include "core/vectors.hpp"
 
 namespace geodesic {
 
@@ -20,88 +20,115 @@ inline constexpr double kDisagreement = 0.5;
 // Least curvature of a front, times edge length: below it circles lose their last digits.
 inline constexpr double kStraight = 1e-6;
 
+// The radius of a front without curvature, and more than any other; its square is a number.
+inline constexpr double kHuge = 1e150;
+
 // The front at a vertex.
 struct Front {
-  double distance, kappa;
+  double distance, radius;
 };
 
-// What reaches a vertex: its distance, kappa of the front there on a flat surface, and how far the
-// ray has come since the front left the mean distance of the edge that it crossed.
-struct Arrival {
-  double distance = kInfinity, kappa = 0.0, step = 0.0;
-};
+// The radius of a front from its curvature.
+inline double inverse(double kappa) {
+  const double radius = 1 / kappa;
+  return std::abs(radius) < kHuge ? radius : kHuge;
+}
 
-// kappa one straight `step` further on a surface of Gaussian curvature K.
+// The radius one straight `step` further on a flat surface.
+inline double wider(double radius, double step) {
+  const double sum = radius + step;
+  return radius == 0 || sum / radius > 1e-9 ? sum : 1e-9 * step;
+}
+
+// The same on one of Gaussian curvature K, that is `bend`.
 //
 // The Riccati equation kappa' = -kappa^2 - K, split: exact on the plane, then the kick of K.
-inline double along(double kappa, double step, double curvature) {
-  if (kappa == kInfinity) return 1 / step;
-  const double widened = 1 + kappa * step;
-  const double planar = widened > 1e-9 ? kappa / widened : 1 / (1e-9 * step);
-  return planar - curvature * step;
+inline double bent(double radius, double step, double bend) {
+  const double result = radius / (1 - bend * step * radius);
+  return std::abs(result) < kHuge ? result : kHuge;
 }
 
-// kappa of the front where it crosses an edge, from kappa at its ends.
+template <class Lanes>
+GT_INLINE Lanes lesser(const Lanes& a, const Lanes& b) {
+  return choose(a, b, a, b);
+}
+
+// Edges from a to b with the front at both ends, and how far these are from the third vertex; a few
+// of them at a time.
+template <class Lanes>
+struct Edges {
+  Lanes distance_a, distance_b, radius_a, radius_b, edge, to_a, to_b;
+
+  // How far along the edges the third vertices lie, times twice their length.
+  GT_INLINE Lanes twice_along() const { return edge * edge + (to_a - to_b) * (to_a + to_b); }
+};
+
+// What reaches the third vertex: its distance, infinite if no ray through it crosses the edge, the
+// radius of the front there on a flat surface, and how far the ray has come since the front left
+// the mean distance of the edge.
+template <class Lanes>
+struct Arrivals {
+  Lanes distance, radius, step;
+};
+
+// The radius of the front where it crosses an edge.
 //
-// Of two circles the mean radius (with the mean curvature already the first ring about a source
-// would be wrong, and with it the order of the method).
-inline double on_edge(double kappa_a, double kappa_b, double edge, double mean_distance) {
-  if (std::isinf(kappa_a) || std::isinf(kappa_b)) return 1 / mean_distance;
-  if (std::abs(kappa_a - kappa_b) * edge > kDisagreement) return 1 / mean_distance;
-  if (kappa_a * kappa_b > 0) return 2 * kappa_a * kappa_b / (kappa_a + kappa_b);
-  return (kappa_a + kappa_b) / 2;
+// Of two circles that both spread, or both converge, the mean radius (with the mean curvature
+// already the first ring about a source would be wrong, and with it the order of the method);
+// otherwise that of the mean curvature.
+template <class Lanes>
+GT_INLINE Lanes radius_on(const Edges<Lanes>& it, const Lanes& mean_distance) {
+  const Lanes product = it.radius_a * it.radius_b, sum = it.radius_a + it.radius_b;
+  const Lanes other = (product + product) / sum;
+  Lanes radius = choose(Lanes::zeros(), product, Lanes::spread(0.5) * sum, other);
+  radius = choose(product, Lanes::spread(kHuge), radius, other);
+  const Lanes disagreement = size(it.radius_a - it.radius_b) * it.edge;
+  radius =
+      choose(disagreement, Lanes::spread(kDisagreement) * size(product), radius, mean_distance);
+  const Lanes straight = it.edge * Lanes::spread(1 / kStraight);
+  return choose(size(radius), straight, radius, straight);
 }
 
-// What reaches corner c of a triangle through its edge ab; infinite if no ray through c crosses it.
+// What comes across edges.
 //
-// In the plane, with a at the origin, b at (edge, 0) and c at (c_x, c_y), the front on the edge is
-// a circle of curvature kappa whose centre lies below, or above if it converges. The ray through c
-// is at a right angle to it.
-inline Arrival across(double d_a, double d_b, double kappa, double edge, double c_x, double c_y) {
-  if (std::abs(kappa) * edge < kStraight) kappa = kStraight / edge;
-  const double sign = kappa > 0 ? 1.0 : -1.0;
-  const double radius = sign / kappa, mean_distance = (d_a + d_b) / 2;
-  const double radius_a = radius + sign * (d_a - mean_distance);
-  const double radius_b = radius + sign * (d_b - mean_distance);
-  if (radius_a < 0 || radius_b < 0 || radius_a + radius_b < edge) return {};
-  const double centre_x = (radius_a * radius_a - radius_b * radius_b + edge * edge) / (2 * edge);
-  const double below = radius_a * radius_a - centre_x * centre_x;
-  if (below < 0) return {};
-  const double centre_y = -sign * std::sqrt(below);
-  const double rise = sign * (c_y - centre_y);
-  if (rise <= 1e-9 * radius) return {};
-  const double crossing = c_x - (c_x - centre_x) * c_y / (c_y - centre_y);
-  if (crossing < 0 || crossing > edge) return {};
-  const double x = c_x - centre_x, y = c_y - centre_y;
-  const double radius_c = std::sqrt(x * x + y * y);
-  const double step = sign * (radius_c - radius);
-  return {mean_distance + step, sign / std::max(radius_c, 1e-12 * edge), step};
+// In the plane, with a at the origin, b at (edge, 0) and the third vertex at (x, y), the front on
+// the edge is a circle whose centre lies below, or above if it converges. The ray through the third
+// vertex is at a right angle to it. Where there is no such circle, or no edge, nothing arrives.
+template <class Lanes>
+GT_INLINE Arrivals<Lanes> across(const Edges<Lanes>& it) {
+  const Lanes zero = Lanes::zeros(), half = Lanes::spread(0.5);
+  const Lanes per_edge = Lanes::spread(1.0) / it.edge, x = half * it.twice_along() * per_edge;
+  const Lanes square = it.to_a * it.to_a - x * x, y = root(choose(square, zero, zero, square));
+  const Lanes ahead = it.distance_a - it.distance_b, mean = half * (it.distance_a + it.distance_b);
+  const Lanes radius = radius_on(it, mean), radius_a = radius + half * ahead;
+  const Lanes centre_x = half * it.edge + radius * (ahead * per_edge), aside = x - centre_x;
+  // Over the centre, in the direction of the front.
+  const Lanes rise = signed_by(radius, y) + root(radius_a * radius_a - centre_x * centre_x);
+  const Lanes crossing = x * rise - signed_by(radius, aside * y);  // along the edge, times the rise
+  const Lanes none = Lanes::spread(kInfinity);
+  Lanes start = choose(size(ahead), it.edge, mean, none);
+  start = choose(Lanes::spread(1e-9) * size(radius), rise, start, none);
+  start = choose(crossing, zero, none, start);
+  start = choose(it.edge * rise, crossing, none, start);
+  const Lanes reached = signed_by(radius, root(aside * aside + rise * rise));
+  const Lanes step = reached - radius, distance = start + step;
+  return {choose(lesser(it.distance_a, it.distance_b), distance, distance, none), reached, step};
 }
 
-// Whether a corner at distance d may get less through the edge ab of its triangle.
+// Where the third vertex may get less than `limit` across an edge: a bit for each place.
 //
-// At x on the edge, between 0 and `edge`, the front is not sooner than d_a - x and d_b - edge + x,
-// and then has the way to the corner before it: least where both are equal. `twice` is 2 `edge`
-// times the place of the corner along the edge.
-inline bool may_gain(double d, double d_a, double d_b, double edge, double to_a, double twice) {
-  if (!(std::abs(d_a - d_b) < edge) || std::min(d_a, d_b) >= d)  // also where one is not reached
-    return false;
-  const double x = (edge + d_a - d_b) / 2, left = d - (d_a + d_b - edge) / 2;
-  return left > 0 && edge * (left * left - to_a * to_a - x * x) + x * twice > 0;
-}
-
-// What reaches a corner through the opposite edge, from a to b, if that is less than `limit`;
-// otherwise infinite. `to_a` and `to_b` are their distances from the corner.
-inline Arrival through(double limit, const Front& a, const Front& b, double edge, double to_a,
-                       double to_b) {
-  const double twice = edge * edge + (to_a - to_b) * (to_a + to_b);
-  if (!may_gain(limit, a.distance, b.distance, edge, to_a, twice)) return {};  // two thirds of all
-  const double x = twice / (2 * edge);
-  const double y = std::sqrt(std::max(to_a * to_a - x * x, 0.0));
-  const double front = on_edge(a.kappa, b.kappa, edge, (a.distance + b.distance) / 2);
-  const Arrival found = across(a.distance, b.distance, front, edge, x, y);
-  const bool better = std::min(a.distance, b.distance) <= found.distance && found.distance < limit;
-  return better ? found : Arrival{};
+// At x on the edge, between 0 and its length, the front is not sooner than d_a - x and d_b - edge +
+// x, and then has the way to the vertex before it: least where both are equal.
+template <class Lanes>
+GT_INLINE unsigned may_gain(const Lanes& limit, const Edges<Lanes>& it) {
+  const Lanes zero = Lanes::zeros(), half = Lanes::spread(0.5);
+  const Lanes ahead = it.distance_a - it.distance_b, x = half * (it.edge + ahead);
+  const Lanes left = limit - half * (it.distance_a + it.distance_b - it.edge);
+  Lanes gain = it.edge * (left * left - it.to_a * it.to_a - x * x) + x * it.twice_along();
+  gain = choose(zero, left, gain, zero);
+  gain = choose(size(ahead), it.edge, gain, zero);  // not where one has not been reached
+  gain = choose(lesser(it.distance_a, it.distance_b), limit, gain, zero);
+  return below(zero, gain);
 }
 
 }  // namespace geodesic

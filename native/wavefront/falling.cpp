@@ -7,45 +7,84 @@ namespace {
 
 using Key = std::uint64_t;
 
-constexpr int kDigit = 11;  // bits by which keys are sorted in a pass
-constexpr Index kDigits = Index{1} << kDigit;
+constexpr int kMostBits = 12;  // of a digit by which keys are sorted in a pass: a table stays in L1
 
-// Sort keys by what is left of their last `skipped` bits: from the last digit to the first.
-void sort(Array<Key>& keys, int skipped) {
-  Key all = 0, common = ~Key{0};
-  for (const Key key : keys) {
-    all |= key;
-    common &= key;
+// Bits of a number that are not looked at: of u those behind 2^-22 of it, and of its logarithm, of
+// up to 2^10, those behind 2^-22. A front comes from one to the other in a millionth of an edge.
+constexpr int kRestOfHeat = 30, kRestOfLogarithm = 20;
+
+// An integer that rises as a number falls.
+Key falling_key(double value) {
+  const Key bits = std::bit_cast<Key>(value);
+  return bits >> 63 ? bits : ~bits & ~(Key{1} << 63);
+}
+
+// The least and the largest key of numbers.
+struct Range {
+  Key least = ~Key{0}, most = 0;
+  void add(Key key) {
+    least = std::min(least, key);
+    most = std::max(most, key);
   }
-  const int used = std::bit_width(all ^ common);  // of the bits before these all are the same
-  Array<Key> sorted(keys.size());
-  for (int shift = skipped; shift < used; shift += kDigit) {
-    Array<Row> free(kDigits, 0);
-    for (const Key key : keys) ++free[(key >> shift) & (kDigits - 1)];
+};
+
+// Sort keys by their bits [first, end), from the last digit to the first.
+void sort(std::span<Key> keys, int first, int end, Array<Key>& room) {
+  const int n_digits = (end - first + kMostBits - 1) / kMostBits;
+  if (n_digits <= 0) return;
+  const int bits = (end - first + n_digits - 1) / n_digits;
+  const Index size = Index{1} << bits;
+  Array<Row> free(n_digits * size, 0);
+  for (const Key key : keys)
+    for (int digit = 0; digit < n_digits; ++digit)
+      ++free[digit * size + (key >> (first + digit * bits) & (size - 1))];
+  std::span<Key> from = keys, to = std::span<Key>(room).first(keys.size());
+  for (int digit = 0; digit < n_digits; ++digit) {
+    Row* const place = free.data() + digit * size;
     Row sum = 0;
-    for (Row& place : free) sum += std::exchange(place, sum);
-    for (const Key key : keys) sorted[free[(key >> shift) & (kDigits - 1)]++] = key;
-    std::swap(keys, sorted);
+    for (Index value = 0; value < size; ++value) sum += std::exchange(place[value], sum);
+    const int shift = first + digit * bits;
+    for (const Key key : from) to[place[key >> shift & (size - 1)]++] = key;
+    std::swap(from, to);
   }
+  if (from.data() != keys.data()) std::ranges::copy(from, keys.begin());
 }
 
 }  // namespace
 
-// Numbers are written into the last bits of the values, so that these can be sorted as they are.
-Array<Row> falling(std::span<const double> values) {
-  const Index n = count(values);
-  const int bits = std::bit_width(static_cast<Key>(std::max<Index>(n - 1, 1)));
-  const Key number = (Key{1} << bits) - 1;
-  Array<Key> keys(n);
-  for (Index v = 0; v < n; ++v) {
-    const Key value = std::bit_cast<Key>(-values[v]);
-    // As integers, negative values are the wrong way, and behind the others.
-    const Key rising = value ^ (value >> 63 ? ~Key{0} : Key{1} << 63);
-    keys[v] = (rising & ~number) | static_cast<Key>(v);
+// Numbers of rows are written into the last bits of the keys, so that these can be sorted as they
+// are.
+Array<Row> falling(const HeatTable& heat, Index begin, Index end) {
+  const Index n = heat.n_rows(), n_columns = end - begin;
+  const int number_bits = std::bit_width(static_cast<Key>(std::max<Index>(n - 1, 1)));
+  const int rest = std::max(heat.logarithmic ? kRestOfLogarithm : kRestOfHeat, number_bits);
+  const Key number = (Key{1} << number_bits) - 1, one = Key{1} << rest;
+  Array<Range> ranges(n_columns, Range{});
+  for (Index row = 0; row < n; ++row) {
+    const double* const values = heat.values.data() + row * heat.n_columns + begin;
+    for (Index c = 0; c < n_columns; ++c)
+      if (heat.is_heat(values[c])) ranges[c].add(falling_key(values[c]));
   }
-  sort(keys, bits);
-  Array<Row> order(n);
-  for (Index v = 0; v < n; ++v) order[v] = static_cast<Row>(keys[v] & number);
+  for (Range& range : ranges) {
+    range.least &= ~(one - 1);
+    range.most = range.most < range.least ? one : range.most - range.least + one;
+  }
+  Array<Key> keys(n_columns * n), room(n);
+  for (Index row = 0; row < n; ++row) {
+    const double* const values = heat.values.data() + row * heat.n_columns + begin;
+    for (Index c = 0; c < n_columns; ++c) {
+      const auto [least, most] = ranges[c];
+      const Key key = heat.is_heat(values[c]) ? falling_key(values[c]) - least : most;
+      keys[c * n + row] = (key & ~(one - 1)) | static_cast<Key>(row);
+    }
+  }
+  Array<Row> order(n_columns * n);
+  for (Index c = 0; c < n_columns; ++c) {
+    const std::span<Key> own(keys.data() + c * n, static_cast<std::size_t>(n));
+    sort(own, rest, std::bit_width(ranges[c].most), room);
+    for (Index rank = 0; rank < n; ++rank)
+      order[c * n + rank] = static_cast<Row>(own[rank] & number);
+  }
   return order;
 }
 

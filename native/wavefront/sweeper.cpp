@@ -1,15 +1,22 @@
 #include "wavefront/sweeper.hpp"
 
+#include <bit>
+
 #include "core/processor.hpp"
+#include "core/threads.hpp"
 #include "wavefront/crossing.hpp"
-#include "wavefront/falling.hpp"
 
 namespace geodesic {
 namespace {
 
+using Lanes = Pack<kSpokes>;
+
 // Vertices between the one that is visited and the one whose neighbours are fetched from memory.
-// Its corners have been as many before, and where they are as many before that.
+// Its fans have been as many before, and where they are as many before that.
 constexpr Index kAhead = 12;
+
+// More than any distance that is finite.
+constexpr double kLarge = std::numeric_limits<double>::max();
 
 // What a vertex knows: the front there, the curvature K of the surface, its place in the order, and
 // whether it is to be visited.
@@ -20,58 +27,81 @@ struct Vertex {
   bool pending;
 };
 
-// Sweeps of one set of sources.
+// The vertices at the ends of the spokes of a fan.
+struct Ring {
+  const Fan* fan;
+  Lanes distance, radius;
+
+  Ring(const Fan& of, const Vertex* vertices)
+      : fan(&of),
+        distance(Lanes::of([&](int i) { return vertices[of.neighbour[i]].front.distance; })),
+        radius(Lanes::of([&](int i) { return vertices[of.neighbour[i]].front.radius; })) {}
+
+  // The edges opposite the centre.
+  GT_INLINE Edges<Lanes> rim() const {
+    const Lanes to = Lanes::load(fan->to);
+    return {distance, turned(distance), radius, turned(radius), Lanes::load(fan->edge),
+            to,       turned(to)};
+  }
+};
+
+// Sweeps of one set of sources after the other.
 class Sweep {
  public:
-  Sweep(const Corners& corners, std::span<const double> curvature, std::span<const bool> reflex,
-        Array<Row> order, double tolerance)
-      : corners_(corners),
-        starts_(corners.starts.data()),
-        ends_(corners.ends),
+  Sweep(const Fans& fans, std::span<const double> curvature, std::span<const bool> reflex)
+      : fans_(fans.fans.data()),
+        starts_(fans.starts.data()),
+        own_ends_(fans.ends),
+        curvature_(curvature),
         reflex_(reflex),
-        order_(std::move(order)),
-        vertices_(order_.size()),
-        tolerance_(tolerance) {
-    for (Index rank = 0; rank < order_.size(); ++rank) {
-      const Row v = order_[rank];
-      vertices_[v] = {{kInfinity, 0.0}, curvature[v], static_cast<Row>(rank), false};
-    }
-  }
+        vertices_(fans.ends.size()) {}
 
   std::span<const Vertex> vertices() const { return vertices_; }
 
-  // Put sources at their distances, the nearest where there are several at a vertex.
-  void begin(const Sources& sources) {
-    for (std::size_t p = 0; p < sources.vertices.size(); ++p) {
+  // Begin with set k, which the order belongs to. The nearest counts where there are several at a
+  // vertex.
+  void begin(std::span<const Row> order, const Sources& sources, Index k) {
+    order_ = order;
+    ends_ = own_ends_.data();
+    tolerance_ = sources.tolerances[k];
+    for (Index rank = 0; rank < count(order); ++rank) {
+      const Row v = order[rank];
+      vertices_[v] = {{kInfinity, 1.0}, curvature_[v], static_cast<Row>(rank), false};
+    }
+    n_pending_ = 0;
+    for (Index p = sources.begins[k]; p < sources.begins[k + 1]; ++p) {
       Front& front = vertices_[sources.vertices[p]].front;
       if (sources.distances[p] <= front.distance)
-        front = {sources.distances[p], sources.curvatures[p]};
+        front = {sources.distances[p], inverse(sources.curvatures[p])};
     }
-    for (const Index v : sources.vertices) {
-      for (Row c = starts_[v]; c < starts_[v + 1]; ++c) {
-        await(vertices_[corners_.around[c].a]);
-        await(vertices_[corners_.around[c].b]);
-      }
+    for (Index p = sources.begins[k]; p < sources.begins[k + 1]; ++p) {
+      const Index v = sources.vertices[p];
+      for (Row fan = starts_[v]; fan < starts_[v + 1]; ++fan)
+        for (const std::uint32_t neighbour : fans_[fan].neighbour) await(vertices_[neighbour]);
     }
   }
 
   // Whether any vertex is to be visited.
   bool is_under_way() const { return n_pending_ > 0; }
 
+  // Whether every vertex has a distance that set k sends heat to.
+  bool has_reached_all(const HeatTable& heat, Index k) const {
+    for (Index v = 0; v < vertices_.size(); ++v)
+      if (!std::isfinite(vertices_[v].front.distance) && heat.reaches(v, k)) return false;
+    return true;
+  }
+
   // Visit the pending vertices in their order once. Whoever gains from a vertex that improved is
   // pending. Where one of them comes earlier in the order, the sweep returns to it at once, before
   // what it will improve spreads; but only so many times.
   void run(Index returns) {
-    for (Index rank = 0; rank < order_.size() && n_pending_ > 0;) {
+    for (Index rank = 0; rank < n_ranks() && n_pending_ > 0;) {
       look_ahead(rank + 1);
       const Row v = order_[rank++];
       if (!vertices_[v].pending) continue;
       vertices_[v].pending = false;
       --n_pending_;
-      const Front found = nearest(v);
-      if (!(found.distance < vertices_[v].front.distance - tolerance_)) continue;
-      vertices_[v].front = found;
-      const Index earliest = tell(v);
+      const Index earliest = visit(v);
       if (earliest < rank && returns > 0) {
         rank = earliest;
         --returns;
@@ -81,120 +111,171 @@ class Sweep {
 
   // Stars need not be mutual: who is heard by the reached but hears none of them itself now listens
   // to every triangle that it is part of. Return whether there are any.
-  bool open_ears(std::span<const double> log_heat) {
-    const Array<Row>& own = corners_.ends;
+  bool open_ears(const HeatTable& heat, Index k) {
     for (Index v = 0; v < vertices_.size(); ++v) {
-      if (std::isfinite(vertices_[v].front.distance) || !std::isfinite(log_heat[v])) continue;
+      if (std::isfinite(vertices_[v].front.distance) || !heat.reaches(v, k)) continue;
       if (ends_[v] == starts_[v + 1]) continue;
-      if (heard_.empty()) heard_ = copy(own);
+      if (heard_.empty()) heard_ = Array<Row>(vertices_.size());
+      if (ends_ != heard_.data()) {
+        std::ranges::copy(own_ends_, heard_.begin());
+        ends_ = heard_.data();
+      }
       heard_[v] = starts_[v + 1];
       await(vertices_[v]);
     }
-    if (!heard_.empty()) ends_ = heard_;
     return n_pending_ > 0;
   }
 
  private:
-  static Array<Row> copy(const Array<Row>& from) {
-    Array<Row> result(from.size());
-    std::copy(from.begin(), from.end(), result.begin());
-    return result;
-  }
+  Index n_ranks() const { return count(order_); }
 
   void await(Vertex& vertex) {
     n_pending_ += !vertex.pending;
     vertex.pending = true;
   }
 
-  // Distance and kappa that the corners of vertex v have for it, infinite if none improves it.
-  //
-  // First along the edges, which costs little and leaves few triangles that may do better.
-  Front nearest(Row v) const {
-    const Corner* const corner = corners_.around.data();
-    const double enough = vertices_[v].front.distance - tolerance_, bend = vertices_[v].curvature;
-    double best = enough, step = 0.0;
-    Row via = kNone;
-    for (Row c = starts_[v]; c < ends_[v]; ++c) {
-      const double by_a = vertices_[corner[c].a].front.distance + corner[c].to_a;
-      const double by_b = vertices_[corner[c].b].front.distance + corner[c].to_b;
-      if (by_a < best) {
-        best = by_a;
-        via = static_cast<Row>(corner[c].a);
-        step = corner[c].to_a;
-      }
-      if (by_b < best) {
-        best = by_b;
-        via = static_cast<Row>(corner[c].b);
-        step = corner[c].to_b;
-      }
+  // Visit a vertex; return the least rank of those who gain from it.
+  GT_INLINE Index visit(Row v) {
+    const Row start = starts_[v], end = starts_[v + 1];
+    const double enough = vertices_[v].front.distance - tolerance_;
+    Front found{enough, 0.0};
+    if (end - start == 1) {  // most have one fan, of which everything stays in registers
+      const Ring ring(fans_[start], vertices_.data());
+      look_for(ring, v, found);
+      if (!(found.distance < enough)) return n_ranks();
+      vertices_[v].front = found;
+      return tell(ring, found);
     }
-    const double by_edge = best;
-    double kappa = 0.0;
-    for (Row c = starts_[v]; c < ends_[v]; ++c) {
-      const Vertex &a = vertices_[corner[c].a], &b = vertices_[corner[c].b];
-      const Arrival found =
-          through(best, a.front, b.front, corner[c].edge, corner[c].to_a, corner[c].to_b);
-      if (!(found.distance < best)) continue;
-      best = found.distance;
-      kappa = found.kappa - (a.curvature + b.curvature + bend) / 3 * found.step;
-    }
-    if (best < by_edge) return {best, kappa};
-    if (via == kNone) return {kInfinity, 0.0};
-    if (reflex_[via])  // about a corner of the boundary: the front is a circle about it
-      return {best, 1 / step};
-    return {best, along(vertices_[via].front.kappa, step, (vertices_[via].curvature + bend) / 2)};
+    for (Row fan = start; fan < ends_[v]; ++fan) look_for({fans_[fan], vertices_.data()}, v, found);
+    if (!(found.distance < enough)) return n_ranks();
+    vertices_[v].front = found;
+    Index earliest = n_ranks();
+    for (Row fan = start; fan < end; ++fan)
+      earliest = std::min(earliest, tell({fans_[fan], vertices_.data()}, found));
+    return earliest;
   }
 
-  // Whether the vertex `near` gains from v, in their triangle with the vertex `other`. `to_v` and
-  // `to_other` are their distances from `near`, `edge` lies between the two.
-  bool gains(const Vertex& near, const Vertex& v, const Vertex& other, double to_v, double to_other,
-             double edge) const {
-    const double limit = near.front.distance - tolerance_;
-    if (limit > v.front.distance + to_v) return true;
-    return through(limit, v.front, other.front, edge, to_v, to_other).distance < limit;
+  // Put down what a fan has for vertex v, if it is better than what was found before.
+  GT_INLINE void look_for(const Ring& ring, Row v, Front& found) const {
+    const Arrivals<Lanes> arrivals = across(ring.rim());
+    const Lanes to = Lanes::load(ring.fan->to), by_edge = ring.distance + to;
+    const double best = choose(arrivals.distance, by_edge, arrivals.distance, by_edge).least();
+    if (!(best < found.distance)) return;
+    // What comes along edges, and behind it what comes across them: no branch, which would wait for
+    // the distance, and the next vertex with it.
+    double radii[2 * kSpokes], steps[2 * kSpokes];
+    (ring.radius + to).store(radii);
+    to.store(steps);
+    arrivals.radius.store(radii + kSpokes);
+    arrivals.step.store(steps + kSpokes);
+    const Lanes limit = Lanes::spread(best);
+    const unsigned later = below(limit, by_edge) | below(limit, arrivals.distance) << kSpokes;
+    const int way = std::countr_zero(~later) & (2 * kSpokes - 1), lane = way % kSpokes;
+    const bool crosses = way >= kSpokes;
+    const auto near = ring.fan->neighbour[lane];
+    const double step = steps[way], least = 1e-12 * step;
+    double radius = radii[way];
+    double bend = vertices_[v].curvature + vertices_[near].curvature;
+    bend += kShare[crosses] * vertices_[ring.fan->neighbour[(lane + 1) % kSpokes]].curvature;
+    bend *= kMean[crosses];
+    if (!crosses && !(vertices_[near].front.radius > 0 && !reflex_[near])) [[unlikely]] {
+      const double before = reflex_[near] ? 0.0 : vertices_[near].front.radius;
+      radius = wider(before, step);  // about a corner of the boundary: a circle about it
+      if (before == 0) bend = 0.0;
+    }
+    radius = std::copysign(std::max(std::abs(radius), least), radius);
+    found = {best, bent(radius, step, bend)};
   }
 
-  // Let those be pending who gain from vertex v; return the least of their ranks.
-  Index tell(Row v) {
-    const Vertex reached = vertices_[v];
-    Index earliest = order_.size();
-    const auto ask = [&](Vertex& near, const Vertex& other, double to_v, double to_other,
-                         double edge) {
-      // Who is pending already needs no look: if he comes earlier, this vertex made him so.
-      if (near.pending || !gains(near, reached, other, to_v, to_other, edge)) return;
-      await(near);
-      earliest = std::min<Index>(earliest, near.rank);
-    };
-    for (Row c = starts_[v]; c < starts_[v + 1]; ++c) {
-      const auto& [a, b, to_a, to_b, edge] = corners_.around[c];
-      ask(vertices_[a], vertices_[b], to_a, edge, to_b);
-      ask(vertices_[b], vertices_[a], to_b, edge, to_a);
+  // Let those of a fan be pending who gain from the front at its centre; return the least of their
+  // ranks.
+  GT_INLINE Index tell(const Ring& ring, const Front& front) {
+    const Lanes limit = ring.distance - Lanes::spread(tolerance_);
+    const Lanes to = Lanes::load(ring.fan->to), edge = Lanes::load(ring.fan->edge);
+    const Lanes distance = Lanes::spread(front.distance), radius = Lanes::spread(front.radius);
+    // Who has not been reached gains whatever comes: the processor need not wait for that.
+    const unsigned unreached =
+        below(Lanes::spread(kLarge), ring.distance) & below(to, Lanes::spread(kInfinity));
+    Index earliest = await_all(*ring.fan, unreached);
+    const unsigned along_edge = below(distance + to, limit);
+    if (const unsigned more = along_edge & ~unreached) [[unlikely]]
+      earliest = std::min(earliest, await_all(*ring.fan, more));
+    // For each spoke across the edge from the centre to the next, and for the next across that to
+    // this one.
+    const Lanes next_to = turned(to);
+    const unsigned one = may_gain<Lanes>(
+        limit, {distance, turned(ring.distance), radius, radius, next_to, to, edge});
+    const unsigned other = may_gain<Lanes>(
+        turned(limit), {distance, ring.distance, radius, radius, to, next_to, edge});
+    for (unsigned who = one & ~along_edge; who; who &= who - 1) {
+      const int spoke = std::countr_zero(who);
+      earliest = std::min(earliest, ask(*ring.fan, spoke, (spoke + 1) % kSpokes, spoke, front));
+    }
+    for (unsigned who = other & ~before(along_edge); who; who &= who - 1) {
+      const int spoke = std::countr_zero(who);
+      earliest = std::min(earliest, ask(*ring.fan, (spoke + 1) % kSpokes, spoke, spoke, front));
+    }
+    return earliest;
+  }
+
+  // Let the vertex at the end of a spoke be pending if it gains across the edge from the centre to
+  // the end of another; return its rank then.
+  Index ask(const Fan& fan, int spoke, int other, int edge, const Front& front) {
+    using Lane = Pack<2>;  // twice the same: there is no register of one number
+    const Vertex &near = vertices_[fan.neighbour[spoke]], &far = vertices_[fan.neighbour[other]];
+    const auto arrivals = across<Lane>(
+        {Lane::spread(front.distance), Lane::spread(far.front.distance), Lane::spread(front.radius),
+         Lane::spread(far.front.radius), Lane::spread(fan.to[other]), Lane::spread(fan.to[spoke]),
+         Lane::spread(fan.edge[edge])});
+    if (!(arrivals.distance[0] < near.front.distance - tolerance_)) return n_ranks();
+    return await_all(fan, 1u << spoke);
+  }
+
+  // Let vertices at the ends of spokes be pending; return the least rank of those who were not.
+  GT_INLINE Index await_all(const Fan& fan, unsigned who) {
+    Index earliest = n_ranks();
+    for (; who; who &= who - 1) {
+      Vertex& near = vertices_[fan.neighbour[std::countr_zero(who)]];
+      const Index rank = near.pending ? n_ranks() : near.rank;
+      n_pending_ += !near.pending;
+      near.pending = true;
+      earliest = std::min(earliest, rank);
     }
     return earliest;
   }
 
   // Fetch what vertices will need: the order of the heat is none that memory could foresee. Of one
-  // the place of its corners, of one before it these, and of one before that its neighbours.
-  void look_ahead(Index rank) const {
-    if (rank + 3 * kAhead >= order_.size()) return;
+  // the place of its fans, of one before it these, and of one before that its neighbours.
+  //
+  // Inline, or else GCC finds a function without effects, and leaves its calls out.
+  GT_INLINE void look_ahead(Index rank) const {
+    if (rank + 3 * kAhead >= n_ranks()) return;
     const Row last = order_[rank + 3 * kAhead], later = order_[rank + 2 * kAhead],
               soon = order_[rank + kAhead];
-    const Corner* const corner = corners_.around.data();
     prefetch(&starts_[last]);
-    prefetch(&ends_[last]);
     prefetch(&vertices_[later]);
-    for (Row c = starts_[later]; c < ends_[later]; c += 2) prefetch(&corner[c]);
-    for (Row c = starts_[soon]; c < ends_[soon]; ++c) prefetch(&vertices_[corner[c].a]);
+    const char* const fan = reinterpret_cast<const char*>(&fans_[starts_[later]]);
+    for (std::size_t byte = 0; byte < sizeof(Fan); byte += 64) prefetch(fan + byte);
+    for (const std::uint32_t neighbour : fans_[starts_[soon]].neighbour)
+      prefetch(&vertices_[neighbour]);
   }
 
-  const Corners& corners_;
+  // Of curvature along an edge and across one: the share of the second neighbour, and the mean.
+  static constexpr double kShare[2] = {0.0, 1.0}, kMean[2] = {1.0 / 2, 1.0 / 3};
+  static constexpr unsigned kAll = (1u << kSpokes) - 1;
+  // The bits of spokes, each given to the one before.
+  static unsigned before(unsigned bits) { return (bits >> 1 | bits << (kSpokes - 1)) & kAll; }
+
+  const Fan* fans_;
   const Row* starts_;
-  std::span<const Row> ends_;  // of the corners that vertices listen to
+  std::span<const Row> own_ends_;
+  const Row* ends_ = nullptr;  // of the fans that vertices listen to
   Array<Row> heard_;           // the same, where they are others
+  std::span<const double> curvature_;
   std::span<const bool> reflex_;
-  Array<Row> order_;
+  std::span<const Row> order_;
   Array<Vertex> vertices_;
-  double tolerance_;
+  double tolerance_ = 0.0;
   Index n_pending_ = 0;
 };
 
@@ -209,27 +290,27 @@ Array<T> copied(std::span<const T> values) {
 
 Sweeper::Sweeper(const Corners& corners, std::span<const double> curvature,
                  std::span<const bool> reflex)
-    : corners_{copied<Row>(corners.starts), copied<Row>(corners.ends),
-               copied<Corner>(corners.around)},
-      curvature_(copied(curvature)),
-      reflex_(copied(reflex)) {}
+    : fans_(fans_of(corners)), curvature_(copied(curvature)), reflex_(copied(reflex)) {}
 
-void Sweeper::sweep(std::span<const double> log_heat, const Sources& sources, const Effort& effort,
-                    std::span<double> distances, std::span<double> kappas) const {
-  Sweep sweep(corners_, curvature_, reflex_, falling(log_heat), effort.tolerance);
-  sweep.begin(sources);
-  const auto all_reached = [&] {
-    for (Index v = 0; v < n_vertices(); ++v)
-      if (!std::isfinite(sweep.vertices()[v].front.distance) && std::isfinite(log_heat[v]))
-        return false;
-    return true;
-  };
-  for (Index sweeps = 0; sweep.is_under_way() || sweep.open_ears(log_heat); ++sweeps) {
-    if (sweeps >= effort.most_sweeps && all_reached()) break;
-    sweep.run(sweeps < effort.steady ? 0 : effort.returns);
-  }
-  for (Index v = 0; v < n_vertices(); ++v) distances[v] = sweep.vertices()[v].front.distance;
-  for (Index v = 0; v < count(kappas); ++v) kappas[v] = sweep.vertices()[v].front.kappa;
+void Sweeper::sweep(const HeatTable& heat, const Sources& sources, const Effort& effort,
+                    std::span<double> distances, std::span<double> kappas, int n_threads) const {
+  const Index n = n_vertices(), n_sets = heat.n_columns;
+  in_pieces(n_sets, (n_sets + n_threads - 1) / n_threads, n_threads, [&](Index begin, Index end) {
+    Sweep sweep(fans_, curvature_, reflex_);
+    const Array<Row> orders = falling(heat, begin, end);
+    for (Index k = begin; k < end; ++k) {
+      const Row* const order = orders.data() + (k - begin) * n;
+      sweep.begin({order, static_cast<std::size_t>(n)}, sources, k);
+      for (Index sweeps = 0; sweep.is_under_way() || sweep.open_ears(heat, k); ++sweeps) {
+        if (sweeps >= effort.most_sweeps && sweep.has_reached_all(heat, k)) break;
+        sweep.run(sweeps < effort.steady ? 0 : effort.returns);
+      }
+      const std::span<const Vertex> vertices = sweep.vertices();
+      for (Index v = 0; v < n; ++v) distances[k * n + v] = vertices[v].front.distance;
+      if (kappas.empty()) continue;
+      for (Index v = 0; v < n; ++v) kappas[k * n + v] = 1 / vertices[v].front.radius;
+    }
+  });
 }
 
 }  // namespace geodesic

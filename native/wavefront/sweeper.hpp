@@ -6,20 +6,21 @@
 // into the plane, with the curvature of the front carried along by its Riccati equation.
 #pragma once
 
-#include "wavefront/corners.hpp"
+#include "wavefront/falling.hpp"
+#include "wavefront/fans.hpp"
 
 namespace geodesic {
 
-// Vertices at and around the sources, their distances, which are taken as exact, and the geodesic
-// curvature of the front there.
+// Vertices at and around the sources of each set, [begins[k], begins[k + 1]); their distances,
+// which are taken as exact, and the geodesic curvature of the front there. Of each set also the
+// improvement below which a vertex is left as it is.
 struct Sources {
-  std::span<const Index> vertices;
-  std::span<const double> distances, curvatures;
+  std::span<const Index> begins, vertices;
+  std::span<const double> distances, curvatures, tolerances;
 };
 
 // How far sweeps go.
 struct Effort {
-  double tolerance;   // improvement below which a vertex is left as it is
   Index returns;      // times that a sweep may go back in its order
   Index steady;       // sweeps that do not go back, to begin with
   Index most_sweeps;  // after which improvement stops, unless some vertex has not been reached
@@ -30,15 +31,16 @@ class Sweeper {
   // Curvature of the surface at vertices, and whether fronts turn about them.
   Sweeper(const Corners& corners, std::span<const double> curvature, std::span<const bool> reflex);
 
-  Index n_vertices() const { return corners_.ends.size(); }
+  Index n_vertices() const { return curvature_.size(); }
 
-  // Write the distance of each vertex, infinite where no triangle connects, and if there is room
-  // for it the curvature of the front there. `log_heat` gives the order of visits.
-  void sweep(std::span<const double> log_heat, const Sources& sources, const Effort& effort,
-             std::span<double> distances, std::span<double> kappas) const;
+  // Write the distances of all vertices from each set, a row each, infinite where no triangle
+  // connects, and if there is room for it the curvature of the front there. The heat of each set
+  // gives the order of visits.
+  void sweep(const HeatTable& heat, const Sources& sources, const Effort& effort,
+             std::span<double> distances, std::span<double> kappas, int n_threads) const;
 
  private:
-  Corners corners_;
+  Fans fans_;
   Array<double> curvature_;
   Array<bool> reflex_;
 };
