@@ -17,7 +17,7 @@ ROUNDING = 1e-9  # levels differ in whether a product and a sum are rounded once
 def run(code, *arguments, level=""):
     """Run `code` in a process of its own, with a level chosen in its environment."""
     return subprocess.run(
-        [sys.executable, "-c", code, *map(str, arguments)],
+        [sys.executable, "-P", "-c", code, *map(str, arguments)],  # not the checkout beside it
         env={**os.environ, "GEODESIC_TOOLKIT_LEVEL": str(level)},
         capture_output=True,
         text=True,
