@@ -17,7 +17,7 @@ ROUNDING = 1e-9  # levels differ in whether a product and a sum are rounded once
 def run(code, *arguments, level=""):
     """Run `code` in a process of its own, with a level chosen in its environment."""
     return subprocess.run(
-        [sys.executable, "-c", code, *map(str, arguments)],
+        [sys.executable, "-P", "-c", code, *map(str, arguments)],  # not the checkout beside it
         env={**os.environ, "GEODESIC_TOOLKIT_LEVEL": str(level)},
         capture_output=True,
         text=True,
@@ -101,7 +101,7 @@ def test_modules_that_are_missing_are_told_with_what_to_do(monkeypatch):
     monkeypatch.setattr(_native, "_processor_level", lambda: 3)
     monkeypatch.delenv("GEODESIC_TOOLKIT_LEVEL", raising=False)
     monkeypatch.setattr(_native.importlib, "import_module", missing)
-    with pytest.raises(ImportError, match=r"level 3 or 2 .* `pip install \.` builds them"):
+    with pytest.raises(ImportError, match=r"level 3 or 2 of x86-64.* builds them"):
         _native._load()
 
 
@@ -132,6 +132,7 @@ VERTICES = np.array([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]], dtype=np.float
 FACES = np.array([[0, 1, 2], [0, 2, 3]])
 INDPTR, INDICES = np.array([0, 2, 4, 6, 8], np.int32), np.array([0, 1, 0, 1, 2, 3, 2, 3], np.int32)
 DATA = np.array([2.0, -1, -1, 2, 2, -1, -1, 2])
+EDGES = np.array([[0, 1], [2, 3]])
 FRAMES, AREAS = np.ones((2, 3)), np.ones(2)
 TWIN = np.array([-1, 4, -1, -1, 1, -1])
 HELD = np.zeros(4, dtype=bool)
@@ -145,10 +146,13 @@ def calls():
     table = np.ones((4, 3))
     return {
         "components": (_native.components, INDPTR, INDICES),
+        "components_of_edges": (_native.components_of_edges, EDGES, 4),
         "is_sound": (_native.is_sound, INDPTR, INDICES, DATA),
         "obtuse_excess": (_native.obtuse_excess, INDPTR, INDICES, DATA, np.ones(4), 2),
         "is_symmetric": (_native.is_symmetric, INDPTR, INDICES),
+        "minimum_degree": (_native.minimum_degree, INDPTR, INDICES),
         "analyze": (_native.analyze, INDPTR, INDICES),
+        "eliminate_front": (_native.eliminate_front, np.full(6, 3.0), 3, 2),
         "Factor": (_native.Factor, analysis, DATA),
         "solve": (factor.solve, np.ones(4), np.ones(4)),
         "solve_table": (factor.solve, table, table.copy()),
@@ -161,6 +165,9 @@ def calls():
         "mean_edge_length": (_native.mean_edge_length, VERTICES, INDPTR, INDICES),
         "flip_edges": (_native.flip_edges, FACES.copy(), FRAMES.copy(), TWIN.copy(), HELD),
         "poisson_load": (_native.poisson_load, FACES, FRAMES, AREAS, np.ones(4), False),
+        "angle_defects": (_native.angle_defects, FACES, FRAMES, HELD),
+        "gather_corners": (_native.gather_corners, FACES, FRAMES, False, False, 4),
+        "falling": (_native.falling, np.ones(4)),
         "fill": (_native.fill, INDPTR, INDICES, DATA, np.ones(4), np.array([0], np.int32)),
     }
 
@@ -233,7 +240,12 @@ def test_what_may_not_be_written_to_is_not(name, place):
         ("components", 0, np.array([0, 2, 4, 6, 9], np.int32)),  # one more than there are indices
         ("components", 0, np.array([1, 2, 4, 6, 8], np.int32)),
         ("components", 0, np.array([], np.int32)),
+        ("components_of_edges", 0, np.zeros((2, 3), np.int64)),
         ("is_symmetric", 1, INDICES[:-1]),
+        ("minimum_degree", 1, INDICES[:-1]),
+        ("eliminate_front", 0, np.ones(5)),
+        ("angle_defects", 1, np.ones((3, 3))),
+        ("gather_corners", 1, np.ones((3, 3))),
         ("analyze", 1, INDICES[:-1]),
         ("is_sound", 2, DATA[:-1]),
         ("obtuse_excess", 3, np.ones(5)),

@@ -5,6 +5,7 @@ Each is a function on arrays, in ``native/``; the names and types are those of `
 
 import importlib
 import os
+from pathlib import Path
 from types import ModuleType
 
 _CHOICE = "GEODESIC_TOOLKIT_LEVEL"
@@ -43,10 +44,11 @@ def _load() -> tuple[ModuleType, int]:
         except ModuleNotFoundError as error:  # one that is there and broken is told as it is
             if error.name != name:
                 raise
+    wanted = " or ".join(map(str, levels))
     raise ImportError(
-        "the compiled kernels of geodesic-toolkit are not installed for level "
-        f"{' or '.join(map(str, levels))} of this processor. In a checkout, `pip install .` builds "
-        f"them (it needs a C++ compiler); unset {_CHOICE} if it is set"
+        f"{Path(__file__).parent} has no compiled kernels for level {wanted} of x86-64. If that is "
+        "in a checkout, `pip install --editable .` builds them (it needs a C++ compiler), and "
+        f"Python in another folder finds an installed package; unset {_CHOICE} if it is set"
     )
 
 
