@@ -38,8 +38,7 @@ void require_sources(const Sources& sources, Index n_sets, Index n_vertices) {
   require(sources.distances.size() == sources.vertices.size() &&
               sources.curvatures.size() == sources.vertices.size(),
           "a distance and a curvature at each vertex of the sources");
-  require(std::ranges::all_of(sources.vertices,
-                              [&](Index v) { return 0 <= v && v < n_vertices; }),
+  require(std::ranges::all_of(sources.vertices, [&](Index v) { return 0 <= v && v < n_vertices; }),
           "vertices of the sources below their number");
 }
 

@@ -64,8 +64,8 @@ struct Edges {
 };
 
 // What reaches the third vertex: its distance, infinite if no ray through it crosses the edge, the
-// radius of the front there on a flat surface, and how far the ray has come since the front left the
-// mean distance of the edge.
+// radius of the front there on a flat surface, and how far the ray has come since the front left
+// the mean distance of the edge.
 template <class Lanes>
 struct Arrivals {
   Lanes distance, radius, step;

@@ -82,7 +82,8 @@ Array<Row> falling(const HeatTable& heat, Index begin, Index end) {
   for (Index c = 0; c < n_columns; ++c) {
     const std::span<Key> own(keys.data() + c * n, static_cast<std::size_t>(n));
     sort(own, rest, std::bit_width(ranges[c].most), room);
-    for (Index rank = 0; rank < n; ++rank) order[c * n + rank] = static_cast<Row>(own[rank] & number);
+    for (Index rank = 0; rank < n; ++rank)
+      order[c * n + rank] = static_cast<Row>(own[rank] & number);
   }
   return order;
 }

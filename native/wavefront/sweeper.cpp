@@ -15,6 +15,10 @@ using Lanes = Pack<kSpokes>;
 // Its fans have been as many before, and where they are as many before that.
 constexpr Index kAhead = 12;
 
+// Up to this many times the least distance an edge goes before what comes across one: a ray along
+// an edge does both, and rounding must not say which, as the radius differs.
+constexpr double kTie = 1 + 1e-12;
+
 // More than any distance that is finite.
 constexpr double kLarge = std::numeric_limits<double>::max();
 
@@ -40,8 +44,8 @@ struct Ring {
   // The edges opposite the centre.
   GT_INLINE Edges<Lanes> rim() const {
     const Lanes to = Lanes::load(fan->to);
-    return {distance,  turned(distance), radius, turned(radius), Lanes::load(fan->edge), to,
-            turned(to)};
+    return {distance, turned(distance), radius, turned(radius), Lanes::load(fan->edge),
+            to,       turned(to)};
   }
 };
 
@@ -168,8 +172,8 @@ class Sweep {
     to.store(steps);
     arrivals.radius.store(radii + kSpokes);
     arrivals.step.store(steps + kSpokes);
-    const Lanes limit = Lanes::spread(best);
-    const unsigned later = below(limit, by_edge) | below(limit, arrivals.distance) << kSpokes;
+    const Lanes limit = Lanes::spread(best), near_limit = Lanes::spread(best * kTie);
+    const unsigned later = below(near_limit, by_edge) | below(limit, arrivals.distance) << kSpokes;
     const int way = std::countr_zero(~later) & (2 * kSpokes - 1), lane = way % kSpokes;
     const bool crosses = way >= kSpokes;
     const auto near = ring.fan->neighbour[lane];
@@ -203,8 +207,10 @@ class Sweep {
     // For each spoke across the edge from the centre to the next, and for the next across that to
     // this one.
     const Lanes next_to = turned(to);
-    const unsigned one = may_gain<Lanes>(limit, {distance, turned(ring.distance), radius, radius, next_to, to, edge});
-    const unsigned other = may_gain<Lanes>(turned(limit), {distance, ring.distance, radius, radius, to, next_to, edge});
+    const unsigned one = may_gain<Lanes>(
+        limit, {distance, turned(ring.distance), radius, radius, next_to, to, edge});
+    const unsigned other = may_gain<Lanes>(
+        turned(limit), {distance, ring.distance, radius, radius, to, next_to, edge});
     for (unsigned who = one & ~along_edge; who; who &= who - 1) {
       const int spoke = std::countr_zero(who);
       earliest = std::min(earliest, ask(*ring.fan, spoke, (spoke + 1) % kSpokes, spoke, front));
@@ -221,9 +227,10 @@ class Sweep {
   Index ask(const Fan& fan, int spoke, int other, int edge, const Front& front) {
     using Lane = Pack<2>;  // twice the same: there is no register of one number
     const Vertex &near = vertices_[fan.neighbour[spoke]], &far = vertices_[fan.neighbour[other]];
-    const auto arrivals = across<Lane>({Lane::spread(front.distance), Lane::spread(far.front.distance),
-        Lane::spread(front.radius), Lane::spread(far.front.radius), Lane::spread(fan.to[other]),
-        Lane::spread(fan.to[spoke]), Lane::spread(fan.edge[edge])});
+    const auto arrivals = across<Lane>(
+        {Lane::spread(front.distance), Lane::spread(far.front.distance), Lane::spread(front.radius),
+         Lane::spread(far.front.radius), Lane::spread(fan.to[other]), Lane::spread(fan.to[spoke]),
+         Lane::spread(fan.edge[edge])});
     if (!(arrivals.distance[0] < near.front.distance - tolerance_)) return n_ranks();
     return await_all(fan, 1u << spoke);
   }

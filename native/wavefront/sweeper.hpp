@@ -11,9 +11,9 @@
 
 namespace geodesic {
 
-// Vertices at and around the sources of each set, [begins[k], begins[k + 1]); their distances, which
-// are taken as exact, and the geodesic curvature of the front there. Of each set also the improvement
-// below which a vertex is left as it is.
+// Vertices at and around the sources of each set, [begins[k], begins[k + 1]); their distances,
+// which are taken as exact, and the geodesic curvature of the front there. Of each set also the
+// improvement below which a vertex is left as it is.
 struct Sources {
   std::span<const Index> begins, vertices;
   std::span<const double> distances, curvatures, tolerances;
