@@ -444,18 +444,17 @@ class HeatMethod:
 
         The Poisson system is left out where distances are refined: they do not need it.
         """
+        beside: Callable[[], object] = self._poisson
         if self._sweeper is not None:
-            self._flow.systems()
-            self._sweeper.prepare()
-            return self
+            beside = self._sweeper.prepare
         if self.n_vertices < WORTH_A_THREAD:
             self._flow.systems()
-            self._poisson()
+            beside()
             return self
-        with ThreadPoolExecutor(1) as pool:  # two factors on two threads
-            poisson = pool.submit(self._poisson)
+        with ThreadPoolExecutor(1) as pool:  # the other on a second thread
+            other = pool.submit(beside)
             self._flow.systems()
-            poisson.result()
+            other.result()
         return self
 
     @property

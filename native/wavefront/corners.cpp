@@ -3,11 +3,15 @@
 #include <cmath>
 #include <utility>
 
+#include "core/processor.hpp"
+
 namespace geodesic {
 namespace {
 
 // Corners of a vertex up to which they are sorted: it takes the square of their number.
 constexpr Index kMany = 32;
+
+constexpr Index kAhead = 48;  // corners by which memory is asked for: places come in no order
 
 // Edges opposite the corners of an element.
 struct Lengths {
@@ -67,6 +71,8 @@ Corners gather_corners(std::span<const Index> elements, std::span<const double> 
     if (ends[v] == starts[v]) ends[v] = starts[v + 1];  // no star of its own
   }
   for (Index e = 0; e < count(elements); e += 3) {
+    const Index soon = std::min(e + kAhead, count(elements) - 3);
+    for (Index c = 0; c < 3; ++c) prefetch(&result.around[free[elements[soon + c]]]);
     const Index i = elements[e], j = elements[e + 1], k = elements[e + 2];
     const auto [jk, ki, ij] = lengths_of(&elements[e], &frames[e]);
     Array<Row>& others = is_foreign(e) ? free_foreign : free;

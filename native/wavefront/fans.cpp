@@ -94,7 +94,8 @@ Fans fans_of(const Corners& corners) {
     result.starts[n] = writer.count();
   };
   write(nullptr);
-  result.fans = Array<Fan>(result.starts[n]);
+  result.fans = Array<Fan>(result.starts[n] + 1);
+  result.fans[result.starts[n]] = Fan{};
   write(result.fans.data());
   return result;
 }

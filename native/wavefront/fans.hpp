@@ -16,7 +16,8 @@ struct Fan {
 };
 
 // Vertex v listens to the fans [starts[v], ends[v]), and those who may listen to it are in the fans
-// [starts[v], starts[v + 1]).
+// [starts[v], starts[v + 1]). Behind the last fan is one more, so that whoever looks ahead finds
+// one at starts[v] where a vertex has none.
 struct Fans {
   Array<Row> starts, ends;
   Array<Fan> fans;

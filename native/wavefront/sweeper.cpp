@@ -15,6 +15,10 @@ using Lanes = Pack<kSpokes>;
 // Its fans have been as many before, and where they are as many before that.
 constexpr Index kAhead = 12;
 
+// Up to this many times the least distance an edge goes before what comes across one: a ray along
+// an edge does both, and rounding must not say which, as the radius differs.
+constexpr double kTie = 1 + 1e-12;
+
 // More than any distance that is finite.
 constexpr double kLarge = std::numeric_limits<double>::max();
 
@@ -168,8 +172,8 @@ class Sweep {
     to.store(steps);
     arrivals.radius.store(radii + kSpokes);
     arrivals.step.store(steps + kSpokes);
-    const Lanes limit = Lanes::spread(best);
-    const unsigned later = below(limit, by_edge) | below(limit, arrivals.distance) << kSpokes;
+    const Lanes limit = Lanes::spread(best), near_limit = Lanes::spread(best * kTie);
+    const unsigned later = below(near_limit, by_edge) | below(limit, arrivals.distance) << kSpokes;
     const int way = std::countr_zero(~later) & (2 * kSpokes - 1), lane = way % kSpokes;
     const bool crosses = way >= kSpokes;
     const auto near = ring.fan->neighbour[lane];
