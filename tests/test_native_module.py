@@ -167,7 +167,7 @@ def calls():
         "poisson_load": (_native.poisson_load, FACES, FRAMES, AREAS, np.ones(4), False),
         "angle_defects": (_native.angle_defects, FACES, FRAMES, HELD),
         "gather_corners": (_native.gather_corners, FACES, FRAMES, False, False, 4),
-        "falling": (_native.falling, np.ones(4)),
+        "falling": (_native.falling, np.ones(4), False),
         "fill": (_native.fill, INDPTR, INDICES, DATA, np.ones(4), np.array([0], np.int32)),
     }
 

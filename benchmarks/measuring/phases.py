@@ -8,6 +8,7 @@ or why it has none. Phases of public calls are there in every version; others ar
 it has a function of that name, those of single kernels in ``geodesic_toolkit._native``.
 """
 
+import inspect
 import json
 import os
 import sys
@@ -128,9 +129,13 @@ class Phases:
 
     def sweep(self) -> Work:
         from geodesic_toolkit.refine import WavefrontSweeper
+        from geodesic_toolkit.source_points import SourcePoints
 
         sweeper = WavefrontSweeper(self._metric).prepare()
-        return lambda: sweeper.distance(self._log_heat, np.array([0]), np.zeros(1))
+        if "points" not in inspect.signature(sweeper.distance).parameters:  # an older version
+            return lambda: sweeper.distance(self._log_heat, np.array([0]), np.zeros(1))
+        points = SourcePoints.at_vertices(np.array([0]), len(self._log_heat))
+        return lambda: sweeper.distance(self._log_heat, points)
 
     def sweep_prepared(self) -> Work:
         from geodesic_toolkit.refine import WavefrontSweeper
