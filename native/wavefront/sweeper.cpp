@@ -63,16 +63,18 @@ class Sweep {
   std::span<const Vertex> vertices() const { return vertices_; }
 
   // Begin with set k, which the order belongs to. The nearest counts where there are several at a
-  // vertex.
-  void begin(std::span<const Row> order, const Sources& sources, Index k) {
+  // vertex. Where heat comes to every vertex the first sweep is sure to visit all of them, so that
+  // nobody need be told.
+  void begin(std::span<const Row> order, const HeatTable& heat, const Sources& sources, Index k) {
     order_ = order;
     ends_ = own_ends_.data();
     tolerance_ = sources.tolerances[k];
+    all_await_ = !order.empty() && heat.reaches(order.back(), k);
     for (Index rank = 0; rank < count(order); ++rank) {
       const Row v = order[rank];
-      vertices_[v] = {{kInfinity, 1.0}, curvature_[v], static_cast<Row>(rank), false};
+      vertices_[v] = {{kInfinity, 1.0}, curvature_[v], static_cast<Row>(rank), all_await_};
     }
-    n_pending_ = 0;
+    n_pending_ = all_await_ ? n_ranks() : 0;
     for (Index p = sources.begins[k]; p < sources.begins[k + 1]; ++p) {
       Front& front = vertices_[sources.vertices[p]].front;
       if (sources.distances[p] <= front.distance)
@@ -146,17 +148,23 @@ class Sweep {
     if (end - start == 1) {  // most have one fan, of which everything stays in registers
       const Ring ring(fans_[start], vertices_.data());
       look_for(ring, v, found);
-      if (!(found.distance < enough)) return n_ranks();
+      if (!(found.distance < enough)) return without_gain(v);
       vertices_[v].front = found;
       return tell(ring, found);
     }
     for (Row fan = start; fan < ends_[v]; ++fan) look_for({fans_[fan], vertices_.data()}, v, found);
-    if (!(found.distance < enough)) return n_ranks();
+    if (!(found.distance < enough)) return without_gain(v);
     vertices_[v].front = found;
     Index earliest = n_ranks();
     for (Row fan = start; fan < end; ++fan)
       earliest = std::min(earliest, tell({fans_[fan], vertices_.data()}, found));
     return earliest;
+  }
+
+  // A vertex that was visited too soon has to be told when there is something for it.
+  Index without_gain(Row v) {
+    all_await_ &= std::isfinite(vertices_[v].front.distance);
+    return n_ranks();
   }
 
   // Put down what a fan has for vertex v, if it is better than what was found before.
@@ -200,7 +208,7 @@ class Sweep {
     // Who has not been reached gains whatever comes: the processor need not wait for that.
     const unsigned unreached =
         below(Lanes::spread(kLarge), ring.distance) & below(to, Lanes::spread(kInfinity));
-    Index earliest = await_all(*ring.fan, unreached);
+    Index earliest = all_await_ ? n_ranks() : await_all(*ring.fan, unreached);
     const unsigned along_edge = below(distance + to, limit);
     if (const unsigned more = along_edge & ~unreached) [[unlikely]]
       earliest = std::min(earliest, await_all(*ring.fan, more));
@@ -281,6 +289,7 @@ class Sweep {
   Array<Vertex> vertices_;
   double tolerance_ = 0.0;
   Index n_pending_ = 0;
+  bool all_await_ = false;  // whether every vertex that has not been reached is to be visited
 };
 
 template <class T>
@@ -304,7 +313,7 @@ void Sweeper::sweep(const HeatTable& heat, const Sources& sources, const Effort&
     const Array<Row> orders = falling(heat, begin, end);
     for (Index k = begin; k < end; ++k) {
       const Row* const order = orders.data() + (k - begin) * n;
-      sweep.begin({order, static_cast<std::size_t>(n)}, sources, k);
+      sweep.begin({order, static_cast<std::size_t>(n)}, heat, sources, k);
       for (Index sweeps = 0; sweep.is_under_way() || sweep.open_ears(heat, k); ++sweeps) {
         if (sweeps >= effort.most_sweeps && sweep.has_reached_all(heat, k)) break;
         sweep.run(sweeps < effort.steady ? 0 : effort.returns);
