@@ -83,7 +83,9 @@ def resolve_operator(choice: object, domain: Domain) -> LaplaceOperator:
     )
 
 
-def resolve_solvers(choice: object, n_unknowns: int = 0) -> tuple[LinearSolver, LinearSolver]:
+def resolve_solvers(
+    choice: object, n_unknowns: int = 0, *, refine: bool = False
+) -> tuple[LinearSolver, LinearSolver]:
     """Return the solvers for the heat and the Poisson step.
 
     Parameters
@@ -93,12 +95,15 @@ def resolve_solvers(choice: object, n_unknowns: int = 0) -> tuple[LinearSolver, 
         solver that is not componentwise accurate serves the Poisson step only, beside that one.
     n_unknowns : int
         Size of the systems, by which "auto" decides whether factors are compact.
+    refine : bool
+        Whether heat gives nothing but an order, for which six digits do at any size.
 
     Raises
     ------
     InvalidOptionError
         A dictionary with other keys.
     """
+    compact = bool(refine) or n_unknowns >= COMPACT
     if isinstance(choice, dict):
         unknown = set(choice) - {"heat", "poisson"}
         if unknown:
@@ -106,15 +111,15 @@ def resolve_solvers(choice: object, n_unknowns: int = 0) -> tuple[LinearSolver, 
                 f'solver has the keys "heat" and "poisson", not {", ".join(map(repr, unknown))}'
             )
         parts = (choice.get("heat", "auto"), choice.get("poisson", "auto"))
-        return _solver(parts[0], n_unknowns), _solver(parts[1], n_unknowns)
-    solver = _solver(choice, n_unknowns)
+        return _solver(parts[0], compact), _solver(parts[1], compact)
+    solver = _solver(choice, compact)
     if solver.componentwise or getattr(solver, "allow_heat", False):
         return solver, solver
-    return _solver("auto", n_unknowns), solver
+    return _solver("auto", compact), solver
 
 
-def _solver(choice: object, n_unknowns: int) -> LinearSolver:
+def _solver(choice: object, compact: bool) -> LinearSolver:
     if choice == "auto":
-        return Supernodal(compact=n_unknowns >= COMPACT)
+        return Supernodal(compact=compact)
     solver: LinearSolver = solvers.resolve(choice)
     return solver

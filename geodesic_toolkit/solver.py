@@ -124,7 +124,7 @@ class GeodesicSolver:
             self._mask = as_mask(mask, domain.n_vertices)
             domain = without(domain, self._mask)
         self._passable: Domain = domain
-        heat_solver, poisson_solver = resolve_solvers(solver, domain.n_vertices)
+        heat_solver, poisson_solver = resolve_solvers(solver, domain.n_vertices, refine=refine)
         self.operator.check_domain(domain)
         metric = self.operator.assemble(domain)
         if isinstance(domain, TriangleMesh):

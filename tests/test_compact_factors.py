@@ -115,3 +115,11 @@ def test_compact_is_true_or_false(compact):
 @pytest.mark.parametrize(("vertices", "compact"), [(19_999, False), (20_000, True)])
 def test_auto_keeps_halves_of_what_does_not_stay_in_cache(vertices, compact):
     assert resolve_solvers("auto", vertices) == (gt.Supernodal(compact=compact),) * 2
+
+
+def test_auto_keeps_halves_of_heat_that_gives_nothing_but_an_order():
+    mesh = shapes.icosphere(2)
+    solver = gt.GeodesicSolver(mesh, refine=True)
+    assert solver.method.heat_solver == COMPACT
+    whole = gt.GeodesicSolver(mesh, refine=True, solver=FULL)
+    np.testing.assert_allclose(solver.distance(3), whole.distance(3), rtol=1e-6)
