@@ -4,6 +4,7 @@ A process that is to measure an import imports this module before: nothing here 
 NumPy has done already.
 """
 
+import importlib
 from collections.abc import Callable
 from typing import Any, NamedTuple
 
@@ -51,6 +52,13 @@ def build(library: str, vertices: np.ndarray, faces: np.ndarray) -> Ready:
     if library == "libigl":
         return _libigl(vertices, faces)
     return _potpourri3d(vertices, faces, **options(library))
+
+
+def load(library: str) -> None:
+    """Import what a build needs: this package imports its parts when their names are looked up."""
+    module = importlib.import_module(package(library))
+    if library.startswith("ours"):
+        _ = module.GeodesicSolver, module.TriangleMesh
 
 
 def options(library: str) -> dict[str, Any]:

@@ -16,7 +16,6 @@ answer:
 """
 
 import gc
-import importlib
 import json
 import os
 import sys
@@ -55,9 +54,8 @@ class Worker:
             return self.ready.one(source)
 
         def import_and_build() -> tuple[Any, ...]:
-            package = libraries.package(self.library)
             return (
-                *clocks.clocked(lambda: importlib.import_module(package))[:1],
+                *clocks.clocked(lambda: libraries.load(self.library))[:1],
                 *clocks.clocked(build),
             )
 

@@ -90,7 +90,9 @@ class _Dispatch:
             self._send_out()
             while self._under_way:
                 done, _ = wait(self._under_way, return_when=FIRST_COMPLETED)
-                for future in done:
+                # Tasks that came back for want of a solver first: a worker that has computed with
+                # one has it for them, too, and they need not take it along.
+                for future in sorted(done, key=lambda future: self._under_way[future][1]):
                     yield from self._received(future)
                 self._send_out()
         except BrokenExecutor as error:
