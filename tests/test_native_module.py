@@ -16,8 +16,11 @@ ROUNDING = 1e-9  # levels differ in whether a product and a sum are rounded once
 
 def run(code, *arguments, level=""):
     """Run `code` in a process of its own, with a level chosen in its environment."""
+    options = ["-P"]  # not the checkout beside it
+    if sys.flags.no_site:  # nor an editable install that this process does without
+        options.append("-S")
     return subprocess.run(
-        [sys.executable, "-P", "-c", code, *map(str, arguments)],  # not the checkout beside it
+        [sys.executable, *options, "-c", code, *map(str, arguments)],
         env={**os.environ, "GEODESIC_TOOLKIT_LEVEL": str(level)},
         capture_output=True,
         text=True,
