@@ -1,4 +1,6 @@
 // Passes over triangles in Python.
+#include <limits>
+
 #include "python/bindings.hpp"
 #include "triangles/flips.hpp"
 #include "triangles/half_edges.hpp"
@@ -54,6 +56,9 @@ void bind_triangles(nb::module_& module) {
       "sorted_half_edges",
       [](In<Index, 2> faces, Index n_vertices) {
         require_triangles(faces);
+        constexpr Index most = std::numeric_limits<Row>::max();
+        require(Index(faces.size()) <= most && 0 <= n_vertices && n_vertices < most,
+                "fewer half-edges and vertices than 32 bits count");
         return unlocked([&] { return sorted_half_edges(span(faces), n_vertices); });
       },
       "faces"_a.noconvert(), "n_vertices"_a);
