@@ -167,8 +167,14 @@ class WavefrontSweeper:
 
     @cached_property
     def _fronts(self) -> _native.Sweeper:
-        """The triangles and their curvature, ready for any source."""
-        return _native.Sweeper(self._corners, self._curvature, self._reflex)
+        """The triangles and their curvature, ready for any source.
+
+        What they are made of takes as much memory again, and is not kept.
+        """
+        fronts = _native.Sweeper(self._corners, self._curvature, self._reflex)
+        for name in ("_corners", "_curvature", "_reflex", "_defects", "_triangles"):
+            self.__dict__.pop(name, None)
+        return fronts
 
     @cached_property
     def _corners(self) -> _native.Corners:
