@@ -1,0 +1,96 @@
+// Sweeps of fronts over flat grids, where distances are known.
+#include <cmath>
+#include <cstring>
+#include <limits>
+
+#include "tests/check.hpp"
+#include "tests/examples.hpp"
+#include "triangles/half_edges.hpp"
+#include "triangles/measures.hpp"
+#include "triangles/places.hpp"
+#include "wavefront/corners.hpp"
+#include "wavefront/curvature.hpp"
+#include "wavefront/sweeper.hpp"
+
+using namespace geodesic;
+using namespace geodesic::testing;
+
+namespace {
+
+constexpr Index kSide = 30;
+
+// A flat grid, ready for sweeps from some of its vertices, in the order of their true distances.
+struct Flat {
+  Mesh mesh = sheared_grid(kSide, 0.3);
+  Index n = count(std::span<const double>(mesh.vertices)) / 3;
+  std::vector<Index> vertices{0, n / 2, n - 1, kSide - 1, n / 3};
+  Index n_sets = count(std::span<const Index>(vertices));
+  std::vector<double> exact;  // a row for each source
+
+  Flat() {
+    for (const Index source : vertices)
+      for (Index v = 0; v < n; ++v)
+        exact.push_back(length(at(mesh.vertices, v) - at(mesh.vertices, source)));
+  }
+
+  std::vector<double> swept(int n_threads) const {
+    const Measured measured = measure_triangles(mesh.vertices, mesh.faces);
+    const Corners corners = gather_corners(mesh.faces, measured.triangles.frames, false, n);
+    const Sweeper sweeper(corners, Array<double>(n, 0.0), Array<bool>(n, false));
+    std::vector<double> heat(exact.size()), found(exact.size());
+    for (Index k = 0; k < n_sets; ++k)
+      for (Index v = 0; v < n; ++v) heat[v * n_sets + k] = -exact[k * n + v];
+    std::vector<Index> begins;
+    for (Index k = 0; k <= n_sets; ++k) begins.push_back(k);
+    const std::vector<double> distances(n_sets, 0.0), tolerances(n_sets, 1e-12);
+    const std::vector<double> curvatures(n_sets, std::numeric_limits<double>::infinity());
+    sweeper.sweep({heat, n_sets, true}, {begins, vertices, distances, curvatures, tolerances},
+                  {8 * n, 0, 100}, found, {}, n_threads);
+    return found;
+  }
+};
+
+}  // namespace
+
+TEST(fronts_on_a_plane_are_circles) {
+  const Flat flat;
+  const std::vector<double> found = flat.swept(1);
+  double worst = 0.0;
+  for (std::size_t i = 0; i < found.size(); ++i)
+    worst = std::max(worst, std::abs(found[i] - flat.exact[i]));
+  CHECK(worst < 1e-10);
+}
+
+TEST(sweeps_give_the_same_bits_on_any_number_of_threads) {
+  const Flat flat;
+  const std::vector<double> one = flat.swept(1);
+  for (const int n_threads : {2, 3, 8}) {
+    const std::vector<double> several = flat.swept(n_threads);
+    CHECK(std::memcmp(one.data(), several.data(), one.size() * sizeof(double)) == 0);
+  }
+}
+
+TEST(vertices_without_triangles_are_out_of_reach) {
+  Flat flat;
+  flat.mesh.vertices.insert(flat.mesh.vertices.end(), {5.0, 5.0, 5.0});
+  ++flat.n;
+  flat.exact.clear();
+  for (const Index source : flat.vertices)
+    for (Index v = 0; v < flat.n; ++v)
+      flat.exact.push_back(length(at(flat.mesh.vertices, v) - at(flat.mesh.vertices, source)));
+  const std::vector<double> found = flat.swept(2);
+  for (Index k = 0; k < flat.n_sets; ++k) CHECK(std::isinf(found[(k + 1) * flat.n - 1]));
+  CHECK(std::abs(found[1] - 1.0) < 1e-12);
+}
+
+TEST(angles_about_the_vertices_of_a_plane_lack_nothing) {
+  const Flat flat;
+  const Measured measured = measure_triangles(flat.mesh.vertices, flat.mesh.faces);
+  std::vector<Index> inner;
+  Array<bool> boundary(flat.n, false);
+  for (Index v = 0; v < flat.n; ++v)
+    if (v % kSide > 0 && v % kSide < kSide - 1 && v >= kSide && v < flat.n - kSide)
+      inner.push_back(v);
+  const Array<double> defects = angle_defects(flat.mesh.faces, measured.triangles.frames, boundary);
+  for (const Index v : inner) CHECK(std::abs(defects[v]) < 1e-12);
+}
