@@ -56,7 +56,7 @@ def geodesic_distance(
     ...     [[0, 0, 0], [1, 0, 0], [2, 0, 0], [0, 1, 0], [1, 1, 0], [2, 1, 0], [9, 9, 9]],
     ...     [[0, 1, 3], [1, 4, 3], [1, 2, 4], [2, 5, 4]],
     ... )
-    >>> distance = gt.geodesic_distance(strip, 0, refine=True)
+    >>> distance = gt.geodesic_distance(strip, 0)
     >>> float(distance[0]), float(distance[6])
     (0.0, inf)
     """

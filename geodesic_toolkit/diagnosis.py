@@ -43,6 +43,8 @@ class Diagnosis:
     positive_off_diagonals : float
         Share of the off-diagonal entries of the diffusion's stiffness that are positive, where a
         Laplacian with a maximum principle has none.
+    refined : bool
+        Whether distances are refined; otherwise they are plain heat's.
     spacing : float
         Mean edge length h.
     time : float
@@ -72,6 +74,7 @@ class Diagnosis:
     non_manifold_edges: int | None
     minimum_angle: float | None
     positive_off_diagonals: float
+    refined: bool
     spacing: float
     time: float
     probe: int
@@ -119,6 +122,7 @@ def diagnose(domain: Domain, operator: object, method: HeatMethod) -> Diagnosis:
         non_manifold_edges=manifold,
         minimum_angle=angle,
         positive_off_diagonals=_positive_share(method.diffusion),
+        refined=method.refine,
         spacing=metric.spacing,
         time=method.time,
         probe=probe,

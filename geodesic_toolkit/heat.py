@@ -8,7 +8,6 @@ import os
 import threading
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
-from functools import cached_property
 from typing import Any, TypeAlias
 
 import numpy as np
@@ -16,6 +15,7 @@ from numpy.typing import ArrayLike
 
 from geodesic_toolkit._typing import FloatArray
 from geodesic_toolkit._warning import warn
+from geodesic_toolkit.bounds import DistanceBounds
 from geodesic_toolkit.discretization import Discretization
 from geodesic_toolkit.errors import (
     InvalidOptionError,
@@ -23,9 +23,10 @@ from geodesic_toolkit.errors import (
     UnsupportedDomainError,
 )
 from geodesic_toolkit.heat_flow import Boundary, Heat, HeatFlow, HeatReport
-from geodesic_toolkit.linear.base import Factor, LinearSolver
+from geodesic_toolkit.linear.base import LinearSolver
 from geodesic_toolkit.linear.memory import array_bytes, require_memory
-from geodesic_toolkit.linear.patterns import SharedAnalysis, plus_diagonal
+from geodesic_toolkit.linear.patterns import SharedAnalysis
+from geodesic_toolkit.poisson import PoissonStep
 from geodesic_toolkit.positivity import positive_part
 from geodesic_toolkit.refine import WavefrontSweeper
 from geodesic_toolkit.source_points import SourcePoints, as_vertices
@@ -75,6 +76,8 @@ class HeatMethod:
         Instead of steps 2 and 3, sweep wavefronts over the triangles in the order of the heat
         (:mod:`geodesic_toolkit.refine`): several times more accurate, exact at the sources, and no
         Poisson system is factorised. For metrics made of triangles.
+    bounds : DistanceBounds, optional
+        What refined distances are held to.
 
     Raises
     ------
@@ -106,7 +109,6 @@ class HeatMethod:
     """
 
     _substitute: HeatFlow | None
-    _poisson_factor: Factor | None
 
     def __init__(
         self,
@@ -119,6 +121,7 @@ class HeatMethod:
         heat_solver: LinearSolver,
         poisson_solver: LinearSolver,
         refine: bool = False,
+        bounds: DistanceBounds | None = None,
     ) -> None:
         self.metric = metric
         self.diffusion = metric if diffusion is None else diffusion
@@ -144,6 +147,7 @@ class HeatMethod:
         if not isinstance(refine, bool | np.bool_):
             raise InvalidOptionError(f"refine must be True or False, not {refine!r}")
         self.refine = bool(refine)
+        self.bounds = bounds
         self._set_up()
 
     # -- the three steps -----------------------------------------------------------------------
@@ -159,9 +163,8 @@ class HeatMethod:
         Returns
         -------
         ndarray of shape (N,), float64
-            In the unit of the domain; ``inf`` where no source connects. A single source vertex
-            reads exactly 0; of several, the mean in each component is 0, so that values near them
-            may be slightly negative.
+            In the unit of the domain; ``inf`` where no source connects. A source vertex reads
+            exactly 0, or the offset that it starts with, and nothing less than the least of them.
 
         Raises
         ------
@@ -236,8 +239,7 @@ class HeatMethod:
             return worst
         values = heat.values[:, 0] if len(block) == 1 else heat.values
         load = self.metric.gradient.descent_load(values, logarithmic=heat.logarithmic)
-        potential = self._poisson().solve_over(load).reshape(self.n_vertices, len(block))
-        self._anchor(potential, block, distances)
+        self._poisson.distances(load, heat, block, distances)
         return worst
 
     def log_heat(self, sources: ArrayLike | SourcePoints) -> FloatArray:
@@ -279,7 +281,7 @@ class HeatMethod:
         -------
         ndarray of shape (N,) or (N, K)
         """
-        return self._poisson().solve(self.metric.gradient.adjoint(field))
+        return self._poisson.factor().solve(self.metric.gradient.adjoint(field))
 
     # -- step 1 --------------------------------------------------------------------------------
 
@@ -331,68 +333,22 @@ class HeatMethod:
             "on a triangle mesh CotanLaplacian(intrinsic_delaunay=True) is better"
         )
 
-    # -- step 3 --------------------------------------------------------------------------------
-
-    def _poisson(self) -> Factor:
-        """Return the factor of L with one vertex a component held at 0.
-
-        Adding ``L_gg`` to the diagonal at one vertex g of each component does that exactly: the
-        right-hand side sums to zero over a component, so the equation summed over it leaves
-        ``L_gg φ_g = 0``. It is scale-free and keeps the pattern, unlike shifting all of L, which
-        bends distances.
-        """
-        with self._poisson_lock:
-            if self._poisson_factor is None:
-                stiffness = self.metric.rows
-                _, grounded = np.unique(self.metric.components, return_index=True)
-                diagonal = stiffness.diagonal()[grounded]
-                ground = np.zeros(self.n_vertices)
-                ground[grounded] = np.where(diagonal > 0, diagonal, 1.0)
-                self._poisson_factor = self._factorize_poisson(plus_diagonal(stiffness, ground))
-            return self._poisson_factor
-
-    def _anchor(
-        self, potential: FloatArray, block: Sequence[SourcePoints], distances: FloatArray
-    ) -> None:
-        """Write distances, (K, N): the mean over the sources of a component is 0 there."""
-        components = self.metric.components
-        distances[:] = potential.T
-        for k, points in enumerate(block):
-            row = distances[k]
-            above = points.readings(row)
-            if self._in_one_piece and not points.delayed:
-                _lower(row, above)
-                continue
-            home = points.components(self.metric)
-            first = points.first_to_start(home)  # others may be overtaken before they start
-            parts = [0] if self._in_one_piece else np.unique(home).tolist()
-            for part in parts:
-                inside = components == part
-                values = row[inside]
-                _lower(values, above[first & (home == part)])
-                row[inside] = values
-            if not self._in_one_piece:
-                heated = np.isin(self.diffusion.components, points.components(self.diffusion))
-                row[~(heated & np.isin(components, parts))] = np.inf
-
-    @cached_property
-    def _in_one_piece(self) -> bool:
-        """Whether every vertex hears of every other."""
-        return not (self.metric.components.any() or self.diffusion.components.any())
-
     # -- instead of steps 2 and 3 --------------------------------------------------------------
 
     def _sweep(self, heat: Heat, block: Sequence[SourcePoints], distances: FloatArray) -> None:
         """Write refined distances, (K, N); the sweeps of a block share the processors."""
         assert self._sweeper is not None
         large = self.n_vertices * len(block) >= WORTH_A_THREAD
+        n_threads = min(len(block), PROCESSORS) if large else 1
         self._sweeper.fill(
             distances,
             heat.values,
             block,
             logarithmic=heat.logarithmic,
-            n_threads=min(len(block), PROCESSORS) if large else 1,
+            n_threads=n_threads,
         )
+        if self.bounds is not None:
+            self.bounds.hold(distances, block, n_threads=n_threads)
 
     # -- sources -------------------------------------------------------------------------------
 
@@ -408,13 +364,14 @@ class HeatMethod:
 
     def _set_up(self) -> None:
         """Set what is not part of the recipe: factors to come, and their lock."""
-        self._lock, self._poisson_lock = threading.Lock(), threading.Lock()
+        self._lock = threading.Lock()
         # Both systems have one pattern, where metric and diffusion do.
         self._shares_analysis = self.poisson_solver == self.heat_solver and not self.refine
         self._factorize_heat = SharedAnalysis(self.heat_solver, 2 if self._shares_analysis else 1)
         self._factorize_poisson = (
             self._factorize_heat if self._shares_analysis else SharedAnalysis(self.poisson_solver)
         )
+        self._poisson = PoissonStep(self.metric, self.diffusion, self._factorize_poisson)
         self._flow = HeatFlow(
             self.diffusion,
             self.times,
@@ -424,7 +381,6 @@ class HeatMethod:
         )
         self._sweeper = WavefrontSweeper(self.metric) if self.refine else None
         self._substitute = None
-        self._poisson_factor = None
 
     @property
     def n_vertices(self) -> int:
@@ -444,7 +400,7 @@ class HeatMethod:
 
         The Poisson system is left out where distances are refined: they do not need it.
         """
-        beside: Callable[[], object] = self._poisson
+        beside: Callable[[], object] = self._poisson.factor
         if self._sweeper is not None:
             beside = self._sweeper.prepare
         if self.n_vertices < WORTH_A_THREAD:
@@ -460,7 +416,7 @@ class HeatMethod:
     @property
     def nbytes(self) -> int:
         """Bytes of the factors made so far."""
-        parts = (self._flow, self._substitute, self._poisson_factor)
+        parts = (self._flow, self._substitute, self._poisson)
         return sum(part.nbytes for part in parts if part is not None)
 
     @property
@@ -496,16 +452,6 @@ class HeatMethod:
             f"time={self.time:.4g}{boundary}, heat_solver={self.heat_solver!r}, "
             f"poisson_solver={self.poisson_solver!r}, factors of {self.nbytes / 1e6:.1f} MB)"
         )
-
-
-def _lower(values: FloatArray, anchors: FloatArray) -> None:
-    """Take the mean of what sources read off values in place.
-
-    Of several sources some are below their mean by right; of one, nothing is.
-    """
-    values -= anchors.sum() / len(anchors)
-    if len(anchors) == 1:
-        np.maximum(values, 0.0, out=values)
 
 
 def _worse(one: HeatReport | None, other: HeatReport | None) -> HeatReport | None:

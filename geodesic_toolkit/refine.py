@@ -25,7 +25,7 @@ from geodesic_toolkit.geometry.intrinsic import MOST_SIDES
 from geodesic_toolkit.gradient import ElementGradient
 from geodesic_toolkit.source_points import SourcePoints
 
-__all__ = ["WavefrontSweeper"]
+__all__ = ["WavefrontSweeper", "made_of_triangles"]
 
 TOLERANCE = 3e-4
 """Improvement, in mean edge lengths, below which a vertex is left as it is."""
@@ -82,6 +82,11 @@ the front already, and turning it too is worse.
 """
 
 
+def made_of_triangles(metric: Discretization) -> bool:
+    """Return whether the elements of a discretization are triangles, which fronts can cross."""
+    return isinstance(metric.gradient, ElementGradient) and metric.gradient.of_planes
+
+
 @dataclass(frozen=True, eq=False)
 class WavefrontSweeper:
     """Triangles made ready for sweeps; shared by all sources and threads.
@@ -100,11 +105,10 @@ class WavefrontSweeper:
     metric: Discretization
 
     def __post_init__(self) -> None:
-        gradient = self.metric.gradient
-        if not (isinstance(gradient, ElementGradient) and gradient.of_planes):
+        if not made_of_triangles(self.metric):
             raise UnsupportedDomainError(
-                f"refinement needs triangles, and this discretization has {gradient!r}; "
-                "use refine=False"
+                "refinement needs triangles, and this discretization has "
+                f"{self.metric.gradient!r}; use refine=False"
             )
 
     def prepare(self) -> "WavefrontSweeper":

@@ -2,29 +2,38 @@
 
 import threading
 from collections.abc import Iterable
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Literal, TypeAlias
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from geodesic_toolkit._typing import BoolArray, FloatArray
 from geodesic_toolkit._warning import warn
+from geodesic_toolkit.bounds import bounds_of
 from geodesic_toolkit.catalog import resolve_operator, resolve_solvers
 from geodesic_toolkit.conversion import as_domain, check_one_shape
 from geodesic_toolkit.discretization import Discretization
 from geodesic_toolkit.domains import Domain, TriangleMesh
-from geodesic_toolkit.errors import CoarseMeshWarning, InvalidSourceError, SeamWarning
+from geodesic_toolkit.errors import (
+    CoarseMeshWarning,
+    InvalidOptionError,
+    InvalidSourceError,
+    SeamWarning,
+)
 from geodesic_toolkit.geometry.parts import coarse_parts, vertices_on_seams
 from geodesic_toolkit.heat import Boundary, HeatMethod, Progress
 from geodesic_toolkit.laplacians.base import LaplaceOperator
 from geodesic_toolkit.linear.base import LinearSolver
+from geodesic_toolkit.refine import made_of_triangles
 from geodesic_toolkit.source_points import SourcePoints
 from geodesic_toolkit.sources import locate_sources
 
 if TYPE_CHECKING:
     from geodesic_toolkit.diagnosis import Diagnosis
 
-__all__ = ["GeodesicSolver"]
+__all__ = ["GeodesicSolver", "Refine"]
+
+Refine: TypeAlias = bool | Literal["auto"]
 
 SEAM_SHARE = 0.5
 """Share of boundary vertices that coincide with others from which on a mesh is said to be cut."""
@@ -57,10 +66,11 @@ class GeodesicSolver:
         Condition on the heat at boundaries.
     solver : str, class, instance or dict
         The linear solver, or ``{"heat": ..., "poisson": ...}``.
-    refine : bool
-        Sweep wavefronts over the triangles in the order of the heat, instead of solving the
-        Poisson equation: several times more accurate on meshes, exact at the sources. For
-        operators whose elements are triangles.
+    refine : bool or "auto"
+        True: sweep wavefronts over the triangles in the order of the heat, instead of solving the
+        Poisson equation. That is several times more accurate on meshes and clouds, and exact at
+        the sources. False: plain heat, the paper's own result, which is smooth. "auto" refines
+        wherever the elements are triangles.
     mask : array-like of shape (N,), bool, optional
         True at vertices that paths may not cross: faces and edges that touch one do not conduct,
         and it reads ``inf`` itself. It needs no boundary of its own: what is left ends there.
@@ -109,7 +119,7 @@ class GeodesicSolver:
         time_factor: float = 1.0,
         boundary: Boundary = "neumann",
         solver: str | type[LinearSolver] | LinearSolver | dict[str, Any] = "auto",
-        refine: bool = False,
+        refine: Refine = "auto",
         mask: ArrayLike | None = None,
     ) -> None:
         check_one_shape("GeodesicSolver", others)
@@ -124,9 +134,11 @@ class GeodesicSolver:
             self._mask = as_mask(mask, domain.n_vertices)
             domain = without(domain, self._mask)
         self._passable: Domain = domain
-        heat_solver, poisson_solver = resolve_solvers(solver, domain.n_vertices, refine=refine)
         self.operator.check_domain(domain)
         metric = self.operator.assemble(domain)
+        if isinstance(refine, str):
+            refine = _refine_by_default(refine, metric)
+        heat_solver, poisson_solver = resolve_solvers(solver, domain.n_vertices, refine=refine)
         if isinstance(domain, TriangleMesh):
             _warn_of_seams(domain, metric)
         self.method = HeatMethod(
@@ -142,6 +154,7 @@ class GeodesicSolver:
             heat_solver=heat_solver,
             poisson_solver=poisson_solver,
             refine=refine,
+            bounds=bounds_of(domain) if refine else None,
         ).prepare()
         self._diagnosis: Diagnosis | None = None
         self._coarse: BoolArray | None = None
@@ -160,9 +173,10 @@ class GeodesicSolver:
         Returns
         -------
         ndarray of shape (N,), float64
-            In the unit of the domain; ``inf`` where no source connects. A single source vertex
-            reads exactly 0; of several, the mean in each component is 0, so that values near them
-            may be slightly negative. Refined distances read exactly 0 at every source.
+            In the unit of the domain; ``inf`` where no source connects. Every source vertex reads
+            exactly 0, or the offset that it starts with, and nothing less than the least of them.
+            On a mesh refined distances are nowhere below the straight line to the nearest source,
+            nor above the shortest way along edges; on a cloud not below that line.
 
         Raises
         ------
@@ -361,6 +375,13 @@ class GeodesicSolver:
         return (
             f"GeodesicSolver({self.domain!r}, operator={self.operator!r}, method={self.method!r})"
         )
+
+
+def _refine_by_default(choice: str, metric: Discretization) -> bool:
+    """Return whether "auto" refines: where the elements are triangles."""
+    if choice != "auto":
+        raise InvalidOptionError(f'refine must be True, False or "auto", not {choice!r}')
+    return made_of_triangles(metric)
 
 
 def _warn_of_seams(mesh: TriangleMesh, metric: Discretization) -> None:

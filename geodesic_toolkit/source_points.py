@@ -162,6 +162,12 @@ class SourcePoints:
         return discretization.components[self.first_vertices]
 
     @property
+    def nearest_vertices(self) -> IntArray:
+        """The (P,) vertex that is closest to each point."""
+        order = np.lexsort((self.distances, self.rows))
+        return np.asarray(self.vertices[order[self.begins[:-1]]])
+
+    @property
     def first_vertices(self) -> IntArray:
         """The (P,) first of the vertices around each point."""
         return np.asarray(self.vertices[self.begins[:-1]])

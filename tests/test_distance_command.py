@@ -100,16 +100,17 @@ def test_options_reach_the_solver(options, keywords, tmp_path):
     np.testing.assert_array_equal(np.load(output), expected)
 
 
-def test_distance_refines_where_it_is_told_to(sphere_file):
-    plain = json.loads(run("distance", sphere_file, "--source", 3, "--json").stdout)
-    refined = json.loads(run("distance", sphere_file, "--source", 3, "--refine", "--json").stdout)
+def test_distance_refines_unless_it_is_told_not_to(sphere_file):
+    plain = json.loads(run("distance", sphere_file, "--source", 3, "--no-refine", "--json").stdout)
+    refined = json.loads(run("distance", sphere_file, "--source", 3, "--json").stdout)
     assert (plain["refine"], refined["refine"]) == (False, True)
     exact = gt.exact_distance(shapes.icosphere(2), 3).max()
     assert abs(refined["max"] - exact) < abs(plain["max"] - exact)
     assert refined["max"] == pytest.approx(
         gt.geodesic_distance(shapes.icosphere(2), 3, refine=True).max()
     )
-    assert "refined" in run("distance", sphere_file, "--source", 3, "--refine").stdout
+    assert "refined" in run("distance", sphere_file, "--source", 3).stdout
+    assert "refined" not in run("distance", sphere_file, "--source", 3, "--no-refine").stdout
 
 
 def test_many_sources_make_one_set(sphere_file, tmp_path):

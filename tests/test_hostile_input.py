@@ -169,7 +169,7 @@ BAD = {
     "time 1e300": ((V, F), 0, {"time": 1e300}, InvalidOptionError, "heat is the same everywhere"),
     "factor 1e30": ((V, F), 0, {"time_factor": 1e30}, InvalidOptionError, "so long that heat"),
     "time a string": ((V, F), 0, {"time": "1"}, InvalidOptionError, "time must be a number"),
-    "refine a string": ((V, F), 0, {"refine": "no"}, InvalidOptionError, "must be True or False"),
+    "refine a string": ((V, F), 0, {"refine": "no"}, InvalidOptionError, "True, False or"),
     "vertices of 1e200": ((1e200 * V, F), 0, {}, UnsupportedDomainError, "another unit of length"),
     "vertices of 1e-200": ((1e-200 * V, F), 0, {}, UnsupportedDomainError, "another unit"),
     "time NaN": ((V, F), 0, {"time": np.nan}, InvalidOptionError, "must be positive"),
@@ -314,13 +314,14 @@ def test_the_command_says_in_one_line_what_is_wrong(tmp_path):
 def test_a_coarse_mesh_is_named_by_command_and_doctor(tmp_path):
     path = tmp_path / "square.off"
     path.write_bytes(OFF)
-    code, out, err = command("distance", path, "--source", 0, "--json")
+    code, out, err = command("distance", path, "--source", 0, "--no-refine", "--json")
     assert code == 0
     assert "has 4 vertices" in err + " ".join(map(str, json.loads(out)["warnings"]))
     code, out, _ = command("doctor", path, "--json")
     told = json.loads(out)
     assert told["diagnosis"]["coarse_components"] == 1
-    assert any("divide the faces" in line for line in told["recommendations"])
+    assert told["diagnosis"]["refined"]  # which needs no more vertices
+    assert not any("divide the faces" in line for line in told["recommendations"])
 
 
 def test_an_output_that_cannot_be_written_leaves_the_old_one(tmp_path):
@@ -337,10 +338,10 @@ def test_an_output_that_cannot_be_written_leaves_the_old_one(tmp_path):
 def test_a_few_vertices_earn_a_warning_by_name_and_refinement_needs_none():
     square = gt.TriangleMesh([[0, 0, 0], [1, 0, 0], [0, 1, 0], [1, 1, 0]], [[0, 1, 2], [1, 3, 2]])
     with pytest.warns(CoarseMeshWarning, match=r"has 4 vertices.*refine=True"):
-        gt.geodesic_distance(square, 0)
-    distance = gt.geodesic_distance(square, 0, refine=True)
+        gt.geodesic_distance(square, 0, refine=False)
+    distance = gt.geodesic_distance(square, 0)
     np.testing.assert_allclose(distance[:3], [0, 1, 1])
-    mixed = gt.GeodesicSolver(shapes.disjoint_union(MESH, square))
+    mixed = gt.GeodesicSolver(shapes.disjoint_union(MESH, square), refine=False)
     assert np.isfinite(mixed.distance(0)[:N]).all()  # no warning: the source is elsewhere
     assert mixed.diagnosis.coarse_components == 1
     with pytest.warns(CoarseMeshWarning):
@@ -535,12 +536,12 @@ def test_heat_has_the_time_to_cross_a_surface_of_long_triangles_with_a_fine_corn
         ]
     )
     mesh = gt.TriangleMesh(np.column_stack([x, y, np.zeros_like(x)]), faces)
-    solver = gt.GeodesicSolver(mesh)
+    solver = gt.GeodesicSolver(mesh, refine=False)
     metric = solver.method.metric
     assert metric.scales[0] > 1.05 * metric.spacing
     assert solver.method.time == pytest.approx(metric.scales[0] ** 2)
     far = np.hypot(x, y) > 0.2
-    plain = gt.GeodesicSolver(mesh, time=metric.spacing**2)
+    plain = gt.GeodesicSolver(mesh, time=metric.spacing**2, refine=False)
     ours, theirs = (
         np.abs(each.distance(0)[far] / np.hypot(x, y)[far] - 1).mean() for each in (solver, plain)
     )
@@ -559,12 +560,12 @@ def test_a_part_with_edges_as_long_as_it_is_wide_warns():
             ]
         ),
     )
-    coarse = gt.GeodesicSolver(shapes.disjoint_union(sphere, pipe))
+    coarse = gt.GeodesicSolver(shapes.disjoint_union(sphere, pipe), refine=False)
     assert np.isfinite(coarse.distance(0)[: sphere.n_vertices]).all()
     with pytest.warns(CoarseMeshWarning, match="has 24 vertices"):
         coarse.distance(sphere.n_vertices)
     assert coarse.diagnosis.coarse_components == 1
-    gt.geodesic_distance(coarse.domain, sphere.n_vertices, refine=True)
+    gt.geodesic_distance(coarse.domain, sphere.n_vertices)
 
 
 def test_a_source_in_other_units_warns():

@@ -423,7 +423,7 @@ def test_without_resume_everything_is_computed_again(solver, tmp_path):
 CHANGES = [
     ("shape", {"mesh": shapes.icosphere(2, radius=2.0)}),
     ("time", {"solver": {"time_factor": 2.0}}),
-    ("refine", {"solver": {"refine": True}}),
+    ("refine", {"solver": {"refine": False}}),
     ("boundary", {"solver": {"boundary": "average"}}),
     ("operator", {"solver": {"operator": gt.CotanLaplacian(mass="voronoi")}}),
     ("operator", {"solver": {"mask": np.arange(162) == 3}}),
@@ -592,7 +592,7 @@ def test_a_worker_keeps_one_solver(monkeypatch, solver):
 
 
 def test_warnings_of_workers_are_heard():
-    coarse = gt.GeodesicSolver(gt.TriangleMesh(np.eye(3), [[0, 1, 2]]))
+    coarse = gt.GeodesicSolver(gt.TriangleMesh(np.eye(3), [[0, 1, 2]]), refine=False)
     with (
         spawned(1) as pool,
         pytest.warns(errors.CoarseMeshWarning, match="has 3 vertices|only 3 vertices") as seen,

@@ -155,11 +155,11 @@ def test_another_command_does_not_go_on_but_may_begin_anew(
     interrupted_after(80)
     run(sphere_file, "--output", output)
     interrupted_after(None)
-    fails(run(sphere_file, "--refine", "--output", output), 2, "refine was False", "--restart")
-    result = run(sphere_file, "--refine", "--restart", "--output", output)
+    fails(run(sphere_file, "--no-refine", "--output", output), 2, "refine was True", "--restart")
+    result = run(sphere_file, "--no-refine", "--restart", "--output", output)
     assert result.exit_code == 0, result.output
-    refined = gt.GeodesicSolver(gt.read(sphere_file), refine=True)
-    np.testing.assert_array_equal(np.load(output), gt.distance_matrix(refined))
+    plain = gt.GeodesicSolver(gt.read(sphere_file), refine=False)
+    np.testing.assert_array_equal(np.load(output), gt.distance_matrix(plain))
 
 
 def test_an_interrupt_before_there_are_rows_promises_nothing(sphere_file, tmp_path, monkeypatch):

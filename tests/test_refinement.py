@@ -54,7 +54,7 @@ def test_on_a_long_tube_it_is_right_to_the_end():
 @pytest.mark.parametrize("name", MEASURED)
 def test_it_is_several_times_more_accurate_on_real_meshes(shared_data, name):
     mesh = gt.read(shared_data(name))
-    refined, plain = gt.GeodesicSolver(mesh, refine=True), gt.GeodesicSolver(mesh)
+    refined, plain = gt.GeodesicSolver(mesh), gt.GeodesicSolver(mesh, refine=False)
     ratios = []
     for source in (500, 2000):
         exact = gt.exact_distance(mesh, source)

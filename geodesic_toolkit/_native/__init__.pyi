@@ -19,6 +19,23 @@ LEVEL: int
 LANES: int
 """Numbers in one of its registers."""
 
+# -- distances -----------------------------------------------------------------------------------
+
+def hold_within_bounds(
+    vertices: Numbers,
+    triangles: Indices,
+    begins: Indices,
+    places: Numbers,
+    starts: Numbers,
+    distances: Numbers,
+    n_threads: int = 1,
+) -> None:
+    """Hold distances (K, N) between the straight line and the way along edges, in place.
+
+    The places of set k are ``begins[k] <= p < begins[k + 1]``, and ``starts`` is read at them.
+    Infinite distances stay.
+    """
+
 # -- sparse matrices in compressed rows ----------------------------------------------------------
 
 def components(indptr: Rows, indices: Rows) -> Indices:

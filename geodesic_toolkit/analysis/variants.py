@@ -13,13 +13,14 @@ from geodesic_toolkit.geometry.triangles import edges_of_faces, proper_faces
 from geodesic_toolkit.laplacians.cotan import CotanLaplacian
 from geodesic_toolkit.laplacians.uniform import UniformLaplacian
 
-__all__ = ["PLAIN", "REFINED", "Variant", "variants_for"]
+__all__ = ["DEFAULT", "PLAIN", "Variant", "variants_for"]
 
-PLAIN = "auto"
+DEFAULT = "auto"
 """The name of the variant that a :class:`GeodesicSolver` without options is."""
 
-REFINED = "auto, refined"
-"""The name of the same with ``refine=True``."""
+PLAIN = "plain heat"
+"""The name of the same with ``refine=False``; all others are plain heat too, unless they say that
+they are refined."""
 
 
 @dataclass(frozen=True)
@@ -50,7 +51,8 @@ def variants_for(domain: Domain) -> list[Variant]:
 
     Every installed operator that takes it; on meshes with its options, other diffusions, and the
     cloud of the vertices and the graph of the edges. A quarter and four times the default time
-    step; other conditions at a boundary; conjugate gradients for the Poisson step; refinement.
+    step; other conditions at a boundary; conjugate gradients for the Poisson step. These are
+    variants of plain heat, on which they tell; of the operators there are refined ones as well.
 
     Parameters
     ----------
@@ -60,28 +62,28 @@ def variants_for(domain: Domain) -> list[Variant]:
     -------
     list of Variant
     """
-    found = [Variant(PLAIN, "default")]
-    if isinstance(domain, TriangleMesh | PointCloud):
-        found.append(Variant(REFINED, "refinement", {"refine": True}))
+    found = [Variant(DEFAULT, "default"), _plain(PLAIN, "refinement")]
     found += _operators(domain)
-    found += [
-        Variant(f"time factor {factor:g}", "time", {"time_factor": factor}) for factor in (0.25, 4)
-    ]
+    found += [_plain(f"time factor {factor:g}", "time", time_factor=factor) for factor in (0.25, 4)]
     if isinstance(domain, TriangleMesh):
         unit = UniformLaplacian(mass="identity")
         found += [
-            Variant("uniform diffusion, t = h²", "diffusion", {"diffusion": unit}),
-            Variant("uniform diffusion, t = 1", "diffusion", {"diffusion": unit, "time": 1.0}),
+            _plain("uniform diffusion, t = h²", "diffusion", diffusion=unit),
+            _plain("uniform diffusion, t = 1", "diffusion", diffusion=unit, time=1.0),
         ]
     if not (isinstance(domain, TriangleMesh) and _is_closed(domain)):
         found += [
-            Variant(f"{condition} boundary", "boundary", {"boundary": condition})
+            _plain(f"{condition} boundary", "boundary", boundary=condition)
             for condition in ("dirichlet", "average")
         ]
-    found.append(Variant("cg for Poisson", "solver", {"solver": {"poisson": "cg"}}))
+    found.append(_plain("cg for Poisson", "solver", solver={"poisson": "cg"}))
     if isinstance(domain, TriangleMesh):
         found += _elsewhere(domain)
     return found
+
+
+def _plain(name: str, group: str, **options: Any) -> Variant:
+    return Variant(name, group, {"refine": False, **options})
 
 
 def _is_closed(mesh: TriangleMesh) -> bool:
@@ -96,13 +98,13 @@ def _operators(domain: Domain) -> Iterator[Variant]:
         except PluginLoadError:  # a broken plugin hurts only itself; `plugins` shows it
             continue
         if isinstance(domain, operator.domains):
-            yield Variant(name, "operator", {"operator": name})
+            yield _plain(name, "operator", operator=name)
     if isinstance(domain, TriangleMesh):
         delaunay = CotanLaplacian(intrinsic_delaunay=True)
-        yield Variant("cotan, intrinsic Delaunay", "operator", {"operator": delaunay})
+        yield _plain("cotan, intrinsic Delaunay", "operator", operator=delaunay)
         voronoi = CotanLaplacian(mass="voronoi")
-        yield Variant("cotan, Voronoi mass", "operator", {"operator": voronoi})
-        options = {"operator": delaunay, "refine": True}
+        yield _plain("cotan, Voronoi mass", "operator", operator=voronoi)
+        options = {"operator": delaunay}
         yield Variant("cotan, intrinsic Delaunay, refined", "refinement", options)
 
 
@@ -111,8 +113,8 @@ def _elsewhere(mesh: TriangleMesh) -> Iterator[Variant]:
     faces = mesh.faces[proper_faces(mesh.faces)]
     used = np.isin(np.arange(mesh.n_vertices), faces)
     cloud = PointCloud(np.where(used[:, None], mesh.vertices, np.nan))
-    yield Variant("cloud of the vertices", "domain", domain=cloud)
-    yield Variant("cloud of the vertices, refined", "domain", {"refine": True}, cloud)
+    yield Variant("cloud of the vertices", "domain", {"refine": False}, cloud)
+    yield Variant("cloud of the vertices, refined", "domain", domain=cloud)
     edges, _ = edges_of_faces(faces, mesh.n_vertices)
     lengths = np.linalg.norm(np.diff(mesh.vertices[edges], axis=1)[:, 0], axis=1)
     proper = lengths > 0

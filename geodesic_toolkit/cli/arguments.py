@@ -20,6 +20,7 @@ __all__ = [
     "Json",
     "Mask",
     "Operator",
+    "Refine",
     "Solver",
     "check_plugins",
     "check_positions",
@@ -58,6 +59,17 @@ Operator = Annotated[
 
 Solver = Annotated[
     str, typer.Option(metavar="NAME", help="Linear solver; see the command plugins.")
+]
+
+Refine = Annotated[
+    bool | None,
+    typer.Option(
+        "--refine/--no-refine",
+        help="Sweep wavefronts over the triangles in the order of the heat, or stay with plain "
+        "heat, the paper's own result. Refined distances, which are several times more accurate, "
+        "are the default on meshes and clouds.",
+        show_default=False,
+    ),
 ]
 
 Folder = Annotated[Path, typer.Option(metavar="DIR", file_okay=False, help="Where the files go.")]

@@ -13,6 +13,7 @@ from geodesic_toolkit.cli.arguments import (
     Json,
     Mask,
     Operator,
+    Refine,
     Solver,
     check_plugins,
     check_positions,
@@ -88,14 +89,7 @@ def distance(
         BoundaryChoice, typer.Option(help="Condition on the heat at boundaries.")
     ] = BoundaryChoice.neumann,
     solver: Solver = "auto",
-    refine: Annotated[
-        bool,
-        typer.Option(
-            "--refine",
-            help="Sweep wavefronts over the triangles in the order of the heat: several times more "
-            "accurate on meshes and clouds, exact at the sources.",
-        ),
-    ] = False,
+    refine: Refine = None,
     output: Annotated[
         list[Path] | None,
         typer.Option(
@@ -156,7 +150,7 @@ def distance(
                 time_factor=1.0 if time_factor is None else time_factor,
                 boundary=boundary.value,
                 solver=solver,
-                refine=refine,
+                refine="auto" if refine is None else refine,
                 mask=masked,
             )
         with run.step("solving"):

@@ -90,11 +90,6 @@ def _advice(diagnosis: "Diagnosis") -> list[str]:
             f"The shape has {diagnosis.components} components: distances are inf in those without "
             "a source. Join them, or give each a source."
         )
-    if diagnosis.coarse_components:
-        advice.append(
-            f"{diagnosis.coarse_components} components have so few vertices that the heat method "
-            "is 10 % off there and more: use --refine, or divide the faces."
-        )
     if diagnosis.isolated_vertices:
         advice.append(
             f"{diagnosis.isolated_vertices} vertices are connected to nothing; their distance is "
@@ -117,8 +112,8 @@ def _advice(diagnosis: "Diagnosis") -> list[str]:
         )
     if diagnosis.boundary_vertices:
         advice.append(
-            f"{diagnosis.boundary_vertices} vertices lie on a boundary; if distances bend near it, "
-            "try --boundary average."
+            f"{diagnosis.boundary_vertices} vertices lie on a boundary; if plain heat "
+            "(--no-refine) bends near it, try --boundary average."
         )
     return advice
 

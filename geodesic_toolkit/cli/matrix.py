@@ -11,7 +11,15 @@ from typing import TYPE_CHECKING, Annotated, Any, cast
 
 import typer
 
-from geodesic_toolkit.cli.arguments import Input, Json, Mask, Operator, Solver, check_plugins
+from geodesic_toolkit.cli.arguments import (
+    Input,
+    Json,
+    Mask,
+    Operator,
+    Refine,
+    Solver,
+    check_plugins,
+)
 from geodesic_toolkit.cli.interrupts import last_words
 from geodesic_toolkit.cli.output import aligned, show, show_json, versions
 from geodesic_toolkit.cli.run import Run, running
@@ -92,9 +100,7 @@ def matrix(
     mask: Mask = None,
     operator: Operator = "auto",
     solver: Solver = "auto",
-    refine: Annotated[
-        bool, typer.Option("--refine", help="Several times more accurate on meshes and clouds.")
-    ] = False,
+    refine: Refine = None,
     workers: Annotated[int, typer.Option(metavar="N", min=1, help="Processes that compute.")] = 1,
     restart: Annotated[
         bool,
@@ -125,7 +131,11 @@ def matrix(
             masked = None if mask is None else read_mask(mask, domain.n_vertices)
         with run.step("factorising"):
             geodesic = GeodesicSolver(
-                domain, operator=operator, solver=solver, refine=refine, mask=masked
+                domain,
+                operator=operator,
+                solver=solver,
+                refine="auto" if refine is None else refine,
+                mask=masked,
             )
         if landmarks is not None:
             with run.step("choosing landmarks"):

@@ -88,8 +88,8 @@ def _methods(subject: Subject) -> dict[str, Callable[[], Distance]]:
     """Return what makes each method ready, by its name."""
     mesh = subject.mesh
 
-    def heat(domain: Any, **options: Any) -> Callable[[], Distance]:
-        return lambda: GeodesicSolver(domain, **options).distance
+    def heat(domain: Any, *, refine: bool = False, **options: Any) -> Callable[[], Distance]:
+        return lambda: GeodesicSolver(domain, refine=refine, **options).distance
 
     cotan, flipped = CotanLaplacian(), CotanLaplacian(intrinsic_delaunay=True)
     cloud = PointCloud(mesh.vertices)

@@ -47,7 +47,7 @@ def study_noise(subject: Subject) -> Noise:
         sigma = level * subject.diagonal
         mesh = TriangleMesh(subject.mesh.vertices + sigma * shift, subject.mesh.faces)
         noisy = Subject(mesh, subject.name, subject.sources)
-        automatic = GeodesicSolver(mesh)
+        automatic = GeodesicSolver(mesh, refine=False)
         found.subjects[level] = noisy
         for source in subject.sources:
             log_heat = noisy.method.log_heat(source)

@@ -91,6 +91,7 @@ inline MatrixView matrix_of(const In<Row>& indptr, const In<Row>& indices, const
   return {pattern_of(indptr, indices), span(data)};
 }
 
+void bind_bounds(nb::module_& module);
 void bind_clouds(nb::module_& module);
 void bind_errors(nb::module_& module);
 void bind_heat(nb::module_& module);

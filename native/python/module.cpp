@@ -13,5 +13,6 @@ NB_MODULE(GT_MODULE, module) {
   geodesic::bind_triangles(module);
   geodesic::bind_heat(module);
   geodesic::bind_wavefront(module);
+  geodesic::bind_bounds(module);
   geodesic::bind_clouds(module);
 }

@@ -1,0 +1,54 @@
+// Places in space from which distances begin, arranged to be asked for the nearest.
+#pragma once
+
+#include <limits>
+#include <vector>
+
+#include "core/array.hpp"
+
+namespace geodesic {
+
+// Places, (P, 3), and the distance that is read at each.
+struct Starts {
+  std::span<const double> positions, distances;
+  Index size() const { return count(distances); }
+};
+
+// A k-d tree: J. L. Bentley, Multidimensional binary search trees used for associative searching,
+// 1975, https://doi.org/10.1145/361002.361007. A node knows the box around its places, and the
+// least distance that is read in it.
+class Places {
+ public:
+  explicit Places(const Starts& starts);
+
+  // The least of what the straight lines from all places read at a point, or the first found that
+  // is not above `enough`.
+  double straight(const double* point, double enough);
+
+  // Whether the place that was nearest last reads no more than `enough` at a point, as a rule: of a
+  // point close by it often is, too.
+  bool last_reads_at_most(double enough, const double* point) const {
+    const double* const at = &starts_.positions[3 * last_];
+    const double x = point[0] - at[0], y = point[1] - at[1], z = point[2] - at[2];
+    const double beyond = enough - starts_.distances[last_];
+    return beyond >= 0 && beyond * beyond >= x * x + y * y + z * z;
+  }
+
+ private:
+  struct Node {
+    double low[3], high[3], least;
+    Index begin, end, left;  // children at left and left + 1; none in a leaf
+  };
+
+  void divide(Index node);
+  double from(Index place, const double* point) const;
+  double bound(const Node& node, const double* point) const;
+  void visit(Index node, const double* point, double enough, double& best);
+
+  Starts starts_;
+  std::vector<Index> order_;
+  std::vector<Node> nodes_;
+  Index last_ = 0;
+};
+
+}  // namespace geodesic
