@@ -304,7 +304,7 @@ class HeatMethod:
         return heat, worst
 
     def _warn_of(self, worst: HeatReport | None) -> None:
-        if worst is not None:
+        if worst is not None and self._sweeper is None:  # sweeps need an order, and end alike
             warn(self._complaint(worst), NonPositiveHeatWarning)
 
     def _positive_flow(self) -> HeatFlow:

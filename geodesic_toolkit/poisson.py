@@ -141,11 +141,10 @@ class PoissonStep:
 
         It is 0 in components in which nothing is held.
         """
-        rows = self.metric.rows
-        across = held[rows.row_of_entry] & ~held[rows.indices] & (rows.data != 0)
-        rim = np.unique(rows.row_of_entry[across])  # what lies within a region is cut off by it
-        if not len(rim):
-            return np.zeros(len(gap))
+        rows, rim = self.metric.rows, np.flatnonzero(held)
+        if len(rim) > FEW:  # what lies within a region is cut off by its rim
+            across = held[rows.row_of_entry] & ~held[rows.indices] & (rows.data != 0)
+            rim = np.unique(rows.row_of_entry[across])
         if len(rim) <= FEW:
             return self._by_schur_complement(rim, gap)
         apart = held[rows.row_of_entry] | held[rows.indices]

@@ -40,14 +40,90 @@ def test_many_refined_sources_read_zero_at_each(spread):
     assert (distance[others] > 0).all()
 
 
-def test_many_plain_sources_read_zero_on_average_and_little_each():
-    sources = np.arange(0, SPHERE.n_vertices, 97)
-    solver = gt.GeodesicSolver(SPHERE)
+GRAPH = gt.Graph(
+    400, [[i, j] for i in range(400) for j in (i + 1, i + 20) if j < 400 and (j % 20 or j > i + 1)]
+)
+SHAPES = {"mesh": SPHERE, "cloud": gt.PointCloud(shapes.icosphere(3).vertices), "graph": GRAPH}
+
+
+@pytest.mark.parametrize("count", [2, 5, 40, 200])  # a few are pinned in another way than many
+@pytest.mark.parametrize("kind", SHAPES)
+def test_plain_heat_reads_zero_at_every_source_and_nothing_less(kind, count):
+    shape = SHAPES[kind]
+    sources = np.random.default_rng(count).choice(shape.n_vertices, count, replace=False)
+    solver = gt.GeodesicSolver(shape, operator=PCA if kind == "cloud" else "auto", refine=False)
     distance = solver.distance(sources)
-    assert abs(distance[sources].mean()) < 1e-12
-    assert np.abs(distance[sources]).max() < solver.method.metric.spacing
+    assert (distance[sources] == 0).all()
+    assert distance.min() == 0
+    together = solver.distances([[0], sources, sources[:1]])
+    np.testing.assert_allclose(together[1], distance, rtol=1e-9, atol=1e-12)
+    np.testing.assert_allclose(together[2], solver.distance(sources[0]), rtol=1e-9, atol=1e-12)
+
+
+@pytest.mark.parametrize("count", [3, 60])
+def test_pinned_sources_are_no_farther_off_than_one(count):
+    sources = np.random.default_rng(count).choice(SPHERE.n_vertices, count, replace=False)
+    solver = gt.GeodesicSolver(SPHERE, refine=False)
     exact = gt.exact_distance(SPHERE, sources)
-    assert np.abs(distance - exact).max() < 1.5 * solver.method.metric.spacing
+    assert np.abs(solver.distance(sources) - exact).max() < 1.5 * solver.method.metric.spacing
+
+
+@pytest.mark.parametrize("count", [4, 100])
+def test_pinning_gives_the_potential_closest_to_the_field(count):
+    """A Schur complement, a new factor and a dense solution of the least squares agree."""
+    mesh = shapes.icosphere(2)
+    sources = np.random.default_rng(count).choice(mesh.n_vertices, count, replace=False)
+    method = gt.GeodesicSolver(mesh, refine=False).method
+    gradient = method.metric.gradient
+    load = gradient.adjoint(gradient.unit(method.log_heat(sources)))  # what heat descends along
+    free = np.setdiff1d(np.arange(mesh.n_vertices), sources)
+    stiffness = method.metric.stiffness.toarray()
+    expected = np.zeros(mesh.n_vertices)
+    expected[free] = np.linalg.solve(stiffness[np.ix_(free, free)], -load[free])
+    found = method.distance(sources)
+    np.testing.assert_allclose(found, np.maximum(expected, 0), atol=2e-3 * expected.max())
+
+
+def test_a_source_given_twice_is_one():
+    solver = gt.GeodesicSolver(SPHERE, refine=False)
+    np.testing.assert_allclose(solver.distance([7, 7]), solver.distance(7), atol=1e-12)
+
+
+def test_regions_and_components_keep_to_themselves():
+    other = shapes.icosphere(2)
+    both = shapes.disjoint_union(shapes.icosphere(3), other, shapes.icosphere(1))
+    cap = np.flatnonzero(shapes.icosphere(3).vertices[:, 2] > 0.5)
+    distance = gt.geodesic_distance(both, [*cap, 642], refine=False)
+    np.testing.assert_allclose(
+        distance[642:804], gt.geodesic_distance(other, 0, refine=False), atol=1e-6
+    )
+    alone = gt.geodesic_distance(shapes.icosphere(3), cap, refine=False)
+    np.testing.assert_allclose(distance[:642], alone, atol=1e-6)
+    assert np.isinf(distance[804:]).all()
+    everything = gt.geodesic_distance(other, np.arange(other.n_vertices), refine=False)
+    assert not everything.any()
+
+
+def test_points_inside_faces_are_pinned_by_the_corners_around_them():
+    points = [gt.SurfacePoint(face, (0.2, 0.3, 0.5)) for face in (10, 700, 1500)]
+    distance = gt.geodesic_distance(SPHERE, points, refine=False)
+    corners = SPHERE.vertices[SPHERE.faces[10]]
+    place = np.array([0.2, 0.3, 0.5]) @ corners
+    expected = np.linalg.norm(corners - place, axis=1)
+    np.testing.assert_allclose(distance[SPHERE.faces[10]], expected)
+
+
+@pytest.mark.parametrize("kind", SHAPES)
+def test_plain_heat_reads_the_offset_at_every_source_that_is_not_overtaken(kind):
+    shape = SHAPES[kind]
+    solver = gt.GeodesicSolver(shape, operator=PCA if kind == "cloud" else "auto", refine=False)
+    way = solver.distance(0)
+    near, far = np.argsort(way)[[len(way) // 3, -1]]
+    late = gt.OffsetSources([0, far, near], [0.0, way[far] / 3, 1.5 * way[near]])
+    distance = solver.distance(late)
+    assert (distance[0], distance[far]) == (0, way[far] / 3)
+    assert distance[near] == pytest.approx(way[near], rel=0.1)
+    assert distance.min() == 0
 
 
 def test_the_vertices_of_a_label_are_a_source():
