@@ -214,9 +214,11 @@ def measure_limit(setting: Setting) -> dict[str, Any]:
     for size, mesh in setting.meshes.items():
         found["sizes"][size] = {"mesh": mesh["name"], "vertices": mesh["vertices"], "solvers": {}}
         for library in setting.libraries:
-            if library == libraries.OURS or library.startswith(libraries.SOLVER):
+            if library == libraries.PLAIN or library.startswith(libraries.SOLVER):
                 answer = ask_once(setting, library, size, {"do": "limit"})
-                name = library.removeprefix(libraries.SOLVER).replace("ours", "the default")
+                name = library.removeprefix(libraries.SOLVER).replace(
+                    libraries.PLAIN, "the default"
+                )
                 found["sizes"][size]["solvers"][name] = answer
                 print(f"    {size:5s} limit {name} {answer}", flush=True)
     return found

@@ -114,9 +114,9 @@ def test_every_library_is_first_once_before_one_is_first_again(module):
 
 def test_the_default_columns_have_no_options(module):
     libraries = module("measuring.libraries")
-    assert libraries.options(libraries.OURS_DEFAULT) == {}
+    assert libraries.options(libraries.OURS) == {}
     assert libraries.options(libraries.PEER_DEFAULT) == {}
-    assert libraries.options(libraries.OURS) == {"refine": False}
+    assert libraries.options(libraries.PLAIN) == {"refine": False}
     assert libraries.options("potpourri3d") == {"use_robust": False}
 
 
@@ -204,10 +204,12 @@ class TestProcesses:
 
     def test_performance_is_measured_on_a_generated_mesh(self):
         options = ["--generated", "--sizes", "0.6k", "--rounds", "1", "--parts", "rounds,memory"]
-        shown = run_script("performance.py", *options, "--libraries", "ours;ours, refined;libigl")
+        shown = run_script(
+            "performance.py", *options, "--libraries", "ours;ours, plain heat;libigl"
+        )
         for title in ("import and first distance", "a further source, alone", "peak memory"):
             assert title in shown
-        assert "refined: build and one source | **" in shown
+        assert "plain heat: build and one source | **" in shown
         assert "potpourri3d as it comes / this package as it comes | - |" in shown
         assert "Traceback" not in shown
 

@@ -11,12 +11,10 @@ from typing import Any, NamedTuple
 import numpy as np
 
 OURS = "ours"
-"""The column of this package without refinement."""
+"""The column of this package without a single option."""
 
-OURS_DEFAULT = "ours, as it comes"
-"""The same without a single option."""
-
-REFINED = "ours, refined"
+PLAIN = "ours, plain heat"
+"""The same without refinement."""
 
 SOLVER = "ours, solver="
 """Columns of this package with another linear solver begin so."""
@@ -27,7 +25,7 @@ PEERS = ("potpourri3d", "libigl")
 PEER_DEFAULT = "potpourri3d, as it comes"
 """potpourri3d without a single option: the robust one."""
 
-COLUMNS = (OURS, OURS_DEFAULT, REFINED, *PEERS, PEER_DEFAULT)
+COLUMNS = (OURS, PLAIN, *PEERS, PEER_DEFAULT)
 
 PACKAGES = {"ours": "geodesic_toolkit", "potpourri3d": "potpourri3d", "libigl": "igl"}
 
@@ -65,7 +63,7 @@ def options(library: str) -> dict[str, Any]:
     """Return the options of this package, or of potpourri3d, that a column stands for."""
     if library.startswith(SOLVER):
         return {"solver": library.removeprefix(SOLVER), "refine": False}
-    known = {OURS: {"refine": False}, REFINED: {"refine": True}}
+    known = {PLAIN: {"refine": False}}
     return known.get(library, {"use_robust": False} if library == "potpourri3d" else {})
 
 
