@@ -258,7 +258,7 @@ class GeodesicSolver:
         >>> import geodesic_toolkit as gt
         >>> solver = gt.GeodesicSolver(gt.testing.shapes.grid(21))
         >>> solver.query([[0.41, 0.0, 0.02], [0.4, 0.0, 5.0]], 0).round(2)
-        array([0.4, inf])
+        array([0.41,  inf])
         """
         from geodesic_toolkit.queries import as_points, interpolate, positions_of
 

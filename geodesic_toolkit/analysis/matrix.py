@@ -131,7 +131,7 @@ def distance_matrix(
     ((162, 162), True)
     >>> near = gt.distance_matrix(solver, max_distance=0.5)
     >>> round(near.nnz / 162)  # vertices not farther than half a radius
-    10
+    8
     """
     check_executor(executor)
     check_symmetrize(symmetrize)

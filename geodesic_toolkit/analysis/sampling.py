@@ -100,7 +100,7 @@ def farthest_point_sampling(
     >>> poles
     array([0, 3])
     >>> radii.round(1)  # from one pole to the other is π, from both to the equator half of it
-    array([3.1, 1.5])
+    array([3.1, 1.6])
     """
     candidates = _candidates(solver)
     _check_count(count, len(candidates))
