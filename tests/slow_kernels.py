@@ -15,7 +15,6 @@ from geodesic_toolkit.geometry.triangles import (
     frames_from_positions,
     hat_gradients_from_inverse,
     inverse_frames,
-    proper_faces,
 )
 
 NAMES = (
@@ -29,6 +28,7 @@ NAMES = (
     "mean_edge_length",
     "measure_lengths",
     "measure_triangles",
+    "proper_faces",
     "mirrored",
     "obtuse_excess",
     "poisson_load",
@@ -106,14 +106,22 @@ def fill(indptr, indices, data, solution, rows):
 # -- triangles ---------------------------------------------------------------------------------
 
 
+def proper_faces(faces, n_vertices):
+    seen, proper = set(), []
+    for face in faces.tolist():
+        vertices = frozenset(face)
+        proper.append(len(vertices) == 3 and vertices not in seen)
+        seen.add(vertices)
+    return np.array(proper, dtype=np.bool_)
+
+
 def measure_triangles(vertices, faces):
     with np.errstate(all="ignore"):
         frames, lengths = frames_from_positions(vertices, faces), face_edge_lengths(vertices, faces)
         longest = lengths.max(axis=1)
         slack = np.where(longest > 0, (lengths.sum(axis=1) - 2 * longest) / longest, 0.0)
-        proper = int(proper_faces(faces).sum())
         inverse = inverse_frames(frames)
-    return inverse, face_areas(frames), proper, float(lengths.sum()), slack.min(initial=np.inf)
+    return inverse, face_areas(frames), float(lengths.sum()), slack.min(initial=np.inf)
 
 
 def measure_lengths(lengths):

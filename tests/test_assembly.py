@@ -426,3 +426,39 @@ def test_triangles_without_area_are_refused():
         )
     with pytest.raises(InvalidDiscretizationError, match="element 0 refers to"):
         gt.ElementGradient.of_triangles(np.array([[0, 1, 3]]), np.ones((1, 3)), np.ones(1), 3)
+
+
+TWICE = {
+    "front and back": lambda faces: np.concatenate([faces, faces[:, ::-1]]),
+    "in turn": lambda faces: np.stack([faces, faces[:, [1, 2, 0]]], axis=1).reshape(-1, 3),
+    "in part, three times": lambda faces: np.concatenate([faces, faces[5:9], faces[5:9, ::-1]]),
+}
+
+
+@pytest.mark.parametrize("repeat", TWICE.values(), ids=TWICE.keys())
+@pytest.mark.parametrize("mesh", [shapes.icosphere(2), shapes.grid(9, shear=3.0)])
+def test_faces_that_are_there_twice_count_once(mesh, repeat):
+    twice = gt.TriangleMesh(mesh.vertices, repeat(mesh.faces))
+    one, other = (gt.CotanLaplacian().assemble(each) for each in (mesh, twice))
+    np.testing.assert_array_equal(other.mass, one.mass)
+    np.testing.assert_array_equal(other.stiffness.toarray(), one.stiffness.toarray())
+    np.testing.assert_array_equal(other.boundary, one.boundary)
+    assert other.notes["dropped_faces"] == twice.n_faces - mesh.n_faces
+    last = gt.SurfacePoint(twice.n_faces - 1, (0.5, 0.3, 0.2))
+    place = twice.vertices[twice.faces[-1]].T @ last.barycentric
+    for source in (0, last, place):
+        np.testing.assert_allclose(
+            gt.geodesic_distance(twice, source, refine=True),
+            gt.geodesic_distance(mesh, place if source is last else source, refine=True),
+            rtol=1e-12,
+            atol=1e-12,
+        )
+    np.testing.assert_array_equal(gt.exact_distance(twice, 3), gt.exact_distance(mesh, 3))
+    solvers = [gt.GeodesicSolver(each, refine=True) for each in (mesh, twice)]
+    paths = [gt.geodesic_path(solver, 0, 70) for solver in solvers]
+    np.testing.assert_allclose(paths[1].points, paths[0].points, atol=1e-12)
+    assert solvers[1].diagnosis.non_manifold_edges == 0
+    np.testing.assert_array_equal(
+        gt.UniformLaplacian().assemble(twice).stiffness.toarray(),
+        gt.UniformLaplacian().assemble(mesh).stiffness.toarray(),
+    )

@@ -160,13 +160,14 @@ def eliminate_front(panel: Numbers, height: int, width: int) -> tuple[int, Numbe
 
 # -- triangles -------------------------------------------------------------------------------------
 
-def measure_triangles(
-    vertices: Numbers, faces: Indices
-) -> tuple[Numbers, Numbers, int, float, float]:
+def proper_faces(faces: Indices, n_vertices: int) -> Bools:
+    """Return where a face has three different vertices that no face before it has."""
+
+def measure_triangles(vertices: Numbers, faces: Indices) -> tuple[Numbers, Numbers, float, float]:
     """Return inverse frames (F, 3), areas, and what tells whether they are sound.
 
-    The number of faces of three different vertices, the sum of all edge lengths, and the least by
-    which two edges of a face are longer than the third, over its longest.
+    The sum of all edge lengths, and the least by which two edges of a face are longer than the
+    third, over its longest.
     """
 
 def measure_lengths(lengths: Numbers) -> tuple[Numbers, Numbers]:

@@ -36,10 +36,27 @@ SLACK = 1e-5
 
 
 def proper_faces(faces: IntArray) -> BoolArray:
-    """Return where a face has three different vertices."""
-    a, b, c = faces.T
-    proper: BoolArray = (a != b) & (b != c) & (c != a)
-    return proper
+    """Return where a face has three different vertices that no face before it has.
+
+    Surfaces are often given twice, front and back: an edge would then have four faces, and area
+    count double. Copies that have vertices of their own are another sheet.
+
+    Parameters
+    ----------
+    faces : ndarray of shape (F, 3), int64
+
+    Returns
+    -------
+    ndarray of shape (F,), bool
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from geodesic_toolkit.geometry.triangles import proper_faces
+    >>> proper_faces(np.array([[0, 1, 2], [2, 1, 0], [0, 1, 3], [3, 3, 0]]))
+    array([ True, False,  True, False])
+    """
+    return _native.proper_faces(np.ascontiguousarray(faces), int(faces.max(initial=-1)) + 1)
 
 
 def face_edge_lengths(vertices: FloatArray, faces: IntArray) -> FloatArray:
@@ -53,7 +70,7 @@ def face_edge_lengths(vertices: FloatArray, faces: IntArray) -> FloatArray:
 def measured_triangles(
     vertices: FloatArray, faces: IntArray
 ) -> tuple[IntArray, FloatArray, FloatArray, float]:
-    """Return triangles of three different vertices, measured.
+    """Return the :func:`proper_faces`, measured.
 
     Where a face has no area, or nearly so, every edge of its connected part is made longer by one
     constant, as :func:`mollified_lengths` does.
@@ -61,16 +78,17 @@ def measured_triangles(
     Returns
     -------
     faces : ndarray of shape (F, 3), int64
-        Those of three different vertices; none where every one is a single place.
+        The proper ones; none where every one is a single place.
     inverse : ndarray of shape (F, 3), float64
         As :func:`inverse_frames` returns them.
     areas : ndarray of shape (F,), float64
     added : float
         The most that was added to an edge.
     """
-    inverse, areas, proper, total, slack = _native.measure_triangles(vertices, faces)
-    if proper < len(faces):
-        return measured_triangles(vertices, faces[proper_faces(faces)])
+    proper = proper_faces(faces)
+    if not proper.all():
+        faces = faces[proper]
+    inverse, areas, total, slack = _native.measure_triangles(vertices, faces)
     if total == 0:
         return faces[:0], inverse[:0], areas[:0], 0.0
     if slack < SLACK:

@@ -5,6 +5,7 @@
 #include "triangles/flips.hpp"
 #include "triangles/half_edges.hpp"
 #include "triangles/measures.hpp"
+#include "triangles/proper.hpp"
 #include "triangles/stiffness.hpp"
 
 namespace geodesic {
@@ -20,14 +21,21 @@ void require_triangles(const In<Index, 2>& faces, const auto&... tables) {
 
 void bind_triangles(nb::module_& module) {
   module.def(
+      "proper_faces",
+      [](In<Index, 2> faces, Index n_vertices) {
+        require_triangles(faces);
+        require(n_vertices >= 0, "a number of vertices");
+        return give(unlocked([&] { return proper_faces(span(faces), n_vertices); }));
+      },
+      "faces"_a.noconvert(), "n_vertices"_a);
+  module.def(
       "measure_triangles",
       [](In<double, 2> vertices, In<Index, 2> faces) {
         require_triangles(faces);
         require(vertices.shape(1) == 3, "three coordinates for each vertex");
         Measured its = unlocked([&] { return measure_triangles(span(vertices), span(faces)); });
         return nb::make_tuple(give(std::move(its.triangles.frames), 3),
-                              give(std::move(its.triangles.areas)), its.proper, its.total,
-                              its.slack);
+                              give(std::move(its.triangles.areas)), its.total, its.slack);
       },
       "vertices"_a.noconvert(), "faces"_a.noconvert());
   module.def(

@@ -28,12 +28,10 @@ double doubled_area(double p, double q, double r) {
 Measured measure_triangles(std::span<const double> vertices, std::span<const Index> faces) {
   const Index n_faces = count(faces) / 3;
   Measured result{{Array<double>(3 * n_faces), Array<double>(n_faces)},
-                  0,
                   0.0,
                   std::numeric_limits<double>::infinity()};
   for (Index f = 0; f < n_faces; ++f) {
     const Index i = faces[3 * f], j = faces[3 * f + 1], k = faces[3 * f + 2];
-    result.proper += (i != j) & (j != k) & (k != i);
     const Place u = at(vertices, j) - at(vertices, i), v = at(vertices, k) - at(vertices, i);
     const double ij = length(u), ik = length(v), jk = length(at(vertices, k) - at(vertices, j));
     const double sum = ij + ik + jk, longest = std::max({ij, ik, jk});

@@ -15,7 +15,6 @@ struct Measures {
 
 struct Measured {
   Measures triangles;
-  Index proper = 0;    // faces of three different vertices
   double total = 0.0;  // of all edge lengths
   double slack;        // the least by which two edges exceed the third, over the longest
 };

@@ -106,7 +106,10 @@ class RobustLaplacian(gt.LaplaceOperator):
         from robust_laplacian import mesh_laplacian
 
         a, b, c = mesh.faces.T
-        faces = mesh.faces[(a != b) & (b != c) & (c != a)]
+        proper = (a != b) & (b != c) & (c != a)
+        # Front and back of one face are one: the edges of a surface given twice have four faces.
+        _, first = np.unique(np.sort(mesh.faces, axis=1), axis=0, return_index=True)
+        faces = mesh.faces[np.intersect1d(first, np.flatnonzero(proper))]
         sides = np.sort(faces[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2), axis=1)
         edges, face_counts = np.unique(sides, axis=0, return_counts=True)
         lengths = _lengths(mesh.vertices, edges)
