@@ -143,7 +143,7 @@ def _in_space(domain: Domain, points: FloatArray, name: str) -> SourcePoints:
 
         faces, barycentric = closest_on_triangles(points, domain.vertices, domain.faces)
         feet = np.einsum("pc,pcd->pd", barycentric, domain.vertices[domain.faces[faces]])
-        _warn_if_far(points, feet, domain.vertices, name)
+        _warn_if_far(points, feet, domain.vertices[domain.used], name)
         return _barycentric(domain, faces, barycentric)
     if isinstance(domain, PointCloud):
         nearest = _nearest_present(domain, points)

@@ -191,3 +191,40 @@ def test_whatever_faces_are_the_answer_is_a_mesh_or_a_typed_error(faces):
 def test_a_surface_point_that_cannot_be_one_is_refused(face, barycentric):
     with pytest.raises(InvalidSourceError):
         gt.SurfacePoint(face, barycentric)
+
+
+@pytest.mark.parametrize("missing", [np.nan, np.inf, -np.inf])
+def test_vertices_that_no_face_uses_may_be_missing(missing):
+    mesh = gt.testing.shapes.grid(9)
+    hole = np.linalg.norm(mesh.vertices - [0.5, 0.5, 0], axis=1) < 0.2
+    faces = mesh.faces[~hole[mesh.faces].any(axis=1)]
+    vertices = mesh.vertices.copy()
+    vertices[hole, 2] = missing
+    holed, expected = gt.TriangleMesh(vertices, faces), gt.TriangleMesh(mesh.vertices, faces)
+    np.testing.assert_array_equal(holed.used, ~hole)
+    for options in ({"refine": True}, {"refine": True, "mask": np.arange(81) == 8}):
+        solver = gt.GeodesicSolver(holed, **options)
+        other = gt.GeodesicSolver(expected, **options)
+        for source in (0, [0.1, 0.2, 0.0], gt.Curve([[0, 0, 0], [0, 1, 0]])):
+            distance = solver.distance(source)
+            np.testing.assert_array_equal(distance, other.distance(source))
+            assert np.isinf(distance[hole]).all()
+        np.testing.assert_array_equal(
+            solver.query([[0.9, 0.8, 0.01]], 0), other.query([[0.9, 0.8, 0.01]], 0)
+        )
+        path = gt.geodesic_path(solver, 0, [0.9, 0.9, 0.0])
+        np.testing.assert_array_equal(
+            path.points, gt.geodesic_path(other, 0, [0.9, 0.9, 0.0]).points
+        )
+        assert np.isfinite(gt.farthest_point_sampling(solver, 4, return_radii=True)[1]).all()
+    np.testing.assert_array_equal(gt.exact_distance(holed, 0), gt.exact_distance(expected, 0))
+
+
+def test_a_face_of_a_missing_vertex_is_named_with_the_cure():
+    vertices = gt.testing.shapes.grid(5).vertices.copy()
+    vertices[12] = np.nan
+    faces = gt.testing.shapes.grid(5).faces
+    with pytest.raises(InvalidDomainError, match=r"vertex 12 is not finite.*face \d+ refers to it"):
+        gt.TriangleMesh(vertices, faces)
+    whole = faces[np.isfinite(vertices[faces]).all(axis=(1, 2))]  # as the message says
+    assert gt.TriangleMesh(vertices, whole).n_vertices == 25

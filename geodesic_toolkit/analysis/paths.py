@@ -271,7 +271,7 @@ def _surface_point(
 def _without_repeats(mesh: TriangleMesh, points: list[SurfacePoint]) -> list[SurfacePoint]:
     """Leave out points that are where the one before them is; the ends stay as they are."""
     places = GeodesicPath(mesh, tuple(points)).points
-    near = SAME * float(np.ptp(mesh.vertices, axis=0).max())
+    near = SAME * float(np.ptp(mesh.vertices[mesh.used], axis=0).max())
     kept = [0]
     for index in range(1, len(points)):
         if np.linalg.norm(places[index] - places[kept[-1]]) > near:

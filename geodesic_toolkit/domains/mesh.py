@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from geodesic_toolkit._frozen import freeze
-from geodesic_toolkit._typing import FloatArray, IntArray
+from geodesic_toolkit._typing import BoolArray, FloatArray, IntArray
 from geodesic_toolkit.domains.base import (
     Domain,
     as_floats,
@@ -25,14 +25,17 @@ __all__ = ["TriangleMesh"]
 class TriangleMesh(Domain):
     """A triangle mesh in space.
 
-    Degenerate faces, unreferenced and duplicate vertices, non-manifold edges and several
-    components are not errors: scans and models have them.
+    Degenerate and repeated faces, unreferenced and duplicate vertices, non-manifold edges and
+    several components are not errors: scans and models have them. Faces of the same three vertices,
+    front and back of a triangle perhaps, count once; where front and back have vertices of their
+    own, they are two sheets, and :func:`merge_vertices` makes one of them.
 
     Parameters
     ----------
     vertices : array-like of shape (N, 3)
         Positions, in any unit; distances come out in the same one. Any real dtype and memory
-        order; copied to float64.
+        order; copied to float64. Those that no face refers to may be NaN or infinite, as pixels
+        without depth are.
     faces : array-like of shape (F, 3)
         Three vertex indices a face, counted from 0; floats must be whole numbers. Copied to int64.
 
@@ -44,8 +47,8 @@ class TriangleMesh(Domain):
     Raises
     ------
     InvalidDomainError
-        Wrong shape or dtype, no vertices or no faces, a vertex that is not finite, a face that
-        refers to a vertex that is not there. The message names the first offender.
+        Wrong shape or dtype, no vertices or no faces, a face that refers to a vertex that is not
+        there or not finite. The message names the first offender.
 
     Examples
     --------
@@ -61,16 +64,13 @@ class TriangleMesh(Domain):
         points = as_floats(vertices, "vertices", (None, 3))
         if len(points) == 0:
             raise InvalidDomainError("the mesh has no vertices")
-        bad = first_bad_row(np.isfinite(points))
-        if bad is not None:
-            raise InvalidDomainError(
-                f"vertex {bad} is not finite: {points[bad].tolist()}; remove it with its faces, "
-                "or use a PointCloud, which keeps such points as missing"
-            )
         triangles = as_indices(faces, "faces", "face", (None, 3))
         if len(triangles) == 0:
             raise InvalidDomainError("the mesh has no faces; for points alone use PointCloud")
         check_indices(triangles, len(points), "face")
+        finite = np.isfinite(points)
+        if not finite.all():
+            _check_corners(points, triangles, np.asarray(finite.all(axis=1)))
         object.__setattr__(self, "vertices", freeze(points))
         object.__setattr__(self, "faces", freeze(triangles))
 
@@ -80,10 +80,30 @@ class TriangleMesh(Domain):
         return len(self.vertices)
 
     @property
+    def used(self) -> BoolArray:
+        """Which vertices faces refer to, of shape (N,); others have a distance of ``inf``."""
+        used = np.zeros(self.n_vertices, dtype=np.bool_)
+        used[self.faces] = True
+        return used
+
+    @property
     def n_faces(self) -> int:
-        """Number of faces, the degenerate ones among them."""
+        """Number of faces, the degenerate and the repeated ones among them."""
         return len(self.faces)
 
     def __repr__(self) -> str:
         plural = "" if self.n_faces == 1 else "s"
         return f"TriangleMesh({self.n_vertices} vertices, {self.n_faces} face{plural})"
+
+
+def _check_corners(points: FloatArray, faces: IntArray, finite: BoolArray) -> None:
+    """Raise for the first face that refers to a vertex which is not finite."""
+    face = first_bad_row(finite[faces])
+    if face is None:
+        return
+    bad = int(faces[face][~finite[faces[face]]][0])
+    raise InvalidDomainError(
+        f"vertex {bad} is not finite: {points[bad].tolist()}; face {face} refers to it. Leave out "
+        "such faces: faces[numpy.isfinite(vertices[faces]).all(axis=(1, 2))]; or use a PointCloud, "
+        "which keeps such points as missing"
+    )

@@ -26,7 +26,8 @@ class TriangleTree:
         self._middle = (corners.min(axis=(0, 1)) + corners.max(axis=(0, 1))) / 2
         # libigl squares lengths: no unit must over- or underflow there.
         self._scale = float(np.abs(corners - self._middle).max()) or 1.0
-        self._vertices = (np.nan_to_num(vertices) - self._middle) / self._scale
+        places = np.where(np.isfinite(vertices), vertices, self._middle)  # those of no face
+        self._vertices = (places - self._middle) / self._scale
         self._tree = igl.AABB()
         self._tree.init(self._vertices, faces)
 

@@ -124,7 +124,8 @@ class CotanLaplacian(LaplaceOperator):
         Parameters
         ----------
         domain : TriangleMesh
-            Faces with a repeated vertex are left out; zero-area ones are mollified.
+            Faces with a repeated vertex are left out, and those with the three of an earlier one;
+            zero-area ones are mollified.
 
         Returns
         -------
@@ -141,14 +142,7 @@ class CotanLaplacian(LaplaceOperator):
         self.check_domain(domain)
         assert isinstance(domain, TriangleMesh)  # for the type checker; check_domain has raised
         count = domain.n_vertices
-        with np.errstate(over="ignore"):
-            # NumPy takes twenty times as long over all columns at once.
-            extent = max(float(np.ptp(column)) for column in domain.vertices.T)
-        if extent and not SMALLEST <= extent <= 1 / SMALLEST:
-            raise UnsupportedDomainError(
-                f"the mesh is {extent:.3g} wide: squares of such lengths leave double precision; "
-                "take another unit of length"
-            )
+        _check_extent(domain)
         faces, inverse, areas, added = measured_triangles(domain.vertices, domain.faces)
         if not len(faces):
             raise UnsupportedDomainError("every face of the mesh is a single place; it has no area")
@@ -211,6 +205,24 @@ class CotanLaplacian(LaplaceOperator):
         if self.mass == "identity":
             return (np.bincount(faces.ravel(), minlength=count) > 0).astype(np.float64)
         return thirds
+
+
+def _check_extent(mesh: TriangleMesh) -> None:
+    """Raise where squares of the lengths in a mesh are no numbers."""
+    extent = _widest(mesh.vertices)
+    if not extent <= 1 / SMALLEST:  # NaN too: vertices that no face uses may be anything
+        extent = _widest(mesh.vertices[mesh.used])
+    if extent and not SMALLEST <= extent <= 1 / SMALLEST:
+        raise UnsupportedDomainError(
+            f"the mesh is {extent:.3g} wide: squares of such lengths leave double precision; "
+            "take another unit of length"
+        )
+
+
+def _widest(points: FloatArray) -> float:
+    with np.errstate(over="ignore", invalid="ignore"):
+        # NumPy takes twenty times as long over all columns at once.
+        return max(float(np.ptp(column)) for column in points.T)
 
 
 def _flipped(

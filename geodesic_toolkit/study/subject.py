@@ -72,7 +72,7 @@ class Subject:
     @cached_property
     def diagonal(self) -> float:
         """Diagonal of the bounding box."""
-        return float(np.linalg.norm(np.ptp(self.mesh.vertices, axis=0)))
+        return float(np.linalg.norm(np.ptp(self.mesh.vertices[self.mesh.used], axis=0)))
 
     def true(self, source: int) -> FloatArray:
         """Return the reference distance from a source."""

@@ -136,7 +136,8 @@ def make_scene(
     field = _field(domain, values)
     faces = domain.faces[proper_faces(domain.faces)] if isinstance(domain, TriangleMesh) else None
     edges = domain.edges if isinstance(domain, Graph) else None
-    present: BoolArray = np.asarray(np.isfinite(points).all(axis=1))
+    finite: BoolArray = np.asarray(np.isfinite(points).all(axis=1))
+    present = finite.copy()
     if faces is not None:
         used = np.zeros(len(points), dtype=np.bool_)
         used[faces] = True
@@ -144,7 +145,7 @@ def make_scene(
     low, high = points[present].min(axis=0), points[present].max(axis=0)
     centre = low + (high - low) / 2
     radius = float(np.linalg.norm((high - low) / 2)) or 1.0
-    framed = (np.where(np.isfinite(points), points, centre) - centre) / radius
+    framed = (np.where(finite[:, None], points, centre) - centre) / radius
     return Scene(
         points=framed,
         present=present,
@@ -152,7 +153,7 @@ def make_scene(
         edges=edges,
         values=field,
         limits=_limits(field[present], limits),
-        sources=_source_places(domain, sources, framed, field, present),
+        sources=_source_places(domain, sources, framed, field, finite=finite, present=present),
         centre=centre,
         radius=radius,
     )
@@ -226,7 +227,13 @@ def _limits(field: FloatArray, limits: Sequence[float] | None) -> tuple[float, f
 
 
 def _source_places(
-    domain: Domain, sources: Any, framed: FloatArray, field: FloatArray, present: BoolArray
+    domain: Domain,
+    sources: Any,
+    framed: FloatArray,
+    field: FloatArray,
+    *,
+    finite: BoolArray,
+    present: BoolArray,
 ) -> FloatArray:
     if sources is None:
         zeros = np.flatnonzero((field == 0) & present)
@@ -236,5 +243,7 @@ def _source_places(
         and len(np.atleast_1d(np.asarray(sources, dtype=object))) == 0
     ):
         return np.zeros((0, 3))
-    places: FloatArray = locate_sources(domain, sources).weights @ framed
-    return places
+    weights = locate_sources(domain, sources).weights
+    places: FloatArray = weights @ framed
+    somewhere = weights @ (~finite).astype(np.float64) == 0
+    return np.asarray(places[somewhere])
