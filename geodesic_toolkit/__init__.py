@@ -44,6 +44,7 @@ if TYPE_CHECKING:
     from geodesic_toolkit.linear.cg import CG
     from geodesic_toolkit.linear.superlu import SuperLU
     from geodesic_toolkit.linear.supernodal import Supernodal
+    from geodesic_toolkit.merging import merge_vertices
     from geodesic_toolkit.solver import GeodesicSolver
 
 # Spelt out once more, because type checkers read nothing else; a test keeps the two together.
@@ -83,6 +84,7 @@ __all__ = [
     "geodesic_distance",
     "geodesic_path",
     "geodesic_voronoi",
+    "merge_vertices",
     "operators",
     "read",
     "readers",
@@ -125,6 +127,7 @@ _HOMES = {
     "geodesic_distance": "api",
     "geodesic_path": "analysis.paths",
     "geodesic_voronoi": "analysis.sampling",
+    "merge_vertices": "merging",
     "operators": "catalog",
     "read": "io",
     "readers": "catalog",

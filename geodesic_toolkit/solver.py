@@ -20,7 +20,8 @@ from geodesic_toolkit.errors import (
     InvalidSourceError,
     SeamWarning,
 )
-from geodesic_toolkit.geometry.parts import coarse_parts, vertices_on_seams
+from geodesic_toolkit.geometry.parts import coarse_parts
+from geodesic_toolkit.geometry.seams import find_seams
 from geodesic_toolkit.heat import Boundary, HeatMethod, Progress
 from geodesic_toolkit.laplacians.base import LaplaceOperator
 from geodesic_toolkit.linear.base import LinearSolver
@@ -34,9 +35,6 @@ if TYPE_CHECKING:
 __all__ = ["GeodesicSolver", "Refine"]
 
 Refine: TypeAlias = bool | Literal["auto"]
-
-SEAM_SHARE = 0.5
-"""Share of boundary vertices that coincide with others from which on a mesh is said to be cut."""
 
 
 class GeodesicSolver:
@@ -139,8 +137,11 @@ class GeodesicSolver:
         if isinstance(refine, str):
             refine = _refine_by_default(refine, metric)
         heat_solver, poisson_solver = resolve_solvers(solver, domain.n_vertices, refine=refine)
-        if isinstance(domain, TriangleMesh):
-            _warn_of_seams(domain, metric)
+        self._seams = (
+            find_seams(domain.vertices, domain.faces, metric.boundary)
+            if isinstance(domain, TriangleMesh)
+            else None
+        )
         self.method = HeatMethod(
             metric,
             diffusion=(
@@ -191,6 +192,7 @@ class GeodesicSolver:
         np.float64(0.0)
         """
         places = self._locate(sources)
+        self._warn_where_cut([places])
         self._warn_where_coarse([places])
         return self.method.distance(places)
 
@@ -217,6 +219,7 @@ class GeodesicSolver:
             As for `distance`, before any work; the message says which set.
         """
         sets = self._locate_sets(source_sets)
+        self._warn_where_cut(sets)
         self._warn_where_coarse(sets)
         return self.method.distances(sets, progress=progress)
 
@@ -265,6 +268,7 @@ class GeodesicSolver:
         positions_of(self.domain)  # refuses a graph before the work
         queries = as_points(points)
         places = self._locate(sources)
+        self._warn_where_cut([places])
         return interpolate(
             self._passable,
             self.method.metric,
@@ -319,6 +323,23 @@ class GeodesicSolver:
 
             check_unmasked(places, self._mask, name)
         return places
+
+    def _warn_where_cut(self, sets: list[SourcePoints]) -> None:
+        """Warn where a mesh is cut along seams, and say how far the first source set comes."""
+        seams, mesh = self._seams, self._passable
+        if seams is None or not isinstance(mesh, TriangleMesh):
+            return
+        metric = self.method.metric
+        reached = np.isin(metric.components, sets[0].components(metric))
+        used = mesh.used
+        warn(
+            f"{seams.edges} of the {seams.boundary} edges of the boundary lie upon others: the "
+            "surface is cut there, and no path crosses. The source reaches "
+            f"{np.count_nonzero(reached & used)} of {np.count_nonzero(used)} vertices. Merge what "
+            "lies together: mesh, new = geodesic_toolkit.merge_vertices(mesh, "
+            f"tolerance={seams.tolerance:g}), on the command line --weld {seams.tolerance:g}",
+            SeamWarning,
+        )
 
     def _warn_where_coarse(self, sets: list[SourcePoints]) -> None:
         """Warn where plain heat starts in a part of a mesh that is too coarse to trust it."""
@@ -382,16 +403,3 @@ def _refine_by_default(choice: str, metric: Discretization) -> bool:
     if choice != "auto":
         raise InvalidOptionError(f'refine must be True, False or "auto", not {choice!r}')
     return made_of_triangles(metric)
-
-
-def _warn_of_seams(mesh: TriangleMesh, metric: Discretization) -> None:
-    """Warn where most of a boundary is a seam: loaders split vertices where textures are cut."""
-    on_seams = vertices_on_seams(mesh.vertices, metric.boundary)
-    if on_seams > 8 and on_seams > SEAM_SHARE * metric.boundary.sum():
-        warn(
-            f"{on_seams} of {int(metric.boundary.sum())} boundary vertices share their place with "
-            "another one: the surface is cut there, and no path crosses. If these are seams of a "
-            "texture, read the file with geodesic_toolkit.read, or merge the vertices (trimesh: "
-            "merge_vertices(merge_tex=True, merge_norm=True))",
-            SeamWarning,
-        )

@@ -1,4 +1,4 @@
-"""What the connected parts of a mesh are like: how long edges are, how coarse, where it is cut."""
+"""What the connected parts of a mesh are like: how long edges are, how coarse."""
 
 import numpy as np
 
@@ -10,7 +10,7 @@ from geodesic_toolkit.geometry.triangles import (
     frames_from_positions,
 )
 
-__all__ = ["coarse_parts", "part_scales", "vertices_on_seams"]
+__all__ = ["coarse_parts", "part_scales"]
 
 FEW = 20
 """Vertices of a part below which plain heat is not to be trusted. Measured: its mean error is 6 to
@@ -119,18 +119,3 @@ def coarse_parts(
         where=area > 0,
     )
     return np.asarray(few | (doubtful & (np.sqrt(square) > LONG * diagonals)))
-
-
-def vertices_on_seams(vertices: FloatArray, boundary: BoolArray) -> int:
-    """Return how many boundary vertices lie at the place of another one.
-
-    Parameters
-    ----------
-    vertices : ndarray of shape (N, 3)
-    boundary : ndarray of shape (N,), bool
-    """
-    places = vertices[boundary]
-    places = places[np.lexsort(places.T)]
-    same = np.zeros(len(places) + 1, dtype=np.bool_)  # as the one before
-    same[1:-1] = (places[1:] == places[:-1]).all(axis=1)
-    return int((same[:-1] | same[1:]).sum())

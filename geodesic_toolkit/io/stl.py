@@ -8,6 +8,15 @@ import numpy as np
 from geodesic_toolkit._typing import FloatArray
 from geodesic_toolkit.domains import TriangleMesh
 from geodesic_toolkit.errors import ReadError
+from geodesic_toolkit.geometry.seams import NEAR
+from geodesic_toolkit.geometry.welding import (
+    boundary_edges,
+    edges_and_counts,
+    merged_places,
+    movable_by,
+    rounding_of,
+    same_places,
+)
 from geodesic_toolkit.io.common import floats
 
 __all__ = ["read_stl"]
@@ -21,8 +30,8 @@ def read_stl(path: Path) -> TriangleMesh:
     """Read an STL file and weld its corners.
 
     The format stores three corners a face and no vertices; corners with the same coordinates
-    become one vertex, numbered in the order of first appearance. No face is left out, though
-    corners that agree make some degenerate.
+    become one vertex, numbered in the order of first appearance, and so do those at open edges that
+    differ by rounding. No face is left out, though corners that agree make some degenerate.
     """
     data = path.read_bytes()
     # Binary files may begin with "solid" too, so their length is looked at first.
@@ -55,11 +64,22 @@ def _text_corners(data: bytes) -> FloatArray:
 
 
 def _weld(corners: FloatArray) -> TriangleMesh:
+    """Return the mesh whose vertices are the places of corners.
+
+    First those that are equal. Edges that are open then may have been rounded differently for each
+    facet: their ends are made one within :data:`NEAR`, but closed bodies stay as they are, however
+    near they come to each other.
+    """
     corners = corners + 0.0  # makes of -0.0 the 0.0 that it equals
-    _, first, inverse = np.unique(
-        corners.view([("", corners.dtype)] * 3).ravel(), return_index=True, return_inverse=True
-    )
-    order = np.argsort(first)
-    rank = np.empty_like(order)
-    rank[order] = np.arange(len(order))
-    return TriangleMesh(corners[first[order]], rank[inverse].reshape(-1, 3))
+    first, place = same_places(corners)
+    points, faces = corners[first], place.reshape(-1, 3)
+    rim = np.unique(boundary_edges(faces))
+    if len(rim):
+        limit = movable_by(points, edges_and_counts(faces)[0], rounding_of(points))[rim]
+        extent = float(np.linalg.norm(np.ptp(points, axis=0)))
+        near = max(NEAR * extent, rounding_of(points))
+        owner = np.arange(len(points))
+        owner[rim] = rim[merged_places(points[rim], np.minimum(limit, near))]
+        kept, new = np.unique(owner, return_inverse=True)
+        points, faces = points[kept], new[faces]
+    return TriangleMesh(points, faces)

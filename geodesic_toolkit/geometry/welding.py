@@ -1,0 +1,168 @@
+"""Places that are the same, or nearly: corners that were written more than once."""
+
+import numpy as np
+
+from geodesic_toolkit._typing import FloatArray, IntArray
+from geodesic_toolkit.geometry.triangles import proper_faces
+
+__all__ = [
+    "boundary_edges",
+    "edges_and_counts",
+    "merged_places",
+    "movable_by",
+    "rounding_of",
+    "same_places",
+]
+
+CAP = 0.25
+"""Share of the shortest edge at a vertex that it may be moved by. Below a half no two corners of a
+face become one: each would have to move by half of their edge. So a quarter keeps faces apart."""
+
+FEW_ULPS = 4
+"""Units in the last place, of single precision, that two computations of one place may differ by:
+half a unit each where one is rounded, and as much again in each coordinate."""
+
+DIRECTION = np.array([0.61803399, 0.56984029, 0.54159265])
+"""In which places are put in order: not one that shapes are made along."""
+
+
+def same_places(points: FloatArray) -> tuple[IntArray, IntArray]:
+    """Return the first point at each place, in order, and which of them each point is.
+
+    Parameters
+    ----------
+    points : ndarray of shape (N, 3)
+        Those with a NaN are each by itself.
+
+    Returns
+    -------
+    first : ndarray of shape (P,), int64
+    place : ndarray of shape (N,), int64
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from geodesic_toolkit.geometry.welding import same_places
+    >>> first, place = same_places(np.array([[1.0, 0, 0], [0, 0, 0], [1, -0.0, 0]]))
+    >>> first.tolist(), place.tolist()
+    ([0, 1], [0, 1, 0])
+    """
+    order = np.lexsort(points.T)  # stable: the first of equal points stays the first
+    new = np.ones(len(points), dtype=np.bool_)
+    new[1:] = (points[order[1:]] != points[order[:-1]]).any(axis=1)
+    owner = np.empty(len(points), dtype=np.int64)
+    owner[order] = order[new][np.cumsum(new) - 1]
+    first, place = np.unique(owner, return_inverse=True)
+    return first, place
+
+
+def merged_places(points: FloatArray, reach: FloatArray) -> IntArray:
+    """Return for each point the first one that it is one with, of shape (N,).
+
+    Points are taken in their order: one that lies near enough to an earlier one which stays becomes
+    that one. So nothing is moved farther than its reach, however long a chain of points is.
+
+    Parameters
+    ----------
+    points : ndarray of shape (N, 3)
+        Those that are not finite stay.
+    reach : ndarray of shape (N,)
+        How far from a point another one may lie, 0 or more; of two points the lesser reach counts.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from geodesic_toolkit.geometry.welding import merged_places
+    >>> points = np.array([[0.0, 0, 0], [0.9, 0, 0], [1.8, 0, 0], [9, 0, 0]])
+    >>> merged_places(points, np.full(4, 1.0)).tolist()
+    [0, 0, 2, 3]
+    """
+    first, place = same_places(points)
+    least = np.full(len(first), np.inf)
+    np.minimum.at(least, place, reach)
+    one, other = _near_pairs(points[first], least)
+    moves = np.zeros(len(first), dtype=np.bool_)
+    low, high = one, other
+    while len(low):
+        waits = np.zeros(len(first), dtype=np.bool_)
+        waits[high] = True
+        moves[high[~waits[low]]] = True  # all before `low` have been decided: it stays
+        undecided = ~moves[low] & ~moves[high] & waits[low]
+        low, high = low[undecided], high[undecided]
+    owner = np.arange(len(first))
+    joins = ~moves[one]
+    np.minimum.at(owner, other[joins], one[joins])
+    return np.asarray(first[owner][place])
+
+
+def _near_pairs(points: FloatArray, reach: FloatArray) -> tuple[IntArray, IntArray]:
+    """Return the pairs of points within the reach of each other, the earlier point first.
+
+    SciPy's trees would do, but importing them takes longer than the distances of most meshes.
+    """
+    rows = np.flatnonzero(np.isfinite(points).all(axis=1))
+    points, reach = points[rows] - points[rows[:1]], reach[rows]
+    along = points @ (DIRECTION / np.linalg.norm(DIRECTION))
+    order = np.argsort(along, kind="stable")
+    points, reach, along, rows = points[order], reach[order], along[order], rows[order]
+    rounding = 1e-15 * float(np.abs(along).max(initial=0.0))
+    pairs = [np.zeros((2, 0), dtype=np.int64)]
+    near, step = np.arange(len(rows)), 0
+    while len(near):
+        step += 1
+        near = near[: np.searchsorted(near, len(rows) - step)]
+        near = near[along[near + step] - along[near] <= reach[near] + rounding]
+        gap = np.linalg.norm(points[near + step] - points[near], axis=1)
+        met = near[gap <= np.minimum(reach[near], reach[near + step])]
+        pairs.append(np.sort([rows[met], rows[met + step]], axis=0))
+    one, other = np.concatenate(pairs, axis=1)
+    return one, other
+
+
+def rounding_of(points: FloatArray) -> float:
+    """Return how far apart rounding to single precision can put copies of one place.
+
+    Where the coordinates are such numbers they have been rounded as they stand; others may have
+    been in a frame about the shape.
+    """
+    eps = float(np.finfo(np.float32).eps)
+    with np.errstate(over="ignore"):
+        single = bool((points == points.astype(np.float32)).all())
+    extent = float(np.linalg.norm(np.ptp(points, axis=0))) if len(points) else 0.0
+    return FEW_ULPS * eps * (float(np.abs(points).max(initial=0.0)) if single else extent)
+
+
+def movable_by(points: FloatArray, edges: IntArray, rounding: float) -> FloatArray:
+    """Return how far each point may be moved without harm to a feature of the shape, (N,).
+
+    That is a quarter of the shortest edge at it; edges as short as the rounding are not features.
+
+    Parameters
+    ----------
+    points : ndarray of shape (N, 3)
+    edges : ndarray of shape (E, 2), int64
+        In any order, also repeated.
+    rounding : float
+    """
+    length = np.linalg.norm(points[edges[:, 0]] - points[edges[:, 1]], axis=1)
+    length[length <= rounding] = np.inf
+    shortest = np.full(len(points), np.inf)
+    np.minimum.at(shortest, edges[:, 0], length)
+    np.minimum.at(shortest, edges[:, 1], length)
+    return CAP * shortest
+
+
+def edges_and_counts(faces: IntArray) -> tuple[IntArray, IntArray]:
+    """Return the edges (E, 2) of faces, smaller vertex first, and how many faces each has."""
+    sides = np.sort(faces[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2), axis=1)
+    sides = sides[np.lexsort((sides[:, 1], sides[:, 0]))]
+    new = np.ones(len(sides), dtype=np.bool_)
+    new[1:] = (sides[1:] != sides[:-1]).any(axis=1)
+    begins = np.flatnonzero(new)
+    return sides[begins], np.diff(begins, append=len(sides))
+
+
+def boundary_edges(faces: IntArray) -> IntArray:
+    """Return the edges (B, 2) that only one of the :func:`proper_faces` has."""
+    edges, counts = edges_and_counts(faces[proper_faces(faces)])
+    return np.asarray(edges[counts == 1])
