@@ -74,7 +74,10 @@ def bounds_of(domain: Domain) -> DistanceBounds | None:
     The stars of a cloud have edges that are no way along the surface, across thin gaps.
     """
     if isinstance(domain, TriangleMesh):
-        return DistanceBounds(domain.vertices, domain.faces)
+        vertices = domain.vertices
+        if not np.isfinite(vertices).all():  # where no face is; as a source each still reads 0
+            vertices = np.where(np.isfinite(vertices), vertices, 0.0)
+        return DistanceBounds(vertices, domain.faces)
     if isinstance(domain, PointCloud):
         return DistanceBounds(domain.points, np.empty((0, 3), dtype=np.int64))
     return None

@@ -6,9 +6,9 @@ from typing import Any
 
 import numpy as np
 
+from geodesic_toolkit.coarseness import coarse_components
 from geodesic_toolkit.discretization import Discretization
 from geodesic_toolkit.domains import Domain, TriangleMesh
-from geodesic_toolkit.geometry.parts import coarse_parts
 from geodesic_toolkit.geometry.triangles import (
     edges_of_faces,
     frames_from_positions,
@@ -30,8 +30,8 @@ class Diagnosis:
     components : int
         Connected components of more than one vertex.
     coarse_components : int
-        Those among them that are too coarse for plain heat to be trusted; 0 where there are no
-        faces.
+        Those among them that are so coarse that plain heat is about 5 % off, or more; 0 where there
+        are no faces.
     isolated_vertices : int
         Vertices connected to nothing; their distance is ``inf``.
     boundary_vertices : int
@@ -113,9 +113,7 @@ def diagnose(domain: Domain, operator: object, method: HeatMethod) -> Diagnosis:
         operator=repr(operator),
         components=int((sizes > 1).sum()),
         coarse_components=(
-            int(coarse_parts(domain.vertices, domain.faces, metric.components, metric.scales).sum())
-            if isinstance(domain, TriangleMesh)
-            else 0
+            coarse_components(domain, metric.components) if isinstance(domain, TriangleMesh) else 0
         ),
         isolated_vertices=int((sizes == 1).sum()),
         boundary_vertices=int(metric.boundary.sum()),

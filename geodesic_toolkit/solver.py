@@ -11,6 +11,7 @@ from geodesic_toolkit._typing import BoolArray, FloatArray
 from geodesic_toolkit._warning import warn
 from geodesic_toolkit.bounds import bounds_of
 from geodesic_toolkit.catalog import resolve_operator, resolve_solvers
+from geodesic_toolkit.coarseness import LIMIT, plain_heat_errors
 from geodesic_toolkit.conversion import as_domain, check_one_shape
 from geodesic_toolkit.discretization import Discretization
 from geodesic_toolkit.domains import Domain, TriangleMesh
@@ -20,7 +21,6 @@ from geodesic_toolkit.errors import (
     InvalidSourceError,
     SeamWarning,
 )
-from geodesic_toolkit.geometry.parts import coarse_parts
 from geodesic_toolkit.geometry.seams import find_seams
 from geodesic_toolkit.heat import Boundary, HeatMethod, Progress
 from geodesic_toolkit.laplacians.base import LaplaceOperator
@@ -35,6 +35,10 @@ if TYPE_CHECKING:
 __all__ = ["GeodesicSolver", "Refine"]
 
 Refine: TypeAlias = bool | Literal["auto"]
+
+JUDGED = 4
+"""Source sets on each part of a mesh by which plain heat is judged: from others its error is much
+the same, and to judge takes as long as to solve."""
 
 
 class GeodesicSolver:
@@ -158,7 +162,7 @@ class GeodesicSolver:
             bounds=bounds_of(domain) if refine else None,
         ).prepare()
         self._diagnosis: Diagnosis | None = None
-        self._coarse: BoolArray | None = None
+        self._judged: dict[int, list[float]] = {}  # errors of plain heat, by component
         self._lock = threading.Lock()
 
     def distance(self, sources: Any) -> FloatArray:
@@ -344,33 +348,28 @@ class GeodesicSolver:
     def _warn_where_coarse(self, sets: list[SourcePoints]) -> None:
         """Warn where plain heat starts in a part of a mesh that is too coarse to trust it."""
         metric = self.method.metric
-        if self.method.refine or not isinstance(self._passable, TriangleMesh):
-            return
-        coarse = self._coarse_parts()
-        if not len(coarse):
+        of_triangles = isinstance(self._passable, TriangleMesh) and made_of_triangles(metric)
+        if self.method.refine or not of_triangles:
             return
         for places in sets:
-            parts = places.components(metric)
-            if coarse[parts].any():
-                part = int(parts[coarse[parts]][0])
-                size = int(np.count_nonzero(metric.components == part))
+            vertices = places.first_vertices
+            parts, first = np.unique(metric.components[vertices], return_index=True)
+            with self._lock:
+                if any(len(self._judged.get(part, ())) < JUDGED for part in parts.tolist()):
+                    assert isinstance(self._passable, TriangleMesh)  # for the type checker
+                    errors = plain_heat_errors(self._passable, metric.components, vertices[first])
+                    for part in parts.tolist():
+                        self._judged.setdefault(part, []).append(errors.get(part, 0.0))
+                error, worst = max((max(self._judged[part]), part) for part in parts.tolist())
+            if error > LIMIT:
+                size = np.count_nonzero(metric.components == worst)
                 warn(
-                    f"a source lies on a part of the mesh that has {size} vertices, and edges as "
-                    "long as the shape is wide: too coarse for the heat method, whose error is "
-                    "10 % and more there; use refine=True, or exact_distance, or divide the faces",
+                    f"the part of the mesh that a source lies on has {size} vertices, too few for "
+                    f"plain heat: distances there are {100 * error:.0f} % off in the mean; use "
+                    "refine=True, or exact_distance, or divide the faces",
                     CoarseMeshWarning,
                 )
                 return
-
-    def _coarse_parts(self) -> BoolArray:
-        """Return which components of a mesh are too coarse for plain heat, empty where none is."""
-        with self._lock:
-            if self._coarse is None:
-                mesh, metric = self._passable, self.method.metric
-                assert isinstance(mesh, TriangleMesh)  # for the type checker
-                coarse = coarse_parts(mesh.vertices, mesh.faces, metric.components, metric.scales)
-                self._coarse = coarse if coarse.any() else coarse[:0]
-            return self._coarse
 
     def _locate_sets(self, source_sets: Any) -> list[SourcePoints]:
         if isinstance(source_sets, str | bytes) or not isinstance(source_sets, Iterable):
