@@ -23,6 +23,7 @@ from geodesic_toolkit.analysis import matrix as matrix_module
 from geodesic_toolkit.analysis import stores
 from geodesic_toolkit.cli import interrupts
 from geodesic_toolkit.cli.matrix import Result, _deaf_children, _processes
+from geodesic_toolkit.cli.welding import Welded
 from geodesic_toolkit.io import read_vertices
 from geodesic_toolkit.testing import shapes
 
@@ -314,7 +315,8 @@ def test_a_result_names_at_most_some_of_its_sources(solver):
         warnings: tuple = ()
         took = "0 s"
 
-    made = Result("in", solver, np.arange(8), "out", np.zeros((8, 162)), Finished())
+    shape = Welded(solver.domain, solver.domain)
+    made = Result("in", shape, solver, np.arange(8), "out", np.zeros((8, 162)), Finished())
     assert "vertices 0, 1, 2, 3, 4, 5, 6, 7\n" in str(made)
 
 

@@ -252,3 +252,24 @@ def test_features_of_an_stl_survive_rounding(tmp_path):
     mesh = gt.read(path)
     assert mesh.n_vertices == 81
     assert (np.diff(np.sort(mesh.faces, axis=1), axis=1) > 0).all()
+
+
+# -- polygons given twice ----------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("again", [[0, 1, 2, 3], [3, 2, 1, 0], [1, 2, 3, 0], [2, 1, 0, 3]])
+def test_front_and_back_of_a_polygon_are_the_same_triangles(tmp_path, again):
+    quads = np.array([[0, 1, 4, 3], [4, 5, 2, 1], [3, 4, 7, 6], [8, 5, 4, 7]])
+    table = gt.testing.shapes.grid(3).vertices
+
+    def read(rows):
+        path = tmp_path / "quads.obj"
+        lines = ["v " + " ".join(map(str, vertex)) for vertex in table.tolist()]
+        path.write_text("\n".join([*lines, *("f " + " ".join(map(str, 1 + row)) for row in rows)]))
+        with pytest.warns(gt.errors.ReadWarning, match="were split"):
+            return gt.read(path)
+
+    single, twice = read(quads), read(np.concatenate([quads, quads[:, again]]))
+    assert twice.n_faces == 2 * single.n_faces
+    np.testing.assert_array_equal(twice.faces[: single.n_faces], single.faces)
+    assert gt.CotanLaplacian().assemble(twice).notes["dropped_faces"] == single.n_faces

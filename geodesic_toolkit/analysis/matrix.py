@@ -248,9 +248,7 @@ def _plan(
 
 
 def _are_the_same(rows: IntArray | None, columns: IntArray) -> bool:
-    if rows is None or not np.array_equal(rows, columns):
-        return False
-    return len(np.unique(columns)) == len(columns)
+    return rows is not None and bool(np.array_equal(rows, columns))
 
 
 # -- the output ------------------------------------------------------------------------------------

@@ -22,6 +22,7 @@ __all__ = [
     "Operator",
     "Refine",
     "Solver",
+    "Weld",
     "check_plugins",
     "check_positions",
     "check_reach",
@@ -75,6 +76,18 @@ Refine = Annotated[
 Folder = Annotated[Path, typer.Option(metavar="DIR", file_okay=False, help="Where the files go.")]
 
 Json = Annotated[bool, typer.Option("--json", help="Print one JSON object.")]
+
+
+Weld = Annotated[
+    float | None,
+    typer.Option(
+        metavar="TOL",
+        help="Make one of the vertices of a mesh that are no farther apart than this, in its unit, "
+        "so that paths cross seams: 0 for those at the same place. Vertices that are given and "
+        "written are those of the file all the same.",
+        show_default=False,
+    ),
+]
 
 
 class BoundaryChoice(StrEnum):

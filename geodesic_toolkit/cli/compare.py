@@ -5,10 +5,11 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from geodesic_toolkit.cli.arguments import Input, Json, parse_sources
+from geodesic_toolkit.cli.arguments import Input, Json, Weld, parse_sources
 from geodesic_toolkit.cli.output import aligned, one_line, show, show_json, versions
 from geodesic_toolkit.cli.run import Run, running
 from geodesic_toolkit.cli.targets import Targets
+from geodesic_toolkit.cli.welding import Welded, check_weld, welded
 
 if TYPE_CHECKING:  # importing NumPy takes longer than all of --help
     from geodesic_toolkit._typing import FloatArray
@@ -47,6 +48,7 @@ def compare(
     of: Annotated[
         str, typer.Option(metavar="WAY", help="Whose error the picture shows, by its name.")
     ] = "auto",
+    weld: Weld = None,
     json: Json = False,
 ) -> None:
     """Compare ways to compute distances on INPUT: operators, options, refinement.
@@ -58,6 +60,7 @@ def compare(
     from geodesic_toolkit.io import read
 
     sources = parse_sources(source)
+    check_weld(weld)
     targets = Targets(picture=picture)
     targets.check(path)
     with running() as run:
@@ -65,10 +68,10 @@ def compare(
             with run.step("loading graphics"):
                 targets.load_graphics()
         with run.step("reading"):
-            domain = read(path)
-            targets.check_domain(domain)
+            shape = welded(read(path), weld)
+            targets.check_domain(shape.domain)
         with run.step("comparing"):
-            comparison = compared(domain, sources, progress=run.advance)
+            comparison = compared(shape.domain, shape.sources(sources), progress=run.advance)
         if picture is not None:
             with run.step("rendering"):
                 _draw(comparison, of, picture)
@@ -76,9 +79,10 @@ def compare(
         show_json(
             {
                 "input": str(path),
-                "domain": type(domain).__name__,
-                "n_vertices": domain.n_vertices,
-                "sources": comparison.sources,
+                "domain": type(shape.file).__name__,
+                "n_vertices": shape.file.n_vertices,
+                "n_merged": shape.domain.n_vertices,
+                "sources": shape.firsts(comparison.sources),
                 "reference": comparison.reference_name,
                 "ways": [row.as_dict() for row in comparison.rows],
                 "outputs": [str(target) for target in targets.paths],
@@ -88,7 +92,7 @@ def compare(
             }
         )
     else:
-        _show(comparison, run, targets)
+        _show(comparison, shape, run, targets)
 
 
 def _draw(comparison: "Comparison", name: str, path: Path) -> None:
@@ -118,7 +122,7 @@ def _high_end(error: "FloatArray") -> float:
     return top or 1.0
 
 
-def _show(comparison: "Comparison", run: Run, targets: Targets) -> None:
+def _show(comparison: "Comparison", shape: Welded, run: Run, targets: Targets) -> None:
     good = [row for row in comparison.rows if row.failure is None]
     for line in aligned([HEADINGS, *map(_cells, good)]):
         show(line)
@@ -129,8 +133,9 @@ def _show(comparison: "Comparison", run: Run, targets: Targets) -> None:
         elif row.unreached:
             show(f"{row.variant.name}: {row.unreached} vertices have no distance")
     facts = [
-        ("shape", repr(comparison.domain)),
-        ("sources", ", ".join(map(str, comparison.sources.tolist()))),
+        ("shape", repr(shape.file)),
+        *shape.rows,
+        ("sources", ", ".join(map(str, shape.firsts(comparison.sources).tolist()))),
         ("against", comparison.reference_name),
         ("warned", ", ".join(row.variant.name for row in good if row.warnings) or "-"),
         ("took", run.took),

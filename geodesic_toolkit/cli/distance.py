@@ -15,6 +15,7 @@ from geodesic_toolkit.cli.arguments import (
     Operator,
     Refine,
     Solver,
+    Weld,
     check_plugins,
     check_positions,
     check_reach,
@@ -24,6 +25,7 @@ from geodesic_toolkit.cli.arguments import (
 from geodesic_toolkit.cli.output import aligned, one_line, show, show_json, versions
 from geodesic_toolkit.cli.run import Run, running
 from geodesic_toolkit.cli.targets import Targets
+from geodesic_toolkit.cli.welding import Welded, check_weld, welded
 
 if TYPE_CHECKING:  # importing NumPy takes longer than all of --help
     from geodesic_toolkit._typing import FloatArray
@@ -68,6 +70,7 @@ def distance(
         ),
     ] = None,
     mask: Mask = None,
+    weld: Weld = None,
     operator: Operator = "auto",
     diffusion: Annotated[
         str | None,
@@ -122,6 +125,7 @@ def distance(
     sources = parse_sources(source)
     check_time(time, time_factor)
     check_reach(reach, at)
+    check_weld(weld)
     check_plugins(solver, operator, diffusion)
     targets = Targets(tables=tuple(output or ()), picture=picture, html=html, cmap=cmap)
     targets.check(path, *(file for file in (at, mask) if file is not None))
@@ -131,10 +135,11 @@ def distance(
             with run.step("loading graphics"):
                 targets.load_graphics()
         with run.step("reading"):
-            domain = read(path)
-            masked = None if mask is None else read_mask(mask, domain.n_vertices)
+            shape = welded(read(path), weld)
+            domain = shape.domain
+            masked = shape.mask(None if mask is None else read_mask(mask, shape.file.n_vertices))
             passable = domain if masked is None else without(domain, masked)
-            places = locate_sources(domain, sources, passable=passable)
+            places = locate_sources(domain, shape.sources(sources), passable=passable)
             if masked is not None:
                 check_unmasked(places, masked)
             targets.check_domain(domain)
@@ -159,9 +164,10 @@ def distance(
         if points is not None:
             with run.step("asking"):
                 asked = points, _at(points, geodesic, distances, places, reach)
-        targets.write(run, domain, distances, sources, asked=asked)
-        summed_up = distances if asked is None else asked[1]
-        result = Result(path, geodesic, sources, at, mask, summed_up, targets.paths, run)
+        own = shape.values(distances)
+        targets.write(run, shape.file, own, sources, asked=asked)
+        summed_up = own if asked is None else asked[1]
+        result = Result(path, shape, geodesic, sources, at, mask, summed_up, targets.paths, run)
         if at is None and result.reached == len(sources):
             run.warn("the sources are connected to no other vertex: every other distance is inf")
         elif result.reached == 0:
@@ -177,6 +183,7 @@ class Result:
     """What the command found, for people and for programs."""
 
     path: Path
+    shape: Welded
     solver: "GeodesicSolver"
     sources: list[int] | list[list[float]]
     at: Path | None
@@ -203,7 +210,8 @@ class Result:
         return {
             "input": str(self.path),
             "domain": type(self.solver.domain).__name__,
-            "n_vertices": self.solver.domain.n_vertices,
+            "n_vertices": self.shape.file.n_vertices,
+            "n_merged": self.solver.domain.n_vertices,
             "sources": self.sources,
             "at": None if self.at is None else str(self.at),
             "n_points": None if self.at is None else len(self.distances),
@@ -232,7 +240,8 @@ class Result:
         places = "vertices" if self.at is None else "points"
         solvers = dict.fromkeys([repr(method.heat_solver), repr(method.poisson_solver)])
         rows = [
-            ("shape", repr(self.solver.domain)),
+            ("shape", repr(self.shape.file)),
+            *self.shape.rows,
             ("source", "; ".join(map(_place, self.sources))),
             *([] if self.at is None else [("at", f"{len(self.distances)} points of {self.at}")]),
             *([] if self.mask is None else [("mask", str(self.mask))]),

@@ -9,11 +9,12 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from geodesic_toolkit import __version__, _native
-from geodesic_toolkit.cli.arguments import Json
+from geodesic_toolkit.cli.arguments import Json, Weld
 from geodesic_toolkit.cli.output import aligned, one_line, show, show_json, versions
 from geodesic_toolkit.cli.plugins import plugin_rows
 from geodesic_toolkit.cli.probes import probe_all
 from geodesic_toolkit.cli.run import running
+from geodesic_toolkit.cli.welding import check_weld, welded
 
 if TYPE_CHECKING:
     from geodesic_toolkit.diagnosis import Diagnosis
@@ -39,27 +40,29 @@ def doctor(
             show_default=False,
         ),
     ] = None,
+    weld: Weld = None,
     json: Json = False,
 ) -> None:
     """Examine the installation, or what the shape INPUT is like."""
     if path is None:
         _examine_installation(json)
     else:
-        _examine_shape(path, json)
+        check_weld(weld)
+        _examine_shape(path, weld, json)
 
 
 # -- a shape -----------------------------------------------------------------------------------
 
 
-def _examine_shape(path: Path, json: bool) -> None:
+def _examine_shape(path: Path, weld: float | None, json: bool) -> None:
     from geodesic_toolkit.io import read
     from geodesic_toolkit.solver import GeodesicSolver
 
     with running() as run:
         with run.step("reading"):
-            domain = read(path)
+            shape = welded(read(path), weld)
         with run.step("factorising"):
-            solver = GeodesicSolver(domain)
+            solver = GeodesicSolver(shape.domain)
         with run.step("examining"):
             diagnosis = solver.diagnosis
     advice = _advice(diagnosis)

@@ -18,11 +18,13 @@ from geodesic_toolkit.cli.arguments import (
     Operator,
     Refine,
     Solver,
+    Weld,
     check_plugins,
 )
 from geodesic_toolkit.cli.interrupts import last_words
 from geodesic_toolkit.cli.output import aligned, show, show_json, versions
 from geodesic_toolkit.cli.run import Run, running
+from geodesic_toolkit.cli.welding import Welded, check_weld, welded
 from geodesic_toolkit.errors import InvalidOptionError
 
 if TYPE_CHECKING:  # importing NumPy takes longer than all of --help
@@ -98,6 +100,7 @@ def matrix(
         ),
     ] = None,
     mask: Mask = None,
+    weld: Weld = None,
     operator: Operator = "auto",
     solver: Solver = "auto",
     refine: Refine = None,
@@ -122,16 +125,17 @@ def matrix(
     if sources is not None and landmarks is not None:
         raise InvalidOptionError("give --sources or --landmarks, not both")
     check_plugins(solver, operator)
+    check_weld(weld)
     check_matrix_output(output, sparse=max_distance is not None)
     _check_apart(output, path, sources, mask)
     with running() as run:
         with run.step("reading"):
-            domain = read(path)
+            shape = welded(read(path), weld)
             rows = None if sources is None else read_vertices(sources)
-            masked = None if mask is None else read_mask(mask, domain.n_vertices)
+            masked = shape.mask(None if mask is None else read_mask(mask, shape.file.n_vertices))
         with run.step("factorising"):
             geodesic = GeodesicSolver(
-                domain,
+                shape.domain,
                 operator=operator,
                 solver=solver,
                 refine="auto" if refine is None else refine,
@@ -139,11 +143,12 @@ def matrix(
             )
         if landmarks is not None:
             with run.step("choosing landmarks"):
-                rows = _landmarks(geodesic, landmarks, run)
+                rows = shape.firsts(_landmarks(geodesic, landmarks, run))
         with run.step("computing"), _processes(workers) as executor, _resumable(output, run):
             result = distance_matrix(
                 geodesic,
-                rows,
+                shape.new if rows is None else shape.vertices(rows),
+                targets=shape.new,
                 dtype="float32" if float32 else "float64",
                 symmetrize=_how(symmetrize),
                 max_distance=max_distance,
@@ -152,7 +157,7 @@ def matrix(
                 executor=executor,
                 progress=run.advance,
             )
-    summary = Result(path, geodesic, rows, output, result, run)
+    summary = Result(path, shape, geodesic, rows, output, result, run)
     if json:
         show_json(summary.as_dict())
     else:
@@ -263,6 +268,7 @@ class Result:
     """What the command made, for people and for programs."""
 
     path: Path
+    shape: Welded
     solver: "GeodesicSolver"
     sources: "IntArray | None"
     output: Path
@@ -281,7 +287,8 @@ class Result:
         return {
             "input": str(self.path),
             "domain": type(self.solver.domain).__name__,
-            "n_vertices": self.solver.domain.n_vertices,
+            "n_vertices": self.shape.file.n_vertices,
+            "n_merged": self.solver.domain.n_vertices,
             "sources": "all" if self.sources is None else self.sources,
             "shape": list(self.matrix.shape),
             "dtype": str(self.matrix.dtype),
@@ -302,7 +309,8 @@ class Result:
         rows, columns = self.matrix.shape
         of = f", {self.entries} entries" if hasattr(self.matrix, "nnz") else ""
         lines = [
-            ("shape", repr(self.solver.domain)),
+            ("shape", repr(self.shape.file)),
+            *self.shape.rows,
             ("sources", _named(self.sources)),
             (
                 "method",

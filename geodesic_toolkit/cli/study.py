@@ -6,9 +6,10 @@ from typing import Annotated, Any
 
 import typer
 
-from geodesic_toolkit.cli.arguments import Folder, Input, Json
+from geodesic_toolkit.cli.arguments import Folder, Input, Json, Weld
 from geodesic_toolkit.cli.output import aligned, show, show_json, versions
 from geodesic_toolkit.cli.run import running
+from geodesic_toolkit.cli.welding import check_weld, welded
 from geodesic_toolkit.errors import InvalidSourceError
 
 __all__ = ["study"]
@@ -30,6 +31,7 @@ def study(
         ),
     ] = None,
     seed: Annotated[int, typer.Option(metavar="N", min=0, help="Seed of the noise.")] = 0,
+    weld: Weld = None,
     json: Json = False,
 ) -> None:
     """Study the heat method on a mesh: solvers, time steps, noise, operators, sizes.
@@ -42,9 +44,12 @@ def study(
     from geodesic_toolkit.study import run_study
 
     chosen = None if sources is None else _vertices(sources)
+    check_weld(weld)
     with running() as run:
         with run.step("reading"):
-            mesh = read(path)
+            shape = welded(read(path), weld)
+            mesh = shape.domain
+            chosen = None if chosen is None else shape.vertices(chosen).tolist()
         figures = run_study(mesh, out, sources=chosen, name=path.stem, seed=seed, step=run.step)
     if json:
         more = {"warnings": run.warnings, "timings": run.timings, "versions": versions()}

@@ -48,6 +48,7 @@ def fan_triangles(sizes: IntArray, corners: IntArray) -> tuple[IntArray, list[st
     remarks : list of str
         What people should hear of: polygons that were split, scraps that were left out.
     """
+    corners = _repeats_alike(sizes, corners)
     counts = np.maximum(sizes - 2, 0)
     owner = np.repeat(np.arange(len(sizes)), counts)
     first = (np.cumsum(sizes) - sizes)[owner]
@@ -64,6 +65,33 @@ def fan_triangles(sizes: IntArray, corners: IntArray) -> tuple[IntArray, list[st
     if scraps:
         remarks.append(f"{scraps} faces have fewer than three corners and were left out")
     return faces.astype(np.int64), remarks
+
+
+def _repeats_alike(sizes: IntArray, corners: IntArray) -> IntArray:
+    """Return the corners with those of a polygon that was there before just as they were then.
+
+    Back and front of one polygon are split into the same triangles so, which count once.
+    """
+    begins = np.cumsum(sizes) - sizes
+    result = corners
+    for size in np.unique(sizes[sizes > 3]).tolist():
+        own = begins[sizes == size]
+        rows = own[:, None] + np.arange(size)
+        ring = corners[rows]
+        least = ring.argmin(axis=1)[:, None]
+        ahead = np.take_along_axis(ring, (least + np.arange(size)) % size, axis=1)
+        back = np.take_along_axis(ring, (least - np.arange(size)) % size, axis=1)
+        same_way = np.where((ahead[:, 1] <= back[:, 1])[:, None], ahead, back)
+        order = np.lexsort(same_way.T)  # stable: the first of those that are alike leads
+        new = np.ones(len(order), dtype=np.bool_)
+        new[1:] = (same_way[order[1:]] != same_way[order[:-1]]).any(axis=1)
+        if new.all():
+            continue
+        leader = np.empty(len(order), dtype=np.int64)
+        leader[order] = order[new][np.cumsum(new) - 1]
+        result = result.copy() if result is corners else result
+        result[rows] = ring[leader]
+    return result
 
 
 def strip_triangles(sizes: IntArray, indices: IntArray) -> IntArray:

@@ -1,0 +1,108 @@
+"""The option ``--weld``: work on merged vertices, speak of those of the file."""
+
+import math
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from geodesic_toolkit.errors import InvalidOptionError
+
+if TYPE_CHECKING:  # importing NumPy takes longer than all of --help
+    from geodesic_toolkit._typing import BoolArray, FloatArray, IntArray
+    from geodesic_toolkit.domains import Domain
+
+__all__ = ["Welded", "check_weld", "welded"]
+
+
+@dataclass(frozen=True)
+class Welded:
+    """A shape as it was read, and as it is worked on.
+
+    Attributes
+    ----------
+    file : Domain
+        As the file has it.
+    domain : Domain
+        The same, or with merged vertices.
+    new : ndarray of shape (N,), int64, optional
+        The vertex of `domain` that each of the file is, where they differ.
+    """
+
+    file: "Domain"
+    domain: "Domain"
+    new: "IntArray | None" = None
+
+    def sources(
+        self, sources: list[int] | list[list[float]]
+    ) -> "list[list[float]] | IntArray | list[int]":
+        """Return sources of the file on the domain: vertices have other numbers there."""
+        if self.new is None or not isinstance(sources[0], int):
+            return sources
+        return self.vertices(sources)
+
+    def vertices(self, vertices: "IntArray | list[int] | list[list[float]]") -> "IntArray":
+        """Return vertices of the file, (K,), as those of the domain.
+
+        Raises
+        ------
+        InvalidSourceError
+            One that is not in the file.
+        """
+        from geodesic_toolkit.source_points import as_vertices
+
+        known = as_vertices(vertices, self.file.n_vertices)
+        return known if self.new is None else self.new[known]
+
+    def firsts(self, vertices: "IntArray") -> "IntArray":
+        """Return for vertices of the domain, (K,), the first of the file that is each."""
+        import numpy as np
+
+        if self.new is None:
+            return vertices
+        return np.asarray(np.unique(self.new, return_index=True)[1][vertices], dtype=np.int64)
+
+    def mask(self, mask: "BoolArray | None") -> "BoolArray | None":
+        """Return a mask of the file's vertices as one of the domain: masked if one of them is."""
+        import numpy as np
+
+        if mask is None or self.new is None:
+            return mask
+        own = np.zeros(self.domain.n_vertices, dtype=np.bool_)
+        own[self.new[mask]] = True
+        return own
+
+    def values(self, values: "FloatArray") -> "FloatArray":
+        """Return values at the vertices of the domain at those of the file, (N,)."""
+        return values if self.new is None else values[self.new]
+
+    @property
+    def rows(self) -> list[tuple[str, str]]:
+        """What to tell a person of it, in a table of names and values."""
+        if self.new is None:
+            return []
+        return [("welded", f"{self.file.n_vertices} vertices are {self.domain.n_vertices}")]
+
+
+def check_weld(weld: float | None) -> None:
+    """Raise an `InvalidOptionError` for a tolerance that is not a length."""
+    if weld is not None and not (weld >= 0 and math.isfinite(weld)):
+        raise InvalidOptionError(f"--weld must be finite and not negative, not {weld:g}")
+
+
+def welded(domain: "Domain", weld: float | None) -> Welded:
+    """Return a shape with vertices merged that are no farther apart than `weld`, if it is given.
+
+    Raises
+    ------
+    InvalidOptionError
+        Something else than a mesh is to be welded.
+    """
+    if weld is None:
+        return Welded(domain, domain)
+    from geodesic_toolkit.domains import TriangleMesh
+    from geodesic_toolkit.merging import merge_vertices
+
+    if not isinstance(domain, TriangleMesh):
+        raise InvalidOptionError(
+            f"--weld is for the vertices of a mesh; this is a {type(domain).__name__}"
+        )
+    return Welded(domain, *merge_vertices(domain, tolerance=weld))
