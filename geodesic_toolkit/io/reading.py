@@ -34,7 +34,8 @@ def read(path: str | os.PathLike[str]) -> Domain:
     ============================ ======================================================
     off, obj, ply, stl, glb,     a :class:`TriangleMesh`; off, obj, ply and glb without
     gltf                         faces are a :class:`PointCloud`. An STL has corners only:
-                                 equal ones are one vertex, in the order of first use
+                                 equal ones are one vertex, in the order of first use,
+                                 and at open edges those that differ by rounding
     mesh, msh, vtk, vtu          a :class:`TriangleMesh`, of a solid the surface (meshio)
     gii                          a :class:`TriangleMesh` (nibabel)
     pcd, xyz, pts, las, laz      a :class:`PointCloud`, missing points (NaN) kept (laspy
