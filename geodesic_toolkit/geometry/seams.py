@@ -18,11 +18,15 @@ __all__ = ["NEAR", "Seams", "find_seams"]
 
 NEAR = 3e-5
 """How far apart the sides of a seam may lie, over the diagonal of the bounding box: six significant
-digits, as many programs write numbers, leave up to 1.7e-5."""
+digits, as many programs write numbers, leave up to 1.7e-5.
+
+Measured on the facets of nine shapes, each corner rounded to six digits or moved by 3e-6 of the
+diagonal: all nine are whole again from 1e-5 to 3e-4, eight with 1e-3, not all of them with 3e-6. Up
+to 3e-4 none of 22 models and scans is warned of, with 1e-3 one."""
 
 MOST = 0.5
 """Share of a loop of the boundary, or of all of it, that lies upon other edges where it is a seam
-that has come open by so much. Of 25 models and scans one, a truck of sheets put together by hand,
+that has come open by so much. Of 22 models and scans one, a truck of sheets put together by hand,
 has such edges without being cut apart there: 22 of a loop of 139 and 16 of one of 91."""
 
 SHORT = 8
