@@ -240,7 +240,7 @@ def _of_cells(obj: Any, points: Any, blocks: list[tuple[str, Any]]) -> Domain:
 
     sizes, corners = surface_polygons(blocks)
     if len(sizes):
-        return TriangleMesh(points, _triangles(obj, sizes, corners))
+        return TriangleMesh(points, _triangles(obj, points, sizes, corners))
     kinds = {kind for kind, _ in blocks}
     if kinds <= {"vertex"}:
         return PointCloud(points)
@@ -249,10 +249,10 @@ def _of_cells(obj: Any, points: Any, blocks: list[tuple[str, Any]]) -> Domain:
     )
 
 
-def _triangles(obj: Any, sizes: IntArray, corners: IntArray) -> IntArray:
-    from geodesic_toolkit.geometry.polygons import fan_triangles
+def _triangles(obj: Any, points: Any, sizes: IntArray, corners: IntArray) -> IntArray:
+    from geodesic_toolkit.geometry.polygons import split_polygons
 
-    faces, remarks = fan_triangles(sizes, corners)
+    faces, remarks = split_polygons(np.asarray(points, dtype=np.float64), sizes, corners)
     for remark in remarks:
         warn(f"{type(obj).__name__}: {remark}", ReadWarning)
     return faces
@@ -264,7 +264,7 @@ def _vtk_surface(obj: Any) -> Domain | None:
         return None
     from geodesic_toolkit.geometry.polygons import strip_triangles, unpadded_polygons
 
-    faces = _triangles(obj, *unpadded_polygons(np.asarray(obj.faces)))
+    faces = _triangles(obj, obj.points, *unpadded_polygons(np.asarray(obj.faces)))
     strips = np.asarray(obj.strips)
     if len(strips):
         faces = np.concatenate([faces, strip_triangles(*unpadded_polygons(strips))])

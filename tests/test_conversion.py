@@ -10,7 +10,7 @@ import scipy.sparse as sp
 
 import geodesic_toolkit as gt
 from geodesic_toolkit.errors import InvalidDomainError, ReadWarning, UnsupportedDomainError
-from geodesic_toolkit.geometry.polygons import fan_triangles, surface_polygons, unpadded_polygons
+from geodesic_toolkit.geometry.polygons import split_polygons, surface_polygons, unpadded_polygons
 from geodesic_toolkit.testing import shapes
 
 SPHERE = shapes.icosphere(1)
@@ -170,8 +170,10 @@ def test_meshio():
 
 def test_meshio_polygons_are_split_with_a_warning():
     meshio = pytest.importorskip("meshio")
+    pentagon = np.roll(np.array([[0, 0, 0], [2, 0, 0], [3, 1, 0], [1, 3, 0], [0, 2, 0]]), 1, axis=0)
     mixed = meshio.Mesh(
-        VERTICES, [("quad", [[0, 1, 2, 3]]), ("triangle", [[4, 5, 6]]), ("polygon", [range(7, 12)])]
+        np.vstack([CUBE, pentagon]),
+        [("quad", [[0, 1, 2, 3]]), ("triangle", [[4, 5, 6]]), ("polygon", [range(8, 13)])],
     )
     with pytest.warns(ReadWarning, match="Mesh: 2 polygons were split into 5 triangles"):
         mesh = gt.as_domain(mixed)
@@ -192,19 +194,19 @@ def test_meshio_polygons_are_split_with_a_warning():
 def test_a_solid_becomes_its_surface_seen_from_outside(kind, corners, area):
     block = SimpleNamespace(type=kind, data=np.array([list(corners)]))
     sizes, flat = surface_polygons([(block.type, block.data)])
-    faces, _ = fan_triangles(sizes, flat)
+    faces, _ = split_polygons(CUBE, sizes, flat)
     assert outward_area(gt.TriangleMesh(CUBE, faces)) == pytest.approx(area)
 
 
 def test_the_faces_between_solids_are_inside():
     stacked = np.vstack([CUBE, CUBE[4:] + np.eye(3)[2]])
     sizes, corners = surface_polygons([("hexahedron", [range(8), range(4, 12)])])
-    mesh = gt.TriangleMesh(stacked, fan_triangles(sizes, corners)[0])
+    mesh = gt.TriangleMesh(stacked, split_polygons(stacked, sizes, corners)[0])
     assert outward_area(mesh) == pytest.approx(10)
 
 
 def test_faces_with_fewer_than_three_corners_are_left_out():
-    faces, remarks = fan_triangles(np.array([2, 3]), np.array([7, 8, 0, 1, 2]))
+    faces, remarks = split_polygons(np.zeros((9, 3)), np.array([2, 3]), np.array([7, 8, 0, 1, 2]))
     np.testing.assert_array_equal(faces, [[0, 1, 2]])
     assert remarks == ["1 faces have fewer than three corners and were left out"]
 

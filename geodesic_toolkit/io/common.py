@@ -1,4 +1,4 @@
-"""What the readers share: numbers from text, fans of polygons, optional packages."""
+"""What the readers share: numbers from text, triangles of polygons, optional packages."""
 
 import importlib
 import warnings
@@ -18,7 +18,7 @@ from geodesic_toolkit.errors import (
     ReadError,
     ReadWarning,
 )
-from geodesic_toolkit.geometry.polygons import fan_triangles
+from geodesic_toolkit.geometry.polygons import split_polygons
 
 __all__ = [
     "array_of",
@@ -136,24 +136,24 @@ def whole_numbers(values: NDArray[Any], what: str) -> IntArray:
     return values.astype(np.int64)
 
 
-def triangulate(path: Path, sizes: IntArray, corners: IntArray) -> IntArray:
-    """Split polygons into the fans of their first corners; warns where there were any.
+def triangulate(path: Path, vertices: ArrayLike, sizes: IntArray, corners: IntArray) -> IntArray:
+    """Split polygons into triangles inside them; warns where there were any.
 
     Parameters
     ----------
     path : Path
-        Named in the warning.
-    sizes : ndarray of shape (P,), int64
-        Corners of each polygon.
-    corners : ndarray of shape (sizes.sum(),), int64
-        Their vertex indices, polygon by polygon.
+        The file, for the warning.
+    vertices : array-like of shape (N, 3)
+    sizes, corners : ndarray of int64
+        Corners of each polygon, and their vertex indices, polygon by polygon.
 
     Returns
     -------
     ndarray of shape (F, 3), int64
         The triangles of a polygon follow each other.
     """
-    faces, remarks = fan_triangles(sizes, corners)
+    points = np.asarray(vertices, dtype=np.float64)
+    faces, remarks = split_polygons(points, sizes, corners)
     for remark in remarks:
         warn(path, remark)
     return faces
@@ -163,7 +163,7 @@ def surface(path: Path, vertices: ArrayLike, sizes: IntArray, corners: IntArray)
     """Return the mesh of some polygons, or the cloud where there are none."""
     if len(sizes) == 0:
         return PointCloud(vertices)
-    return TriangleMesh(vertices, triangulate(path, sizes, corners))
+    return TriangleMesh(vertices, triangulate(path, vertices, sizes, corners))
 
 
 def cloud(path: Path, points: ArrayLike, normals: ArrayLike | None) -> PointCloud:
