@@ -12,6 +12,7 @@ from geodesic_toolkit.domains.base import (
     Domain,
     as_floats,
     as_indices,
+    check_corners,
     check_indices,
     first_bad_row,
 )
@@ -67,6 +68,7 @@ class TriangleMesh(Domain):
                 f"vertex {bad} is not finite: {points[bad].tolist()}; remove it with its faces, "
                 "or use a PointCloud, which keeps such points as missing"
             )
+        check_corners(faces)
         triangles = as_indices(faces, "faces", "face", (None, 3))
         if len(triangles) == 0:
             raise InvalidDomainError("the mesh has no faces; for points alone use PointCloud")
