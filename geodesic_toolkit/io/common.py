@@ -29,11 +29,13 @@ __all__ = [
     "optional_package",
     "surface",
     "text_of",
-    "tokens_of",
     "triangulate",
     "warn",
     "whole_numbers",
 ]
+
+PACKAGES = {"vtkmodules": "vtk"}
+"""Distributions whose modules are called otherwise."""
 
 BYTE_ORDER_MARK = b"\xef\xbb\xbf"
 
@@ -62,20 +64,6 @@ def lines_of(path: Path) -> list[bytes]:
     """
     lines = [line.partition(b"#")[0] for line in text_of(path).splitlines()]
     return [line for line in lines if line.strip()]
-
-
-def tokens_of(lines: Sequence[bytes]) -> list[bytes]:
-    """Return what stands in some lines between blanks and commas.
-
-    Raises
-    ------
-    ReadError
-        Nothing does.
-    """
-    tokens = b" ".join(lines).replace(b",", b" ").split()
-    if not tokens:
-        raise ReadError("there are no numbers in the file")
-    return tokens
 
 
 def array_of(path: Path) -> NDArray[Any]:
@@ -183,7 +171,7 @@ def warn(path: Path, text: str) -> None:
     _warning.warn(f"{path.name}: {text}", ReadWarning)
 
 
-def optional_package(name: str, suffix: str) -> Any:
+def optional_package(name: str, suffix: str, doing: str = "reading") -> Any:
     """Import a package, or a module of one, of the extra ``io``.
 
     Raises
@@ -194,7 +182,7 @@ def optional_package(name: str, suffix: str) -> Any:
     try:
         return importlib.import_module(name)
     except ImportError as error:
-        package = name.partition(".")[0]
+        package = PACKAGES.get(name.partition(".")[0], name.partition(".")[0])
         raise MissingDependencyError(
-            f'reading .{suffix} files needs {package}: pip install "geodesic-toolkit[io]"'
+            f'{doing} .{suffix} files needs {package}: pip install "geodesic-toolkit[io]"'
         ) from error
