@@ -11,6 +11,7 @@ from geodesic_toolkit.cli.arguments import (
     BoundaryChoice,
     Input,
     Json,
+    MarkedVertices,
     Mask,
     Operator,
     Refine,
@@ -19,6 +20,7 @@ from geodesic_toolkit.cli.arguments import (
     check_positions,
     check_reach,
     check_time,
+    find_marked,
     parse_sources,
 )
 from geodesic_toolkit.cli.output import aligned, one_line, show, show_json, versions
@@ -41,8 +43,9 @@ def distance(
         list[str],
         typer.Option(
             metavar="PLACE",
-            help='A vertex index, or a point "x,y,z" that is snapped to the shape. Give it several '
-            "times for the distance from the nearest of them; all of one kind.",
+            help='A vertex index; a point "x,y,z" that is snapped to the shape; or a file of '
+            "vertices (.npy, .txt, .csv, .label; .annot:REGION). Give it several times for the "
+            "distance from the nearest of them; all of one kind.",
             show_default=False,
         ),
     ],
@@ -94,7 +97,8 @@ def distance(
         list[Path] | None,
         typer.Option(
             metavar="FILE",
-            help="Write the distances to a .ply, .npy or .csv file; may be given several times.",
+            help="Write the distances to a .ply, .vtp, .vtk, .vtu, .gii, .npy, .csv or .txt file; "
+            "may be given several times.",
         ),
     ] = None,
     picture: Annotated[
@@ -124,7 +128,9 @@ def distance(
     check_reach(reach, at)
     check_plugins(solver, operator, diffusion)
     targets = Targets(tables=tuple(output or ()), picture=picture, html=html, cmap=cmap)
-    targets.check(path, *(file for file in (at, mask) if file is not None))
+    marked = [mask, *map(find_marked, source)]
+    used = [at, *(None if file is None else file.path for file in marked)]
+    targets.check(path, *(file for file in used if file is not None))
 
     with running() as run:
         if targets.drawn:
@@ -132,7 +138,11 @@ def distance(
                 targets.load_graphics()
         with run.step("reading"):
             domain = read(path)
-            masked = None if mask is None else read_mask(mask, domain.n_vertices)
+            masked = (
+                None
+                if mask is None
+                else read_mask(mask.path, domain.n_vertices, region=mask.region)
+            )
             passable = domain if masked is None else without(domain, masked)
             places = locate_sources(domain, sources, passable=passable)
             if masked is not None:
@@ -180,7 +190,7 @@ class Result:
     solver: "GeodesicSolver"
     sources: list[int] | list[list[float]]
     at: Path | None
-    mask: Path | None
+    mask: MarkedVertices | None
     distances: "FloatArray"
     outputs: Sequence[Path]
     run: Run

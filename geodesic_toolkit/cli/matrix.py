@@ -123,12 +123,16 @@ def matrix(
         raise InvalidOptionError("give --sources or --landmarks, not both")
     check_plugins(solver, operator)
     check_matrix_output(output, sparse=max_distance is not None)
-    _check_apart(output, path, sources, mask)
+    _check_apart(output, path, sources, None if mask is None else mask.path)
     with running() as run:
         with run.step("reading"):
             domain = read(path)
             rows = None if sources is None else read_vertices(sources)
-            masked = None if mask is None else read_mask(mask, domain.n_vertices)
+            masked = (
+                None
+                if mask is None
+                else read_mask(mask.path, domain.n_vertices, region=mask.region)
+            )
         with run.step("factorising"):
             geodesic = GeodesicSolver(
                 domain,
