@@ -3,7 +3,7 @@
 By duck typing: an object is known by its attributes, and no other library is imported for it.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from typing import Any
 
 import numpy as np
@@ -12,6 +12,7 @@ from geodesic_toolkit._typing import FloatArray, IntArray
 from geodesic_toolkit._warning import warn
 from geodesic_toolkit.domains import Domain, Graph, PointCloud, TriangleMesh
 from geodesic_toolkit.errors import InvalidDomainError, ReadWarning, UnsupportedDomainError
+from geodesic_toolkit.refusals import described, refusal, several
 
 __all__ = ["as_domain", "check_one_shape", "graph_of_lengths"]
 
@@ -39,12 +40,13 @@ def as_domain(obj: Any) -> Domain:
     what                        becomes
     =========================== =============================================================
     Domain                      itself
-    (vertices, faces)           a :class:`TriangleMesh`
+    (vertices, faces)           a :class:`TriangleMesh`; metadata may follow, as nibabel's
+                                ``read_geometry`` gives them
     array of shape (N, 3)       a :class:`PointCloud`
-    trimesh                     Trimesh: a mesh; PointCloud: a cloud
+    trimesh                     Trimesh: a mesh; PointCloud: a cloud; a Scene of one of them
     Open3D, legacy and tensor   TriangleMesh: a mesh; PointCloud: a cloud, with its normals
     PyVista                     PolyData: a mesh, or a cloud where it has no faces;
-                                UnstructuredGrid: as for meshio
+                                UnstructuredGrid: as for meshio; a MultiBlock of one of them
     meshio                      a mesh of the plane cells, or of the surface of the solid ones;
                                 a cloud where all cells are vertices or there are none
     SciPy sparse                a :class:`Graph` whose lengths are the entries stored, in one
@@ -52,8 +54,8 @@ def as_domain(obj: Any) -> Domain:
     networkx                    a graph of its nodes in their order; an edge's length is its
                                 attribute ``length``, else ``weight``, else 1; directions
                                 are left out
-    nilearn, nibabel            surface meshes (``coordinates`` and ``faces``), GIFTI images: a
-                                mesh
+    nilearn, nibabel            surface meshes (``coordinates`` and ``faces``), a PolyMesh of one
+                                hemisphere, GIFTI images: a mesh
     =========================== =============================================================
 
     Parameters
@@ -69,7 +71,7 @@ def as_domain(obj: Any) -> Domain:
     Raises
     ------
     UnsupportedDomainError
-        Nothing of these.
+        Nothing of these, or several in one; the message says what to give instead.
     InvalidDomainError
         One of these that cannot be a domain: no faces, an index out of range, a matrix that is not
         square.
@@ -77,7 +79,7 @@ def as_domain(obj: Any) -> Domain:
     Warns
     -----
     ReadWarning
-        Polygons were split into triangles.
+        Polygons were split into triangles, or cross themselves.
 
     Examples
     --------
@@ -95,7 +97,7 @@ def as_domain(obj: Any) -> Domain:
             domain = convert(obj)
             if domain is not None:
                 return domain
-    raise UnsupportedDomainError(f"{_described(obj)} is no shape; give {TAKEN}")
+    raise UnsupportedDomainError(refusal(obj, TAKEN))
 
 
 def check_one_shape(function: str, others: tuple[Any, ...]) -> None:
@@ -110,25 +112,21 @@ def check_one_shape(function: str, others: tuple[Any, ...]) -> None:
         )
 
 
-def _described(obj: Any) -> str:
-    if isinstance(obj, str | bytes):
-        return f"{obj[:40]!r} (to read a file: geodesic_toolkit.read)"
-    if isinstance(obj, type):
-        return f"the class {obj.__name__}"
-    if isinstance(obj, np.ndarray):
-        return f"an array of shape {obj.shape} and dtype {obj.dtype}"
-    return f"{type(obj).__module__}.{type(obj).__qualname__}".removeprefix("builtins.")
-
-
 def _has(obj: Any, *names: str) -> bool:
     return all(hasattr(obj, name) for name in names)
 
 
 def _pair(obj: Any) -> Domain | None:
-    """(vertices, faces): two tables, where a list of two points is one table."""
-    if not isinstance(obj, tuple | list) or len(obj) != 2 or not _is_table(obj[0]):
+    """(vertices, faces): two tables, where a list of two points is one table.
+
+    FreeSurfer's metadata and stamp may follow, as ``nibabel.freesurfer.read_geometry`` gives them.
+    """
+    if not isinstance(obj, tuple | list) or not 2 <= len(obj) <= 4 or not _is_table(obj[0]):
         return None
-    return TriangleMesh(obj[0], obj[1])
+    vertices, faces, *rest = obj
+    if not all(isinstance(thing, Mapping | str) for thing in rest):
+        return None
+    return TriangleMesh(vertices, faces)
 
 
 def _is_table(obj: Any) -> bool:
@@ -240,19 +238,19 @@ def _of_cells(obj: Any, points: Any, blocks: list[tuple[str, Any]]) -> Domain:
 
     sizes, corners = surface_polygons(blocks)
     if len(sizes):
-        return TriangleMesh(points, _triangles(obj, sizes, corners))
+        return TriangleMesh(points, _triangles(obj, points, sizes, corners))
     kinds = {kind for kind, _ in blocks}
     if kinds <= {"vertex"}:
         return PointCloud(points)
     raise InvalidDomainError(
-        f"{_described(obj)}: no surface and no solid; the cells are {', '.join(sorted(kinds))}"
+        f"{described(obj)}: no surface and no solid; the cells are {', '.join(sorted(kinds))}"
     )
 
 
-def _triangles(obj: Any, sizes: IntArray, corners: IntArray) -> IntArray:
-    from geodesic_toolkit.geometry.polygons import fan_triangles
+def _triangles(obj: Any, points: Any, sizes: IntArray, corners: IntArray) -> IntArray:
+    from geodesic_toolkit.geometry.polygons import split_polygons
 
-    faces, remarks = fan_triangles(sizes, corners)
+    faces, remarks = split_polygons(np.asarray(points, dtype=np.float64), sizes, corners)
     for remark in remarks:
         warn(f"{type(obj).__name__}: {remark}", ReadWarning)
     return faces
@@ -264,14 +262,14 @@ def _vtk_surface(obj: Any) -> Domain | None:
         return None
     from geodesic_toolkit.geometry.polygons import strip_triangles, unpadded_polygons
 
-    faces = _triangles(obj, *unpadded_polygons(np.asarray(obj.faces)))
+    faces = _triangles(obj, obj.points, *unpadded_polygons(np.asarray(obj.faces)))
     strips = np.asarray(obj.strips)
     if len(strips):
         faces = np.concatenate([faces, strip_triangles(*unpadded_polygons(strips))])
     if len(faces):
         return TriangleMesh(obj.points, faces)
     if len(obj.lines):
-        raise InvalidDomainError(f"{_described(obj)}: no faces, only lines")
+        raise InvalidDomainError(f"{described(obj)}: no faces, only lines")
     return PointCloud(obj.points, obj.point_data.get("Normals", None))
 
 
@@ -302,6 +300,33 @@ def _tensor(attributes: Any, name: str, default: FloatArray | None) -> Any:
     return attributes[name].cpu().numpy() if name in attributes else default
 
 
+def _collection(obj: Any) -> Domain | None:
+    """Scenes of trimesh, blocks of PyVista and pairs of hemispheres of nilearn, with one member."""
+    if _has(obj, "geometry", "graph", "dump") and isinstance(obj.geometry, Mapping):
+        nodes = list(obj.graph.nodes_geometry)
+        if len(nodes) == 1:
+            placement, name = obj.graph[nodes[0]]
+            return as_domain(obj.geometry[name].copy().apply_transform(placement))
+        raise several(
+            obj,
+            len(nodes),
+            "scene.geometry[name]",
+            list(obj.geometry),
+            "trimesh.util.concatenate(scene.dump())",
+        )
+    if _has(obj, "n_blocks", "combine", "keys"):
+        blocks = [block for block in obj if block is not None]
+        if len(blocks) == 1:
+            return as_domain(blocks[0])
+        raise several(obj, len(blocks), "blocks[name]", obj.keys(), "blocks.combine()")
+    pair = getattr(obj, "mesh", obj)  # a SurfaceImage has a PolyMesh
+    if _has(pair, "parts") and isinstance(pair.parts, Mapping):
+        if len(pair.parts) == 1:
+            return as_domain(next(iter(pair.parts.values())))
+        raise several(obj, len(pair.parts), "mesh.parts[name]", list(pair.parts))
+    return None
+
+
 def _surface(obj: Any) -> Domain | None:
     """Meshes of trimesh and nilearn, and what else names its arrays as they do."""
     for vertices in ("vertices", "coordinates"):
@@ -327,6 +352,7 @@ def _points(obj: Any) -> Domain | None:
 
 CONVERTERS: tuple[Callable[[Any], Domain | None], ...] = (
     _pair,
+    _collection,
     _sparse,
     _network,
     _gifti,

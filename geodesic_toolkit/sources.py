@@ -11,6 +11,7 @@ from geodesic_toolkit._warning import warn
 from geodesic_toolkit.domains import (
     Curve,
     Domain,
+    Graph,
     OffsetSources,
     PointCloud,
     SurfacePoint,
@@ -75,6 +76,7 @@ def locate_sources(
     except (ValueError, TypeError) as error:
         raise InvalidSourceError(f"{name} cannot be read: {error}") from error
     if array.dtype.kind == "f" and array.size:
+        _check_one_meaning(array, domain, name)
         return _in_space(domain if passable is None else passable, _as_points(array, name), name)
     if array.dtype.kind == "b" and array.shape == (domain.n_vertices,):
         raise InvalidSourceError(f"{name} must be indices, not a mask: use numpy.flatnonzero(mask)")
@@ -135,6 +137,23 @@ def _as_points(array: Any, name: str) -> FloatArray:
         bad = int(np.flatnonzero(~np.isfinite(points).all(axis=1))[0])
         raise InvalidSourceError(f"{name}: point {bad} is not finite: {points[bad].tolist()}")
     return points
+
+
+def _check_one_meaning(array: Any, domain: Domain, name: str) -> None:
+    """Raise where three floats may be a point or, from an array of floats, three vertices.
+
+    Three vertices would be different ones: the point (0, 0, 1) is nothing else.
+    """
+    if isinstance(domain, Graph):  # which has no points
+        return
+    whole = array.shape == (3,) and (array == np.floor(array)).all() and len(set(array)) == 3
+    if whole and array.min() >= 0 and array.max() < domain.n_vertices:
+        vertices = array.astype(np.int64).tolist()
+        raise InvalidSourceError(
+            f"{name}: {array.tolist()} may be three vertices or one point; give vertices as "
+            f"integers, {vertices} (of an array: {name}.astype(int)), and the point as an array of "
+            f"shape (1, 3), [{array.tolist()}]"
+        )
 
 
 def _in_space(domain: Domain, points: FloatArray, name: str) -> SourcePoints:

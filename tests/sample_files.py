@@ -127,6 +127,16 @@ def xyz():
     return b"# x y z\n" + rows(POINTS).encode()
 
 
+def csv():
+    return (
+        b'"id";"z [m]";"x [m]";"y [m]"\n'
+        + "".join(
+            f"{number};{z};{x};{y}\n".replace(".", ",")
+            for number, (x, y, z) in enumerate(POINTS.tolist())
+        ).encode()
+    )
+
+
 def pts():
     return b"6\n" + rows(np.column_stack([POINTS, np.full((6, 4), 255)])).encode()
 
@@ -182,6 +192,9 @@ SAMPLES = {
     "stl": [stl, stl_text],
     "pcd": [pcd, pcd_binary, pcd_compressed],
     "xyz": [xyz],
+    "txt": [xyz],
+    "asc": [xyz],
+    "csv": [csv],
     "pts": [pts],
     "mtx": [mtx],
     "npz": [npz, npz_mesh, npz_cloud],
@@ -241,6 +254,40 @@ def gii(folder):
     return through_file("surf.gii", folder, lambda path: nibabel.save(image, path))
 
 
+def vtp(folder, mode="Appended", *, raw=False, compressor="ZLib", header=32):
+    from vtkmodules.vtkCommonCore import vtkPoints
+    from vtkmodules.vtkCommonDataModel import vtkCellArray, vtkPolyData
+    from vtkmodules.vtkIOXML import vtkXMLPolyDataWriter
+
+    points, cells = vtkPoints(), vtkCellArray()
+    points.SetDataTypeToDouble()
+    for place in POINTS.tolist():
+        points.InsertNextPoint(place)
+    for face in FACES.tolist():
+        cells.InsertNextCell(3, face)
+    data, writer = vtkPolyData(), vtkXMLPolyDataWriter()
+    data.SetPoints(points)
+    data.SetPolys(cells)
+    writer.SetInputData(data)
+    getattr(writer, f"SetDataModeTo{mode}")()
+    if raw:
+        writer.EncodeAppendedDataOff()
+    getattr(writer, f"SetCompressorTypeTo{compressor}")()
+    getattr(writer, f"SetHeaderTypeToUInt{header}")()
+
+    def write(path):
+        writer.SetFileName(str(path))
+        assert writer.Write()
+
+    return through_file("vtp", folder, write)
+
+
+def pial(folder):
+    from nibabel.freesurfer import write_geometry
+
+    return through_file("pial", folder, lambda path: write_geometry(str(path), POINTS, FACES))
+
+
 def las(folder, suffix="las"):
     import laspy
 
@@ -259,6 +306,14 @@ WRITTEN = {
     "vtk grid": ("meshio", lambda folder: meshio_bytes("vtk", "vtk", folder)),
     "vtu": ("meshio", lambda folder: meshio_bytes("vtu", "vtu", folder)),
     "gii": ("nibabel", gii),
+    "vtp": ("vtk", vtp),
+    "vtp raw": ("vtk", lambda folder: vtp(folder, raw=True)),
+    "vtp base64": ("vtk", lambda folder: vtp(folder, "Binary")),
+    "vtp ascii": ("vtk", lambda folder: vtp(folder, "Ascii")),
+    "vtp lzma": ("vtk", lambda folder: vtp(folder, compressor="LZMA")),
+    "vtp plain": ("vtk", lambda folder: vtp(folder, raw=True, compressor="None", header=64)),
+    "vtp plain base64": ("vtk", lambda folder: vtp(folder, "Binary", compressor="None")),
+    "pial": ("nibabel", pial),
     "las": ("laspy", las),
     "laz": ("lazrs", lambda folder: las(folder, "laz")),
 }

@@ -2,6 +2,7 @@
 
 import subprocess
 import sys
+from pathlib import Path
 from types import SimpleNamespace
 
 import numpy as np
@@ -10,7 +11,7 @@ import scipy.sparse as sp
 
 import geodesic_toolkit as gt
 from geodesic_toolkit.errors import InvalidDomainError, ReadWarning, UnsupportedDomainError
-from geodesic_toolkit.geometry.polygons import fan_triangles, surface_polygons, unpadded_polygons
+from geodesic_toolkit.geometry.polygons import split_polygons, surface_polygons, unpadded_polygons
 from geodesic_toolkit.testing import shapes
 
 SPHERE = shapes.icosphere(1)
@@ -170,8 +171,10 @@ def test_meshio():
 
 def test_meshio_polygons_are_split_with_a_warning():
     meshio = pytest.importorskip("meshio")
+    pentagon = np.roll(np.array([[0, 0, 0], [2, 0, 0], [3, 1, 0], [1, 3, 0], [0, 2, 0]]), 1, axis=0)
     mixed = meshio.Mesh(
-        VERTICES, [("quad", [[0, 1, 2, 3]]), ("triangle", [[4, 5, 6]]), ("polygon", [range(7, 12)])]
+        np.vstack([CUBE, pentagon]),
+        [("quad", [[0, 1, 2, 3]]), ("triangle", [[4, 5, 6]]), ("polygon", [range(8, 13)])],
     )
     with pytest.warns(ReadWarning, match="Mesh: 2 polygons were split into 5 triangles"):
         mesh = gt.as_domain(mixed)
@@ -192,19 +195,19 @@ def test_meshio_polygons_are_split_with_a_warning():
 def test_a_solid_becomes_its_surface_seen_from_outside(kind, corners, area):
     block = SimpleNamespace(type=kind, data=np.array([list(corners)]))
     sizes, flat = surface_polygons([(block.type, block.data)])
-    faces, _ = fan_triangles(sizes, flat)
+    faces, _ = split_polygons(CUBE, sizes, flat)
     assert outward_area(gt.TriangleMesh(CUBE, faces)) == pytest.approx(area)
 
 
 def test_the_faces_between_solids_are_inside():
     stacked = np.vstack([CUBE, CUBE[4:] + np.eye(3)[2]])
     sizes, corners = surface_polygons([("hexahedron", [range(8), range(4, 12)])])
-    mesh = gt.TriangleMesh(stacked, fan_triangles(sizes, corners)[0])
+    mesh = gt.TriangleMesh(stacked, split_polygons(stacked, sizes, corners)[0])
     assert outward_area(mesh) == pytest.approx(10)
 
 
 def test_faces_with_fewer_than_three_corners_are_left_out():
-    faces, remarks = fan_triangles(np.array([2, 3]), np.array([7, 8, 0, 1, 2]))
+    faces, remarks = split_polygons(np.zeros((9, 3)), np.array([2, 3]), np.array([7, 8, 0, 1, 2]))
     np.testing.assert_array_equal(faces, [[0, 1, 2]])
     assert remarks == ["1 faces have fewer than three corners and were left out"]
 
@@ -301,15 +304,10 @@ def test_gifti_images():
     ("thing", "named"),
     [
         (7, "int"),
-        ({}, "dict"),
-        (None, "NoneType"),
-        ("bunny.off", r"'bunny.off' \(to read a file: geodesic_toolkit.read\)"),
         (gt.TriangleMesh, "the class TriangleMesh"),
-        (np.zeros((4, 2)), r"an array of shape \(4, 2\) and dtype float64"),
         (np.zeros((2, 2, 3)), r"an array of shape \(2, 2, 3\)"),
         (np.zeros((4, 3), complex), r"an array of shape \(4, 3\) and dtype complex128"),
-        ([[0, 0, 0], "abc"], "list"),
-        ((1, 2), "tuple"),
+        ([], "list"),
         (object(), "object"),
     ],
     ids=lambda value: None,
@@ -319,6 +317,132 @@ def test_what_is_no_shape_is_refused_by_name(thing, named):
         UnsupportedDomainError, match=f"^{named}.* is no shape; give a TriangleMesh"
     ):
         gt.as_domain(thing)
+
+
+@pytest.mark.parametrize(
+    ("thing", "cure"),
+    [
+        (None, "None is no shape; did a function return nothing"),
+        ("bunny.off", r"'bunny.off' is no shape \(to read a file: geodesic_toolkit.read\)"),
+        (Path("bunny.off"), r"'bunny.off' is no shape \(to read a file: geodesic_toolkit.read\)"),
+        ({"vertices": VERTICES, "faces": FACES}, r'as a pair, \(d\["vertices"\], d\["faces"\]\)'),
+        ({"v": VERTICES, "f": FACES}, r"its keys are 'v', 'f'"),
+        (VERTICES[:, :2], r"shape \(42, 2\) .* numpy.column_stack\(\[xy, 0 \* xy\[:, 0\]\]\)"),
+        (np.zeros((30, 10)), r"points in 10 dimensions .*kneighbors_graph\(table, 10, mode="),
+        (np.zeros((30, 10)).tolist(), "points in 10 dimensions"),
+        (np.zeros((30, 1)), "has 1 column of float64"),
+        (VERTICES > 0, "has 3 columns of bool"),
+        (np.zeros((5, 5)), r"lengths of edges.* scipy.sparse.csr_array\(table\)"),
+        ([SPHERE, SPHERE], "list of 2, the first .*TriangleMesh, is no shape; give one shape"),
+        ([[0, 0, 0], "abc"], "list of 2, the first list, is no shape"),
+        ((1, 2), "tuple of 2, the first int, is no shape"),
+    ],
+    ids=lambda value: None,
+)
+def test_what_people_hold_instead_of_a_shape_is_refused_with_the_cure(thing, cure):
+    with pytest.raises(UnsupportedDomainError, match=cure):
+        gt.as_domain(thing)
+
+
+def test_the_cures_that_messages_give_are_taken():
+    flat = VERTICES[:, :2]
+    assert repr(gt.as_domain(np.column_stack([flat, 0 * flat[:, 0]]))) == "PointCloud(42 points)"
+    neighbors = pytest.importorskip("sklearn.neighbors")
+    table = np.random.default_rng(0).normal(size=(30, 10))
+    graph = gt.as_domain(neighbors.kneighbors_graph(table, 10, mode="distance"))
+    assert graph.n_vertices == 30
+    assert gt.as_domain(sp.csr_array(np.array([[0.0, 2], [2, 0]]))).lengths.tolist() == [2]
+    quads = np.array([[0, 1, 2, 3], [4, 5, 6, 7]])
+    halves = np.concatenate([quads[:, [0, 1, 2]], quads[:, [0, 2, 3]]])
+    assert gt.as_domain((CUBE, halves)).n_faces == 4
+
+
+@pytest.mark.parametrize("make", [gt.TriangleMesh, lambda *pair: gt.as_domain(pair)])
+def test_faces_of_four_corners_are_refused_with_the_cure(make):
+    with pytest.raises(InvalidDomainError, match=r"shape \(1, 4\) have four corners. Split quad"):
+        make(CUBE, [[0, 1, 2, 3]])
+
+
+def test_freesurfer_surfaces_may_have_metadata_and_a_stamp(tmp_path):
+    freesurfer = pytest.importorskip("nibabel.freesurfer")
+    freesurfer.write_geometry(str(tmp_path / "lh.pial"), VERTICES, FACES, volume_info=None)
+    assert_sphere(gt.as_domain((VERTICES, FACES, {"valid": "1"})))
+    assert_sphere(gt.as_domain((VERTICES, FACES, {}, "created by somebody")))
+    read = freesurfer.read_geometry(str(tmp_path / "lh.pial"), read_stamp=True)
+    assert_sphere(gt.as_domain(read), rtol=1e-6)
+    assert isinstance(gt.as_domain([[0, 0, 0], [1, 0, 0], [0, 1, 0]]), gt.PointCloud)
+
+
+# -- several shapes in one object -----------------------------------------------------------------
+
+
+def test_a_scene_of_one_mesh_is_the_mesh_where_the_scene_puts_it():
+    trimesh = pytest.importorskip("trimesh")
+    ball = trimesh.Trimesh(VERTICES, FACES, process=False)
+    scene = trimesh.Scene()
+    scene.add_geometry(ball, transform=trimesh.transformations.translation_matrix([1, 2, 3]))
+    mesh = gt.as_domain(scene)
+    np.testing.assert_allclose(mesh.vertices, VERTICES + np.array([1, 2, 3]))
+    np.testing.assert_array_equal(mesh.faces, FACES)
+    np.testing.assert_array_equal(ball.vertices, VERTICES)  # is left as it was
+
+
+def test_a_scene_of_several_meshes_is_refused_with_the_cure():
+    trimesh = pytest.importorskip("trimesh")
+    ball = trimesh.Trimesh(VERTICES, FACES, process=False)
+    scene = trimesh.Scene({"ball": ball, "other": ball.copy()})
+    says = r"Scene holds 2 shapes; give one, scene.geometry\[name\] .*'ball', 'other'.*concatenate"
+    with pytest.raises(UnsupportedDomainError, match=says):
+        gt.as_domain(scene)
+    assert gt.as_domain(trimesh.util.concatenate(scene.dump())).n_vertices == 84
+    assert_sphere(gt.as_domain(scene.geometry["ball"]))
+    with pytest.raises(UnsupportedDomainError, match="Scene is no shape: there is nothing in it"):
+        gt.as_domain(trimesh.Scene())
+
+
+def test_blocks_of_one_shape_are_the_shape_and_several_are_refused_with_the_cure():
+    pv = pytest.importorskip("pyvista")
+    surface = pv.PolyData.from_regular_faces(VERTICES, FACES)
+    assert_sphere(gt.as_domain(pv.MultiBlock([surface])))
+    assert_sphere(gt.as_domain(pv.MultiBlock([None, surface])))
+    blocks = pv.MultiBlock({"left": surface, "right": surface.translate([5, 0, 0])})
+    says = r"MultiBlock holds 2 shapes; give one, blocks\[name\] .*'left', 'right'.*blocks.combine"
+    with pytest.raises(UnsupportedDomainError, match=says):
+        gt.as_domain(blocks)
+    assert gt.as_domain(blocks.combine()).n_vertices == 84
+    assert_sphere(gt.as_domain(blocks["left"]))
+    with pytest.raises(UnsupportedDomainError, match="MultiBlock is no shape: there is nothing"):
+        gt.as_domain(pv.MultiBlock())
+
+
+def test_structured_grids_are_refused_with_the_cure():
+    pv = pytest.importorskip("pyvista")
+    axis = np.arange(4.0)
+    for grid in (
+        pv.ImageData(dimensions=(4, 4, 1)),
+        pv.RectilinearGrid(axis, axis, axis[:1]),
+        pv.StructuredGrid(*np.meshgrid(axis, axis, axis[:1])),
+    ):
+        with pytest.raises(UnsupportedDomainError, match=r"give its surface, grid.extract_surface"):
+            gt.as_domain(grid)
+
+
+def test_a_pair_of_hemispheres_is_taken_where_it_is_one_and_else_the_message_says_which():
+    left = SimpleNamespace(coordinates=VERTICES, faces=FACES)
+    one, both = (SimpleNamespace(parts=dict.fromkeys(names, left)) for names in ("l", "lr"))
+    assert_sphere(gt.as_domain(one))
+    assert_sphere(gt.as_domain(SimpleNamespace(mesh=one, data=None)))  # as SurfaceImage does
+    says = r"holds 2 shapes; give one, mesh.parts\[name\] \(there are 'l', 'r'\)"
+    with pytest.raises(UnsupportedDomainError, match=says):
+        gt.as_domain(both)
+
+
+def test_the_hemispheres_of_nilearn():
+    surface = pytest.importorskip("nilearn.surface")
+    left = surface.InMemoryMesh(VERTICES, FACES)
+    assert_sphere(gt.as_domain(surface.PolyMesh(left=left)))
+    with pytest.raises(UnsupportedDomainError, match="there are 'left', 'right'"):
+        gt.as_domain(surface.PolyMesh(left=left, right=left))
 
 
 @pytest.mark.parametrize(

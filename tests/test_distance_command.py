@@ -3,6 +3,7 @@
 import csv
 import json
 import os
+import sys
 
 import numpy as np
 import pytest
@@ -193,7 +194,7 @@ def test_points_that_cannot_be_asked_for_are_refused(sphere_file, graph_file, tm
     fails(run("distance", sphere_file, "--source", 0, "--reach", 1), 2, "--reach is for the points")
     fails(run("distance", sphere_file, *asked, "--output", at), 2, "would overwrite the input")
     at.write_text("0,0\n")
-    fails(run("distance", sphere_file, *asked), 3, "at.csv", "no columns x, y and z")
+    fails(run("distance", sphere_file, *asked), 3, "at.csv", "at least three columns, not 2")
     fails(run("distance", sphere_file, "--source", 0, "--at", tmp_path / "none.npy"), 2, "none.npy")
 
 
@@ -238,7 +239,7 @@ def test_a_mask_that_cannot_be_used_is_refused_before_the_work(sphere_file, tmp_
     for text, status, word in [
         ("1 2 162", 2, "none is 162"),
         ("true false", 2, "2 booleans, where the shape has 162 vertices"),
-        ("wall", 3, "wall.txt: booleans or vertex indices must be numbers"),
+        ("wall", 3, "wall.txt: there are no numbers in the file, only 'wall'"),
         ("4 5", 2, "vertex 5 is masked"),
         (" ".join(map(str, range(162))), 2, "the mask leaves no face"),
     ]:
@@ -248,6 +249,80 @@ def test_a_mask_that_cannot_be_used_is_refused_before_the_work(sphere_file, tmp_
     table.write_text("4")
     told = ("--mask", table, "--output", table)
     fails(run("distance", sphere_file, "--source", 5, *told), 2, "would overwrite the input")
+
+
+# -- vertices from files --------------------------------------------------------------------------
+
+
+def annotation(folder):
+    freesurfer = pytest.importorskip("nibabel.freesurfer")
+    path, regions = folder / "lh.atlas.annot", np.zeros(162, dtype=int)
+    regions[:3], regions[100:] = 1, 2
+    colours = np.array([[1, 2, 3, 0], [4, 5, 6, 0], [7, 8, 9, 0]])
+    freesurfer.write_annot(str(path), regions, colours, ["rest", "V1", "wall"])
+    return path
+
+
+def test_sources_may_stand_in_a_file_or_be_a_region_of_one(sphere_file, tmp_path):
+    label = tmp_path / "lh.V1.label"
+    label.write_text("#!ascii label\n3\n0 0 0 0 0\n1 0 0 0 0\n2 0 0 0 0\n")
+    (tmp_path / "v.csv").write_text("vertex\n0\n1\n2\n")
+    typed = [word for vertex in range(3) for word in ("--source", vertex)]
+    expected = json.loads(run("distance", sphere_file, *typed, "--json").stdout)
+    for source in (label, tmp_path / "v.csv", f"{annotation(tmp_path)}:V1"):
+        report = json.loads(run("distance", sphere_file, "--source", source, "--json").stdout)
+        assert report["sources"] == [0, 1, 2]
+        assert report["mean"] == expected["mean"]
+
+
+def test_a_region_may_be_the_mask(sphere_file, tmp_path):
+    wall = f"{annotation(tmp_path)}:wall"
+    report = json.loads(
+        run("distance", sphere_file, "--source", 0, "--mask", wall, "--json").stdout
+    )
+    assert report["mask"] == wall
+    assert report["unreachable"] >= 62
+
+
+def test_files_of_vertices_that_cannot_be_used_are_refused(sphere_file, tmp_path):
+    regions = annotation(tmp_path)
+    table = tmp_path / "v.csv"
+    table.write_text("5,0\n7,0\n")
+    for told, status, *words in [
+        (("--source", regions), 2, "lh.atlas.annot holds 3 regions"),
+        (("--source", f"{regions}:V9"), 2, "no region 'V9'"),
+        (("--source", tmp_path / "none.label"), 2, "nor a file of vertices"),
+        (("--source", table), 3, "v.csv: '5,0' may be one number or two"),
+        (("--source", 5, "--mask", tmp_path / "none.annot:V1"), 2, "does not exist"),
+        (("--source", 5, "--mask", regions), 2, "say which by region: rest, V1, wall"),
+    ]:
+        fails(run("distance", sphere_file, *told), status, *words)
+    table.write_text("5\n7\n")
+    told = ("--source", table, "--output", table)
+    fails(run("distance", sphere_file, *told), 2, "would overwrite the input")
+
+
+def test_outputs_for_other_programs_are_written(sphere_file, tmp_path):
+    pytest.importorskip("vtk")
+    pytest.importorskip("nibabel")
+    outputs = [tmp_path / f"d.{suffix}" for suffix in ("vtp", "vtk", "vtu", "shape.gii", "txt")]
+    options = [argument for output in outputs for argument in ("--output", output)]
+    assert run("distance", sphere_file, "--source", 5, *options).exit_code == 0
+    expected = gt.geodesic_distance(gt.read(sphere_file), 5)
+    np.testing.assert_array_equal(np.loadtxt(outputs[-1]), expected)
+    for output in outputs[:3]:
+        assert gt.read(output).n_vertices == 162
+    told = ("distance", sphere_file, "--source", 5, "--output", tmp_path / "d.obj")
+    fails(run(*told), 2, "cannot hold a field of distances", ".ply")
+
+
+def test_what_a_format_needs_is_missed_before_the_work(sphere_file, tmp_path, monkeypatch):
+    monkeypatch.setattr("geodesic_toolkit.solver.GeodesicSolver.__init__", None)  # never called
+    for name in [name for name in sys.modules if name.partition(".")[0] == "vtkmodules"]:
+        monkeypatch.delitem(sys.modules, name)
+    monkeypatch.setitem(sys.modules, "vtkmodules", None)
+    told = ("distance", sphere_file, "--source", 5, "--output", tmp_path / "d.vtp")
+    fails(run(*told), 2, "needs vtk: pip install")
 
 
 # -- pictures ------------------------------------------------------------------------------------

@@ -50,11 +50,20 @@ def test_the_example_of_the_readme_runs_and_draws(tmp_path):
 
 
 def test_getting_started_runs_from_top_to_bottom(tmp_path):
+    pytest.importorskip("nibabel")
     prelude = """
         import geodesic_toolkit as gt
         mesh = gt.testing.shapes.knot()
         vertices, faces, points = mesh.vertices, mesh.faces, mesh.vertices
         n_vertices, edges, lengths = 3, [[0, 1], [1, 2]], [0.5, 2.0]
+        import nibabel, numpy
+        with open("lh.V1_exvivo.label", "w") as file:
+            file.write("#!ascii label\\n2\\n5 0 0 0 0\\n6 0 0 0 0\\n")
+        regions = numpy.arange(mesh.n_vertices) > 500
+        colours = numpy.array([[1, 2, 3, 0], [4, 5, 6, 0]])
+        nibabel.freesurfer.write_annot(
+            "lh.aparc.annot", regions.astype(int), colours, ["cortex", "unknown"]
+        )
     """
     page = (DOCS / "getting_started.md").read_text(encoding="utf-8")
     code = "\n".join([textwrap.dedent(prelude), *blocks(page, "python")])

@@ -72,7 +72,7 @@ def test_arrays_are_read_only_also_after_copying(domain, through):
         (np.zeros((0, 3)), [[0, 1, 2]], "no vertices"),
         (TRIANGLE, np.zeros((0, 3)), "no faces"),
         (TRIANGLE, [], "no faces"),
-        (TRIANGLE, [[0, 1, 2, 0]], r"faces must have shape \(n, 3\), not \(1, 4\)"),
+        (TRIANGLE, [[0, 1]], r"faces must have shape \(n, 3\), not \(1, 2\)"),
         (TRIANGLE, [0, 1, 2], r"not \(3,\)"),
         (TRIANGLE, [[0, 1, 2], [0, 1, 3]], "face 1 refers to vertex 3; there are 3"),
         (TRIANGLE, [[0, 1, 10**9]], "face 0 refers to vertex 1000000000"),

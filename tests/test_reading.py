@@ -1,5 +1,6 @@
 """Files to domains: counts of real files, every format, and files that are not what they say."""
 
+import gzip
 import random
 import re
 import struct
@@ -160,8 +161,12 @@ def test_the_suffix_may_be_in_capitals_and_the_path_a_string(tmp_path):
     check_octahedron(gt.read(str(place(tmp_path, "OCTAHEDRON.OFF", off()))))
 
 
+FREESURFER = {"white", "inflated", "sphere", "orig", "smoothwm"}
+"""Other names of what is read from .pial."""
+
+
 def test_every_registered_reader_of_the_core_has_a_sample():
-    own = {name for name in gt.readers if ":" not in name}
+    own = {name for name in gt.readers if ":" not in name} - FREESURFER
     assert own <= {*SAMPLES, *(name.split()[0] for name in WRITTEN), "edgelist"}
 
 
@@ -648,6 +653,141 @@ def test_an_edge_list_is_a_graph(suffix, text, lengths, tmp_path):
     np.testing.assert_array_equal(graph.lengths, lengths)
 
 
+# -- compressed files -----------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(("suffix", "make"), OWN, ids=[make.__name__ for _, make in OWN])
+def test_every_format_may_be_compressed(suffix, make, tmp_path):
+    path = place(tmp_path, f"octahedron.{suffix}.gz", gzip.compress(make()))
+    plain = gt.read(place(tmp_path, f"octahedron.{suffix}", make()))
+    assert repr(gt.read(path)) == repr(plain)
+
+
+@pytest.mark.parametrize("name", WRITTEN)
+def test_every_format_of_another_package_may_be_compressed(name, tmp_path):
+    package, make = WRITTEN[name]
+    pytest.importorskip(package)
+    path = place(tmp_path, f"octahedron.{name.split()[0]}.GZ", gzip.compress(make(tmp_path)))
+    check_octahedron(gt.read(path), exact=False)
+
+
+@pytest.mark.parametrize(
+    ("name", "contents", "says"),
+    [
+        ("t.off.gz", b"no archive", "t.off.gz: damaged, or not a .gz file"),
+        ("t.off.gz", gzip.compress(off(), mtime=0)[:-9], "t.off.gz: damaged"),
+        ("t.off.gz", gzip.compress(b"x", mtime=0), "t.off.gz: not an OFF file"),
+        ("t.off.gz", b"", "t.off.gz is empty"),
+        ("t.fbx.gz", gzip.compress(b"x", mtime=0), r"t.fbx.gz: there is no reader for \.fbx; can"),
+        ("t.gz", gzip.compress(b"x", mtime=0), "t.gz: it has no suffix"),
+    ],
+    ids=["text", "cut", "of another format", "empty", "of an unknown suffix", "without a suffix"],
+)
+def test_a_compressed_file_that_cannot_be_read_is_named(name, contents, says, tmp_path):
+    with pytest.raises(ReadError, match=says):
+        gt.read(place(tmp_path, name, contents))
+
+
+def test_tables_may_be_compressed(tmp_path):
+    for name, text in (("v.txt.gz", b"3 5"), ("v.csv.gz", b"vertex\n3\n5\n")):
+        path = place(tmp_path, name, gzip.compress(text))
+        assert read_vertices(path).tolist() == [3, 5]
+        assert np.flatnonzero(read_mask(path, 6)).tolist() == [3, 5]
+    np.save(tmp_path / "v.npy", [[1.0, 2.0, 3.0]])
+    path = place(tmp_path, "p.npy.gz", gzip.compress((tmp_path / "v.npy").read_bytes()))
+    assert read_points(path).points.tolist() == [[1.0, 2.0, 3.0]]
+    path = place(tmp_path, "p.csv.gz", gzip.compress(b"x,y,z\n1,2,3\n"))
+    assert read_points(path).points.tolist() == [[1.0, 2.0, 3.0]]
+
+
+# -- VTK's XML ------------------------------------------------------------------------------------
+
+
+def test_a_vtp_may_have_polygons_strips_points_and_normals(tmp_path):
+    pyvista = pytest.importorskip("pyvista")
+    path = tmp_path / "s.vtp"
+    pyvista.PolyData(POINTS[:4], strips=[4, 0, 1, 2, 3]).save(path)
+    np.testing.assert_array_equal(gt.read(path).faces, [[0, 1, 2], [2, 1, 3]])
+    pyvista.PolyData([[0, 0, 0], [1.0, 0, 0], [1, 1, 0], [0, 1, 0]], [4, 0, 1, 2, 3]).save(path)
+    with pytest.warns(ReadWarning, match=r"s\.vtp: 1 polygon was split into 2 triangles"):
+        assert gt.read(path).n_faces == 2
+    cloud = pyvista.PolyData(POINTS)
+    cloud.point_data["Normals"] = np.sign(POINTS)
+    cloud.point_data.active_normals_name = "Normals"
+    cloud.save(path)
+    np.testing.assert_array_equal(gt.read(path).normals, np.sign(POINTS))
+    pyvista.Line().save(path)
+    with pytest.raises(ReadError, match=r"s\.vtp: no faces, only lines"):
+        gt.read(path)
+    pyvista.PolyData().save(path)
+    with pytest.raises(ReadError, match=r"s\.vtp: there are no points"):
+        gt.read(path)
+
+
+def test_the_pieces_of_a_vtp_are_one_surface(tmp_path):
+    piece = (
+        "<Piece NumberOfPoints='3' NumberOfPolys='1'><Points><DataArray type='Float32'>"
+        "0 0 0 1 0 0 0 1 0</DataArray></Points><Polys>"
+        "<DataArray type='Int32' Name='connectivity' format='ascii'>0 1 2</DataArray>"
+        "<DataArray type='Int32' Name='offsets' format='ascii'>3</DataArray></Polys></Piece>"
+    )
+    text = f"<VTKFile type='PolyData'><PolyData>{piece * 2}</PolyData></VTKFile>"
+    assert gt.read(place(tmp_path, "p.vtp", text)).faces.tolist() == [[0, 1, 2], [3, 4, 5]]
+    for old, new, says in [
+        ("0 1 2<", "0 1 3<", "a cell refers to vertex 3; there are 3"),
+        (">3<", ">4<", "offsets of cells do not go together"),
+        ("'Int32'", "'Bit'", "no connectivity, or of a type that is not known"),
+        ("'ascii'", "'morse'", "connectivity of the format 'morse' are not known"),
+        ("format='ascii'", "format='appended'", "the connectivity lie outside the file"),
+        ("<VTKFile", "<!DOCTYPE a [<!ENTITY b 'c'>]><VTKFile", "it declares entities"),
+        ("'PolyData'", "'ImageData'", "its root is VTKFile of ImageData"),
+        ("'PolyData'", "'PolyData' header_type='Int8'", "the type of headers is not known"),
+        ("'PolyData'", "'PolyData' compressor='vtkLZ4DataCompressor'", "save it with zlib"),
+    ]:
+        with pytest.raises(ReadError, match=says):
+            gt.read(place(tmp_path, "p.vtp", text.replace(old, new)))
+
+
+# -- FreeSurfer -----------------------------------------------------------------------------------
+
+SURFACES = ["lh.pial", "rh.white", "lh.inflated", "lh.pial.T1", "lh.sphere.reg", "lh.orig", "rh"]
+
+
+@pytest.mark.parametrize("name", [*SURFACES, "lh.white.preaparc", "lh.orig.nofix", "x.unheard"])
+def test_a_surface_of_freesurfer_is_known_by_its_first_bytes(name, tmp_path):
+    freesurfer = pytest.importorskip("nibabel.freesurfer")
+    freesurfer.write_geometry(str(tmp_path / name), POINTS, FACES)
+    check_octahedron(gt.read(tmp_path / name), exact=False)
+
+
+@pytest.mark.parametrize("magic", [b"\xff\xff\xff", b"\xff\xff\xfd"])
+def test_an_old_surface_of_quadrangles_is_read(magic, tmp_path):
+    pytest.importorskip("nibabel")
+    corners = np.array([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]], dtype=float)
+    places = (100 * corners).astype(">i2") if magic[2] == 0xFF else corners.astype(">f4")
+    indices = b"".join(number.to_bytes(3, "big") for number in (0, 1, 2, 3))
+    data = magic + (4).to_bytes(3, "big") + (1).to_bytes(3, "big") + places.tobytes() + indices
+    mesh = gt.read(place(tmp_path, "lh.old", data))
+    np.testing.assert_array_equal(mesh.vertices, corners)
+    assert mesh.n_faces == 2
+    with pytest.raises(ReadError, match="4 vertices and 1 faces are announced, more than"):
+        gt.read(place(tmp_path, "lh.old", data[:-1]))
+
+
+def test_what_is_no_surface_of_freesurfer_is_refused_by_name(tmp_path):
+    freesurfer = pytest.importorskip("nibabel.freesurfer")
+    freesurfer.write_morph_data(str(tmp_path / "lh.thickness"), np.ones(6))
+    with pytest.raises(ReadError, match=r"lh\.thickness: it holds a number for each vertex"):
+        gt.read(tmp_path / "lh.thickness")
+    with pytest.raises(ReadError, match=r"lh\.pial: not a FreeSurfer surface: it begins with"):
+        gt.read(place(tmp_path, "lh.pial", off()))
+    with pytest.raises(ReadError, match=r"lh\.white: not a FreeSurfer surface: its header has no"):
+        gt.read(place(tmp_path, "lh.white", b"\xff\xff\xfe and so on"))
+    header = b"\xff\xff\xfecreated\n\n" + struct.pack(">ii", 2**30, 2**30)
+    with pytest.raises(ReadError, match="are announced, more than the file holds"):
+        gt.read(place(tmp_path, "lh.white", header + bytes(100)))
+
+
 # -- what cannot be read --------------------------------------------------------------------------
 
 
@@ -717,7 +857,9 @@ def test_garbage_is_refused_in_one_line_that_names_the_file(suffix, contents, tm
     assert len(message) < len(str(path)) + 400
 
 
-@pytest.mark.parametrize("suffix", sorted(set(SAMPLES) - {"obj", "xyz", "edges", "pts"}))
+@pytest.mark.parametrize(
+    "suffix", sorted(set(SAMPLES) - {"obj", "xyz", "txt", "asc", "edges", "pts"})
+)
 @pytest.mark.parametrize("other", ["off", "obj", "ply", "stl"])
 def test_a_file_of_another_format_is_refused(suffix, other, tmp_path):
     if suffix == other:
@@ -749,7 +891,7 @@ BAD = {
     "corner.obj": (SQUARE + "f 1 a 3\n", "corners of faces must be integers .found 'a'"),
     "columns.xyz": ("0 0 0\n1 1\n", "not a table of numbers"),
     "flat.xyz": ("0 0\n1 1\n", "at least three columns, not 2"),
-    "first.pts": ("many\n0 0 0\n", "first line is no number of points: 'many'"),
+    "first.pts": ("many\n0 0 0\n", "first line, 'many', names 1 columns, and there are 3"),
     "short.pts": ("3\n0 0 0\n1 1 1\n", "announces 3 points, 2 follow"),
     "columns.edges": ("0 1 2 3\n", "columns i j .length., not 4"),
     "half.edges": ("0 1.5\n", "vertex numbers must be whole numbers .found 1.5"),

@@ -1,11 +1,14 @@
 """Sources of every kind: many at once, curves, head starts, and what paths may not cross."""
 
+from contextlib import nullcontext
+
 import numpy as np
 import pytest
 from closed_forms import mean_relative_error
 
 import geodesic_toolkit as gt
 from geodesic_toolkit.errors import (
+    FarSourceWarning,
     InvalidOptionError,
     InvalidSourceError,
     ReadError,
@@ -411,6 +414,58 @@ def test_an_archive_is_no_mask(tmp_path):
     (tmp_path / "a.npz").rename(tmp_path / "a.npy")
     with pytest.raises(ReadError, match="an archive"):
         read_mask(tmp_path / "a.npy", 4)
+
+
+# -- floats that may be indices -------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("ask", [list, np.array, lambda floats: np.array(floats, dtype=np.float32)])
+def test_three_whole_floats_are_refused_with_both_ways_to_say_what_they_are(ask):
+    square = shapes.grid(11)
+    says = (
+        r"sources: \[5.0, 7.0, 9.0\] may be three vertices or one point; give vertices as "
+        r"integers, \[5, 7, 9\] \(of an array: sources.astype\(int\)\), and the point as an "
+        r"array of shape \(1, 3\), \[\[5.0, 7.0, 9.0\]\]"
+    )
+    with pytest.raises(InvalidSourceError, match=says):
+        gt.geodesic_distance(square, ask([5.0, 7.0, 9.0]))
+    with pytest.raises(InvalidSourceError, match="may be three vertices or one point"):
+        gt.geodesic_distance(square, gt.OffsetSources(ask([5.0, 7.0, 9.0]), [0.0, 0.0, 0.0]))
+    with pytest.raises(InvalidSourceError, match="may be three vertices or one point"):
+        gt.geodesic_distance(gt.PointCloud(square.vertices), ask([5.0, 7.0, 9.0]))
+
+
+def large_square():
+    square = shapes.grid(11)
+    return gt.TriangleMesh(20 * square.vertices, square.faces)
+
+
+def test_the_cures_for_three_whole_floats_are_taken():
+    square = large_square()
+    expected = gt.geodesic_distance(square, [5, 7, 9])
+    np.testing.assert_array_equal(
+        gt.geodesic_distance(square, np.array([5.0, 7.0, 9.0]).astype(int)), expected
+    )
+    np.testing.assert_array_equal(
+        gt.geodesic_distance(square, [[5.0, 7.0, 9.0]]),
+        gt.geodesic_distance(square, [5.0, 7.0, 9.5]),
+    )
+
+
+@pytest.mark.parametrize(
+    "point", [[0.0, 0.0, 1.0], [0.0, 0.0, 0.0], [1.0, 2.0, -1.0], [1.0, 2.0, 121.0], [0, 1.5, 2]]
+)
+def test_floats_that_cannot_be_three_vertices_are_a_point(point):
+    square = large_square()
+    far = pytest.warns(FarSourceWarning) if max(point) > 100 else nullcontext()
+    with far:
+        distance = gt.geodesic_distance(square, point)
+        np.testing.assert_array_equal(distance, gt.geodesic_distance(square, [point]))
+
+
+def test_floats_on_a_graph_are_told_that_it_has_no_positions():
+    with pytest.raises(InvalidSourceError, match="a Graph has no positions; give vertex indices"):
+        gt.geodesic_distance(gt.Graph(11, [[k, k + 1] for k in range(10)]), [5.0, 7.0, 9.0])
 
 
 def _written(path, content):

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import geodesic_toolkit as gt
-from geodesic_toolkit.errors import InvalidOptionError, WriteError
+from geodesic_toolkit.errors import InvalidOptionError, MissingDependencyError, WriteError
 from geodesic_toolkit.io import check_output, replacing, write_distances
 from geodesic_toolkit.testing import shapes
 
@@ -115,6 +115,94 @@ def test_a_csv_holds_every_digit(sphere, field, tmp_path):
     np.testing.assert_array_equal(table[:, 4], field)
 
 
+def test_a_text_file_holds_every_digit(sphere, field, tmp_path):
+    write_distances(tmp_path / "d.txt", sphere, field)
+    np.testing.assert_array_equal(np.loadtxt(tmp_path / "d.txt"), field)
+
+
+@pytest.mark.parametrize(
+    ("name", "intent"),
+    [("d.gii", "SHAPE"), ("lh.d.shape.gii", "SHAPE"), ("lh.d.func.gii", "NONE")],
+)
+def test_a_gifti_holds_the_distances_alone(name, intent, sphere, field, tmp_path):
+    nibabel = pytest.importorskip("nibabel")
+    write_distances(tmp_path / name, sphere, field)
+    [array] = nibabel.load(tmp_path / name).darrays
+    assert nibabel.nifti1.intent_codes.niistring[array.intent] == f"NIFTI_INTENT_{intent}"
+    np.testing.assert_array_equal(array.data, field.astype(np.float32))
+
+
+@pytest.mark.parametrize("suffix", ["vtp", "vtk", "vtu"])
+def test_paraview_gets_the_mesh_and_its_distances(suffix, sphere, field, tmp_path):
+    pyvista = pytest.importorskip("pyvista")
+    path = tmp_path / f"d.{suffix}"
+    write_distances(path, sphere, field)
+    shape = pyvista.read(path)
+    np.testing.assert_array_equal(shape.points, sphere.vertices)
+    np.testing.assert_array_equal(shape.point_data["distance"], field)
+    np.testing.assert_array_equal(gt.as_domain(shape).faces, sphere.faces)
+    again = gt.read(path)
+    np.testing.assert_array_equal(again.vertices, sphere.vertices)
+    np.testing.assert_array_equal(again.faces, sphere.faces)
+
+
+def test_meshio_reads_the_grid_that_was_written(sphere, field, tmp_path):
+    meshio = pytest.importorskip("meshio")
+    pytest.importorskip("vtk")
+    write_distances(tmp_path / "d.vtu", sphere, field)
+    mesh = meshio.read(tmp_path / "d.vtu")
+    np.testing.assert_array_equal(mesh.point_data["distance"], field)
+    np.testing.assert_array_equal(mesh.cells_dict["triangle"], sphere.faces)
+
+
+@pytest.mark.parametrize("suffix", ["vtp", "vtk", "vtu"])
+def test_paraview_gets_a_cloud_with_its_normals_and_missing_points(suffix, tmp_path):
+    pyvista = pytest.importorskip("pyvista")
+    points = [[5403849.123456789, 1, 2], [np.nan] * 3, [0, 0, 1]]
+    cloud = gt.PointCloud(points, [[0, 0, 1], [0, 0, 1], [0.6, 0.8, 0]])
+    path = tmp_path / f"d.{suffix}"
+    write_distances(path, cloud, [0.0, np.inf, 2.5])
+    shape = pyvista.read(path)
+    np.testing.assert_array_equal(shape.points, cloud.points)
+    np.testing.assert_array_equal(shape.point_data["distance"], [0.0, np.inf, 2.5])
+    np.testing.assert_allclose(shape.point_data["Normals"], cloud.normals)
+    assert shape.n_cells == 3
+    np.testing.assert_array_equal(gt.read(path).points, cloud.points)
+
+
+@pytest.mark.parametrize("suffix", ["ply", "vtp", "vtk", "vtu"])
+def test_a_graph_has_no_place_in_a_file_of_a_shape(suffix, tmp_path):
+    pytest.importorskip("vtk")
+    with pytest.raises(InvalidOptionError, match=rf"no positions to write to a \.{suffix} file"):
+        write_distances(tmp_path / f"d.{suffix}", gt.Graph(2, [[0, 1]]), [0, 1])
+
+
+@pytest.mark.parametrize(
+    ("suffix", "module", "package"),
+    [("vtp", "vtkmodules", "vtk"), ("vtu", "vtkmodules", "vtk"), ("gii", "nibabel", "nibabel")],
+)
+def test_a_package_that_a_format_needs_is_named_and_the_old_file_stays(
+    suffix, module, package, sphere, tmp_path, monkeypatch
+):
+    path = tmp_path / f"d.{suffix}"
+    path.write_text("old")
+    for name in [name for name in sys.modules if name.partition(".")[0] == module]:
+        monkeypatch.delitem(sys.modules, name)
+    monkeypatch.setitem(sys.modules, module, None)
+    says = rf'writing \.{suffix} files needs {package}: pip install "geodesic-toolkit\[io\]"'
+    with pytest.raises(MissingDependencyError, match=says):
+        write_distances(path, sphere, np.zeros(42))
+    assert path.read_text() == "old"
+
+
+def test_what_vtk_cannot_write_is_an_error_with_its_words(sphere, tmp_path, capfd):
+    vtk_library = pytest.importorskip("geodesic_toolkit.io.vtk_library")
+    pytest.importorskip("vtk")
+    with pytest.raises(WriteError, match=r"d\.vtp cannot be written: .*rror"):
+        vtk_library.write_vtk(tmp_path / "nowhere" / "d.vtp", sphere, np.zeros(42))
+    assert capfd.readouterr().err == ""
+
+
 def test_a_csv_of_a_graph_has_no_positions(tmp_path):
     write_distances(tmp_path / "d.csv", gt.Graph(2, [[0, 1]]), [0, 0.1])
     assert (tmp_path / "d.csv").read_text() == "vertex,distance\n0,0.0\n1,0.1\n"
@@ -123,21 +211,28 @@ def test_a_csv_of_a_graph_has_no_positions(tmp_path):
 # -- what cannot be written -----------------------------------------------------------------------
 
 
-def test_a_graph_has_no_positions_for_a_ply(tmp_path):
-    with pytest.raises(InvalidOptionError, match="a Graph has no positions"):
-        write_distances(tmp_path / "d.ply", gt.Graph(2, [[0, 1]]), [0, 1])
-    assert not (tmp_path / "d.ply").exists()
-
-
 @pytest.mark.parametrize("distances", [[0.0, 1.0], [["a"] * 42], np.zeros((42, 1)), ["x"] * 42])
 def test_distances_must_be_one_a_vertex(distances, sphere, tmp_path):
     with pytest.raises(InvalidOptionError, match=r"real numbers of shape \(42,\)"):
         write_distances(tmp_path / "d.npy", sphere, distances)
 
 
-@pytest.mark.parametrize(("name", "says"), [("d.txt", r"cannot write \.txt"), ("d", "no suffix")])
+@pytest.mark.parametrize(("name", "says"), [("d.dat", r"cannot write \.dat"), ("d", "no suffix")])
 def test_an_unknown_suffix_is_named_with_those_that_can_be_written(name, says, sphere, tmp_path):
-    with pytest.raises(InvalidOptionError, match=rf"{says}; can be written: \.ply, \.npy, \.csv"):
+    with pytest.raises(InvalidOptionError, match=rf"{says}; can be written: \.ply, \.vtp"):
+        write_distances(tmp_path / name, sphere, np.zeros(42))
+
+
+@pytest.mark.parametrize("suffix", ["obj", "OFF", "stl"])
+def test_a_format_that_holds_no_field_is_refused_with_those_that_do(suffix, sphere, tmp_path):
+    says = rf"d\.{suffix}: .* cannot hold a field of distances; can be written: \.ply, \.vtp"
+    with pytest.raises(InvalidOptionError, match=says):
+        write_distances(tmp_path / f"d.{suffix}", sphere, np.zeros(42))
+
+
+@pytest.mark.parametrize("name", ["d.surf.gii", "d.label.gii"])
+def test_a_gifti_whose_name_promises_something_else_is_refused(name, sphere, tmp_path):
+    with pytest.raises(InvalidOptionError, match=r"call it \.shape\.gii or \.func\.gii"):
         write_distances(tmp_path / name, sphere, np.zeros(42))
 
 

@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Sequence
+from dataclasses import dataclass
 from enum import StrEnum
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -11,6 +12,7 @@ import typer
 from geodesic_toolkit.errors import InvalidOptionError, InvalidSourceError
 
 if TYPE_CHECKING:
+    from geodesic_toolkit._typing import BoolArray
     from geodesic_toolkit.domains import Domain
 
 __all__ = [
@@ -18,6 +20,7 @@ __all__ = [
     "Folder",
     "Input",
     "Json",
+    "MarkedVertices",
     "Mask",
     "Operator",
     "Refine",
@@ -27,6 +30,7 @@ __all__ = [
     "check_positions",
     "check_reach",
     "check_time",
+    "find_marked",
     "parse_sources",
 ]
 
@@ -42,15 +46,47 @@ Input = Annotated[
     ),
 ]
 
+
+@dataclass(frozen=True)
+class MarkedVertices:
+    """A file that marks vertices, and the region of it that is meant."""
+
+    path: Path
+    region: str | None = None
+
+    def mask(self, n_vertices: int) -> "BoolArray":
+        """Return them as a mask of N vertices."""
+        from geodesic_toolkit.io import read_mask
+
+        return read_mask(self.path, n_vertices, region=self.region)
+
+    def __str__(self) -> str:
+        return str(self.path) if self.region is None else f"{self.path}:{self.region}"
+
+
+def find_marked(text: str) -> MarkedVertices | None:
+    """Return the file that ``FILE`` or ``FILE:REGION`` names; None where there is none."""
+    if Path(text).is_file():
+        return MarkedVertices(Path(text))
+    file, colon, region = text.rpartition(":")
+    return MarkedVertices(Path(file), region) if colon and Path(file).is_file() else None
+
+
+def _marked(text: str) -> MarkedVertices:
+    found = find_marked(text)
+    if found is None:
+        raise typer.BadParameter(f"File {text!r} does not exist.")
+    return found
+
+
 Mask = Annotated[
-    Path | None,
+    MarkedVertices | None,
     typer.Option(
-        exists=True,
-        dir_okay=False,
-        readable=True,
+        parser=_marked,
         metavar="FILE",
-        help="Vertices that no path may cross, in an .npy, .txt or .csv file: 1 or 0 for each "
-        "vertex, or the indices of those that are masked. Their distance is inf.",
+        help="Vertices that no path may cross: an .npy, .txt or .csv file with 1 or 0 for each "
+        "vertex, or the indices of those that are masked; a FreeSurfer .label; an .annot or "
+        ".label.gii with its region, as in lh.aparc.annot:unknown. Their distance is inf.",
     ),
 ]
 
@@ -101,12 +137,16 @@ class BoundaryChoice(StrEnum):
 def parse_sources(texts: Sequence[str]) -> list[int] | list[list[float]]:
     """Return vertex indices, or points in space, from what was typed: all of one kind.
 
+    A file of vertices, ``FILE`` or ``FILE:REGION``, stands for those that it marks.
+
     Raises
     ------
     InvalidSourceError
-        Neither a whole number nor three numbers, or the two mixed.
+        Neither a whole number nor three numbers nor a file, or vertices and points mixed.
+    ReadError
+        The file cannot be read.
     """
-    parsed = [_parse_source(text) for text in texts]
+    parsed = [source for text in texts for source in _parse_source(text)]
     vertices = [source for source in parsed if isinstance(source, int)]
     points = [source for source in parsed if not isinstance(source, int)]
     if vertices and points:
@@ -117,20 +157,26 @@ def parse_sources(texts: Sequence[str]) -> list[int] | list[list[float]]:
     return vertices or points
 
 
-def _parse_source(text: str) -> int | list[float]:
+def _parse_source(text: str) -> list[int] | list[list[float]]:
     try:
         if "," not in text:
-            return int(text)
+            return [int(text)]
         point = [float(part) for part in text.split(",")]
     except ValueError:
         point = []
     if len(point) != 3:
+        if (marked := find_marked(text)) is not None:
+            from geodesic_toolkit.io import read_vertices
+
+            vertices: list[int] = read_vertices(marked.path, region=marked.region).tolist()
+            return vertices
         raise InvalidSourceError(
-            f'--source {text} is neither a vertex index such as 500 nor a point such as "0.1,0.2,0"'
+            f"--source {text} is neither a vertex index such as 500, nor a point such as "
+            '"0.1,0.2,0", nor a file of vertices such as lh.V1.label'
         )
     if not all(map(math.isfinite, point)):
         raise InvalidSourceError(f"--source {text} is not finite")
-    return point
+    return [point]
 
 
 def check_time(time: float | None, time_factor: float | None) -> None:

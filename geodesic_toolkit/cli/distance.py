@@ -11,6 +11,7 @@ from geodesic_toolkit.cli.arguments import (
     BoundaryChoice,
     Input,
     Json,
+    MarkedVertices,
     Mask,
     Operator,
     Refine,
@@ -20,6 +21,7 @@ from geodesic_toolkit.cli.arguments import (
     check_positions,
     check_reach,
     check_time,
+    find_marked,
     parse_sources,
 )
 from geodesic_toolkit.cli.output import aligned, one_line, show, show_json, versions
@@ -43,8 +45,9 @@ def distance(
         list[str],
         typer.Option(
             metavar="PLACE",
-            help='A vertex index, or a point "x,y,z" that is snapped to the shape. Give it several '
-            "times for the distance from the nearest of them; all of one kind.",
+            help='A vertex index; a point "x,y,z" that is snapped to the shape; or a file of '
+            "vertices (.npy, .txt, .csv, .label; .annot:REGION). Give it several times for the "
+            "distance from the nearest of them; all of one kind.",
             show_default=False,
         ),
     ],
@@ -97,7 +100,8 @@ def distance(
         list[Path] | None,
         typer.Option(
             metavar="FILE",
-            help="Write the distances to a .ply, .npy or .csv file; may be given several times.",
+            help="Write the distances to a .ply, .vtp, .vtk, .vtu, .gii, .npy, .csv or .txt file; "
+            "may be given several times.",
         ),
     ] = None,
     picture: Annotated[
@@ -117,7 +121,7 @@ def distance(
 
     Example: geodesic-toolkit distance bunny.off --source 500 --output d.ply --picture d.png
     """
-    from geodesic_toolkit.io import read, read_mask, read_points
+    from geodesic_toolkit.io import read, read_points
     from geodesic_toolkit.masking import check_unmasked, without
     from geodesic_toolkit.solver import GeodesicSolver
     from geodesic_toolkit.sources import locate_sources
@@ -128,7 +132,9 @@ def distance(
     check_weld(weld)
     check_plugins(solver, operator, diffusion)
     targets = Targets(tables=tuple(output or ()), picture=picture, html=html, cmap=cmap)
-    targets.check(path, *(file for file in (at, mask) if file is not None))
+    marked = [mask, *map(find_marked, source)]
+    used = [at, *(None if file is None else file.path for file in marked)]
+    targets.check(path, *(file for file in used if file is not None))
 
     with running() as run:
         if targets.drawn:
@@ -137,7 +143,7 @@ def distance(
         with run.step("reading"):
             shape = welded(read(path), weld)
             domain = shape.domain
-            masked = shape.mask(None if mask is None else read_mask(mask, shape.file.n_vertices))
+            masked = shape.mask(None if mask is None else mask.mask(shape.file.n_vertices))
             passable = domain if masked is None else without(domain, masked)
             places = locate_sources(domain, shape.sources(sources), passable=passable)
             if masked is not None:
@@ -187,7 +193,7 @@ class Result:
     solver: "GeodesicSolver"
     sources: list[int] | list[list[float]]
     at: Path | None
-    mask: Path | None
+    mask: MarkedVertices | None
     distances: "FloatArray"
     outputs: Sequence[Path]
     run: Run

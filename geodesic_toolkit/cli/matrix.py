@@ -119,7 +119,7 @@ def matrix(
     Example: geodesic-toolkit matrix bunny.off --float32 --output D.zarr
     """
     from geodesic_toolkit.analysis.matrix import check_matrix_output, distance_matrix
-    from geodesic_toolkit.io import read, read_mask, read_vertices
+    from geodesic_toolkit.io import read, read_vertices
     from geodesic_toolkit.solver import GeodesicSolver
 
     if sources is not None and landmarks is not None:
@@ -127,12 +127,12 @@ def matrix(
     check_plugins(solver, operator)
     check_weld(weld)
     check_matrix_output(output, sparse=max_distance is not None)
-    _check_apart(output, path, sources, mask)
+    _check_apart(output, path, sources, None if mask is None else mask.path)
     with running() as run:
         with run.step("reading"):
             shape = welded(read(path), weld)
             rows = None if sources is None else read_vertices(sources)
-            masked = shape.mask(None if mask is None else read_mask(mask, shape.file.n_vertices))
+            masked = shape.mask(None if mask is None else mask.mask(shape.file.n_vertices))
         with run.step("factorising"):
             geodesic = GeodesicSolver(
                 shape.domain,

@@ -54,10 +54,10 @@ class Targets:
         WriteError
             A folder that is not there or not writable.
         MissingDependencyError
-            A package for colour maps is not installed.
+            A package for colour maps, or for a format, is not installed.
         """
         from geodesic_toolkit.io import check_output
-        from geodesic_toolkit.io.writing import DISTANCE_SUFFIXES
+        from geodesic_toolkit.io.writing import check_distance_output
 
         seen = {path.resolve(): "the input" for path in inputs}
         for path in self.paths:
@@ -65,7 +65,7 @@ class Targets:
                 raise InvalidOptionError(f"{path} would overwrite {seen[path.resolve()]}")
             seen[path.resolve()] = "another output"
         for path in self.tables:
-            check_output(path, DISTANCE_SUFFIXES)
+            check_distance_output(path)
         if self.picture is not None:
             check_output(self.picture, (".png",))
         if self.html is not None:
@@ -78,12 +78,14 @@ class Targets:
     def check_domain(self, domain: "Domain") -> None:
         """Raise an `InvalidOptionError` where a file needs positions and `domain` has none."""
         from geodesic_toolkit.domains import Graph
+        from geodesic_toolkit.io.writing import WITH_SHAPE
 
         if isinstance(domain, Graph):
             for path in self.paths:
-                if path.suffix.lower() not in (".npy", ".csv"):
+                if path.suffix.lower() in (*WITH_SHAPE, ".png", ".html"):
                     raise InvalidOptionError(
-                        f"{path}: a graph has no positions to draw or to write; use .npy or .csv"
+                        f"{path}: a graph has no positions to draw or to write; use .npy, .csv or "
+                        ".txt"
                     )
 
     def load_graphics(self) -> None:

@@ -10,7 +10,7 @@ from geodesic_toolkit._frozen import FrozenArrays
 from geodesic_toolkit._typing import FloatArray, IntArray
 from geodesic_toolkit.errors import InvalidDomainError
 
-__all__ = ["Domain", "as_floats", "as_indices", "check_indices", "first_bad_row"]
+__all__ = ["Domain", "as_floats", "as_indices", "check_corners", "check_indices", "first_bad_row"]
 
 
 class Domain(FrozenArrays, abc.ABC):
@@ -88,6 +88,27 @@ def as_indices(values: ArrayLike, name: str, row: str, shape: tuple[int | None, 
                 f"{row} {bad} of {name} holds {_row_text(array[bad])}: too large"
             )
     return np.array(array, dtype=np.int64, order="C")
+
+
+def check_corners(faces: Any) -> None:
+    """Raise an error for faces of four corners, with what to do.
+
+    Raises
+    ------
+    InvalidDomainError
+        They have four columns.
+    """
+    try:
+        shape = np.shape(faces)
+    except (ValueError, TypeError):  # rows of different lengths, say, which `as_indices` names
+        return
+    if len(shape) == 2 and shape[1] == 4 and shape[0]:
+        raise InvalidDomainError(
+            f"faces of shape {shape} have four corners. Split quadrangles that are convex: "
+            "numpy.concatenate([faces[:, [0, 1, 2]], faces[:, [0, 2, 3]]]); others, or tetrahedra: "
+            'meshio.Mesh(vertices, [("quad", faces)]), or "tetra"; of PyVista\'s rows, which begin '
+            "with 3, give faces[:, 1:]"
+        )
 
 
 def check_indices(indices: IntArray, n_vertices: int, row: str) -> None:

@@ -12,6 +12,7 @@ from geodesic_toolkit.domains.base import (
     Domain,
     as_floats,
     as_indices,
+    check_corners,
     check_indices,
     first_bad_row,
 )
@@ -64,13 +65,14 @@ class TriangleMesh(Domain):
         points = as_floats(vertices, "vertices", (None, 3))
         if len(points) == 0:
             raise InvalidDomainError("the mesh has no vertices")
+        check_corners(faces)
         triangles = as_indices(faces, "faces", "face", (None, 3))
         if len(triangles) == 0:
             raise InvalidDomainError("the mesh has no faces; for points alone use PointCloud")
         check_indices(triangles, len(points), "face")
         finite = np.isfinite(points)
         if not finite.all():
-            _check_corners(points, triangles, np.asarray(finite.all(axis=1)))
+            _check_finite(points, triangles, np.asarray(finite.all(axis=1)))
         object.__setattr__(self, "vertices", freeze(points))
         object.__setattr__(self, "faces", freeze(triangles))
 
@@ -96,7 +98,7 @@ class TriangleMesh(Domain):
         return f"TriangleMesh({self.n_vertices} vertices, {self.n_faces} face{plural})"
 
 
-def _check_corners(points: FloatArray, faces: IntArray, finite: BoolArray) -> None:
+def _check_finite(points: FloatArray, faces: IntArray, finite: BoolArray) -> None:
     """Raise for the first face that refers to a vertex which is not finite."""
     face = first_bad_row(finite[faces])
     if face is None:

@@ -8,9 +8,12 @@ from typing import Any
 
 import numpy as np
 
-from geodesic_toolkit._typing import IntArray
+from geodesic_toolkit._typing import FloatArray, IntArray
 
-__all__ = ["fan_triangles", "strip_triangles", "surface_polygons", "unpadded_polygons"]
+__all__ = ["split_polygons", "strip_triangles", "surface_polygons", "unpadded_polygons"]
+
+NAMED = 5
+"""Polygons that a remark names."""
 
 PLANE_CELLS = {"triangle": 3, "quad": 4}
 """Corners of the plane cells; those of higher order ("triangle6") begin with theirs."""
@@ -31,11 +34,16 @@ SOLID_CELLS: dict[str, list[tuple[int, ...]]] = {
 """Faces of the solid cells, seen from outside."""
 
 
-def fan_triangles(sizes: IntArray, corners: IntArray) -> tuple[IntArray, list[str]]:
-    """Split polygons into the fans of their first corners.
+def split_polygons(
+    vertices: FloatArray, sizes: IntArray, corners: IntArray
+) -> tuple[IntArray, list[str]]:
+    """Split polygons into triangles inside them.
+
+    A convex polygon becomes the fan of its first corner.
 
     Parameters
     ----------
+    vertices : ndarray of shape (N, 3), float64
     sizes : ndarray of shape (P,), int64
         Corners of each polygon.
     corners : ndarray of shape (sizes.sum(),), int64
@@ -46,25 +54,55 @@ def fan_triangles(sizes: IntArray, corners: IntArray) -> tuple[IntArray, list[st
     faces : ndarray of shape (F, 3), int64
         The triangles of a polygon follow each other.
     remarks : list of str
-        What people should hear of: polygons that were split, scraps that were left out.
+        What people should hear of: polygons that were split, polygons that cross themselves, scraps
+        that were left out.
+
+    Raises
+    ------
+    MissingDependencyError
+        A polygon of more than four corners is not convex, and manifold3d is not installed.
     """
     corners = _repeats_alike(sizes, corners)
+    faces = _fans(sizes, corners)
+    polygons, scraps = int((sizes > 3).sum()), int((sizes < 3).sum())
+    remarks = []
+    if polygons:
+        from geodesic_toolkit.geometry.concave import correct_fans
+
+        crossing = correct_fans(vertices, sizes, corners, faces)
+        plural = "polygon was" if polygons == 1 else "polygons were"
+        remarks.append(
+            f"{polygons} {plural} split into {(sizes[sizes > 3] - 2).sum()} triangles; "
+            "face indices count the triangles"
+        )
+        if crossing:
+            remarks.append(_crossing_remark(crossing))
+    if scraps:
+        remarks.append(f"{scraps} faces have fewer than three corners and were left out")
+    return faces, remarks
+
+
+def _fans(sizes: IntArray, corners: IntArray) -> IntArray:
+    """Return the fans of the first corners of polygons."""
     counts = np.maximum(sizes - 2, 0)
     owner = np.repeat(np.arange(len(sizes)), counts)
     first = (np.cumsum(sizes) - sizes)[owner]
     step = np.arange(len(owner)) - (np.cumsum(counts) - counts)[owner]
     faces = np.column_stack([corners[first], corners[first + step + 1], corners[first + step + 2]])
-    polygons, scraps = int((sizes > 3).sum()), int((sizes < 3).sum())
-    remarks = []
-    if polygons:
-        plural = "polygon was" if polygons == 1 else "polygons were"
-        remarks.append(
-            f"{polygons} {plural} split into {counts[sizes > 3].sum()} triangles; "
-            "face indices count the triangles"
-        )
-    if scraps:
-        remarks.append(f"{scraps} faces have fewer than three corners and were left out")
-    return faces.astype(np.int64), remarks
+    return faces.astype(np.int64)
+
+
+def _crossing_remark(crossing: list[int]) -> str:
+    named = ", ".join(map(str, crossing[:NAMED]))
+    if len(crossing) == 1:
+        who = f"polygon {named} crosses itself: its"
+    else:
+        more = f" and {len(crossing) - NAMED} more" if len(crossing) > NAMED else ""
+        who = f"polygons {named}{more} cross themselves: their"
+    return (
+        f"{who} triangles overlap, and distances there are not those of the shape; correct the "
+        "corners (polygons are counted from 0)"
+    )
 
 
 def _repeats_alike(sizes: IntArray, corners: IntArray) -> IntArray:

@@ -53,7 +53,7 @@ def read_cells(path: Path, form: str) -> Domain:
     blocks = [(str(block.type), block.data) for block in mesh.cells]
     sizes, corners = surface_polygons(blocks)
     if len(sizes):
-        return TriangleMesh(points, triangulate(path, sizes, corners))
+        return TriangleMesh(points, triangulate(path, points, sizes, corners))
     kinds = sorted({kind for kind, _ in blocks})
     if kinds == ["vertex"]:
         return PointCloud(points)

@@ -1,8 +1,6 @@
-"""Numbers in columns: point clouds (xyz, pts) and edge lists."""
+"""Numbers in columns: point clouds (xyz, txt, asc, csv, pts) and edge lists."""
 
-import io
-import re
-import warnings
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -10,11 +8,15 @@ import numpy as np
 from geodesic_toolkit._typing import FloatArray
 from geodesic_toolkit.domains import Graph, PointCloud
 from geodesic_toolkit.errors import ReadError
-from geodesic_toolkit.io.common import cloud, text_of, warn, whole_numbers
+from geodesic_toolkit.io.common import cloud, warn, whole_numbers
+from geodesic_toolkit.io.tables import read_table
 
-__all__ = ["number_table", "read_edges", "read_pts", "read_xyz"]
+__all__ = ["read_edges", "read_pts", "read_xyz"]
 
-COMMENT = re.compile(r"(#|//|%)[^\n]*")
+POSITIONS = (("x", "y", "z"), ("points:0", "points:1", "points:2"))
+"""Names of the coordinates, in lower case: the usual ones, and ParaView's."""
+
+NORMALS = (("nx", "ny", "nz"), ("normals:0", "normals:1", "normals:2"))
 
 UNIT = 0.05
 """How far from 1 the length of a normal may be to be told from a colour."""
@@ -24,7 +26,7 @@ SPARSEST = 1000
 
 
 def read_xyz(path: Path) -> PointCloud:
-    """Read rows ``x y z [nx ny nz] [...]``; a first line with their number or names may precede."""
+    """Read rows ``x y z [nx ny nz] [...]``; their number or names of columns may precede them."""
     rows = _points(path)
     if rows.shape[1] < 6:
         return PointCloud(rows[:, :3])
@@ -43,7 +45,10 @@ def read_pts(path: Path) -> PointCloud:
 
 def read_edges(path: Path) -> Graph:
     """Read rows ``i j [length]``, vertices counted from 0."""
-    rows = number_table(_lines(path))
+    table = read_table(path)
+    if table.names:
+        raise ReadError(f"an edge list has no names of columns: {', '.join(table.names)[:80]}")
+    rows = table.numbers()
     if rows.shape[1] not in {2, 3}:
         raise ReadError(f"an edge list has columns i j [length], not {rows.shape[1]} of them")
     edges = whole_numbers(rows[:, :2], "vertex numbers")
@@ -57,54 +62,34 @@ def read_edges(path: Path) -> Graph:
 
 
 def _points(path: Path) -> FloatArray:
-    lines = _lines(path)
-    head = lines[0].split()
-    announced = None
-    if len(head) == 1 and len(lines) > 1:
-        announced = int(head[0]) if head[0].isdecimal() else None
-        if announced is None:
+    """Return positions and whatever follows them, of shape (N, 3 or more)."""
+    table = read_table(path)
+    if table.names:
+        return table.numbers(_columns(table.names))
+    head = table.fields(0)
+    if len(head) == 1 and len(table.lines) > 1:
+        if not head[0].isdecimal():
             raise ReadError(f"the first line is no number of points: {head[0][:40]!r}")
-        lines = lines[1:]
-    elif len(lines) > 1 and len(head) == len(lines[1].split()) and not _is_number(head[0]):
-        lines = lines[1:]  # the names of the columns
-    if announced is not None and len(lines) != announced:
-        raise ReadError(f"the first line announces {announced} points, {len(lines)} follow")
-    rows = number_table(lines)
+        table = replace(table, lines=table.lines[1:])
+        if len(table.lines) != int(head[0]):
+            raise ReadError(f"the first line announces {head[0]} points, {len(table.lines)} follow")
+    rows = table.numbers()
     if rows.shape[1] < 3:
         raise ReadError(f"points have at least three columns, not {rows.shape[1]}")
     return rows
 
 
-def _lines(path: Path) -> list[str]:
-    """Return the lines that hold anything, columns separated by blanks."""
-    text = COMMENT.sub("", text_of(path).decode("latin-1")).replace(",", " ").replace(";", " ")
-    lines = [line for line in text.splitlines() if line.strip()]
-    if not lines:
-        raise ReadError("there are no numbers in the file")
-    return lines
+def _columns(names: list[str]) -> list[int]:
+    """Return the columns of x, y and z, and of the normals where they are named.
 
-
-def number_table(lines: list[str]) -> FloatArray:
-    """Return numbers separated by blanks, a row a line.
-
-    Raises
-    ------
-    ReadError
-        They are no table of numbers.
+    Three columns of other names (easting, northing, height) are taken in their order.
     """
-    try:
-        with warnings.catch_warnings():
-            warnings.simplefilter("error")
-            table: FloatArray = np.loadtxt(io.StringIO("\n".join(lines)), ndmin=2, comments=None)
-    except (ValueError, UserWarning) as error:
-        reason = str(error).partition(";")[0]
-        raise ReadError(f"the file is not a table of numbers: {reason}") from error
-    return table
-
-
-def _is_number(word: str) -> bool:
-    try:
-        float(word)
-    except ValueError:
-        return False
-    return True
+    for position in POSITIONS:
+        if set(position) <= set(names):
+            normals = next((each for each in NORMALS if set(each) <= set(names)), ())
+            return [names.index(name) for name in (*position, *normals)]
+    if len(names) == 3:
+        return [0, 1, 2]
+    raise ReadError(
+        f"the columns are named {', '.join(names)[:80]}: which are x, y and z? Name them so"
+    )

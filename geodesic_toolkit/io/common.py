@@ -1,4 +1,4 @@
-"""What the readers share: numbers from text, fans of polygons, optional packages."""
+"""What the readers share: numbers from text, triangles of polygons, optional packages."""
 
 import importlib
 import warnings
@@ -18,7 +18,7 @@ from geodesic_toolkit.errors import (
     ReadError,
     ReadWarning,
 )
-from geodesic_toolkit.geometry.polygons import fan_triangles
+from geodesic_toolkit.geometry.polygons import split_polygons
 
 __all__ = [
     "array_of",
@@ -29,11 +29,13 @@ __all__ = [
     "optional_package",
     "surface",
     "text_of",
-    "tokens_of",
     "triangulate",
     "warn",
     "whole_numbers",
 ]
+
+PACKAGES = {"vtkmodules": "vtk"}
+"""Distributions whose modules are called otherwise."""
 
 BYTE_ORDER_MARK = b"\xef\xbb\xbf"
 
@@ -62,20 +64,6 @@ def lines_of(path: Path) -> list[bytes]:
     """
     lines = [line.partition(b"#")[0] for line in text_of(path).splitlines()]
     return [line for line in lines if line.strip()]
-
-
-def tokens_of(lines: Sequence[bytes]) -> list[bytes]:
-    """Return what stands in some lines between blanks and commas.
-
-    Raises
-    ------
-    ReadError
-        Nothing does.
-    """
-    tokens = b" ".join(lines).replace(b",", b" ").split()
-    if not tokens:
-        raise ReadError("there are no numbers in the file")
-    return tokens
 
 
 def array_of(path: Path) -> NDArray[Any]:
@@ -136,24 +124,24 @@ def whole_numbers(values: NDArray[Any], what: str) -> IntArray:
     return values.astype(np.int64)
 
 
-def triangulate(path: Path, sizes: IntArray, corners: IntArray) -> IntArray:
-    """Split polygons into the fans of their first corners; warns where there were any.
+def triangulate(path: Path, vertices: ArrayLike, sizes: IntArray, corners: IntArray) -> IntArray:
+    """Split polygons into triangles inside them; warns where there were any.
 
     Parameters
     ----------
     path : Path
-        Named in the warning.
-    sizes : ndarray of shape (P,), int64
-        Corners of each polygon.
-    corners : ndarray of shape (sizes.sum(),), int64
-        Their vertex indices, polygon by polygon.
+        The file, for the warning.
+    vertices : array-like of shape (N, 3)
+    sizes, corners : ndarray of int64
+        Corners of each polygon, and their vertex indices, polygon by polygon.
 
     Returns
     -------
     ndarray of shape (F, 3), int64
         The triangles of a polygon follow each other.
     """
-    faces, remarks = fan_triangles(sizes, corners)
+    points = np.asarray(vertices, dtype=np.float64)
+    faces, remarks = split_polygons(points, sizes, corners)
     for remark in remarks:
         warn(path, remark)
     return faces
@@ -163,7 +151,7 @@ def surface(path: Path, vertices: ArrayLike, sizes: IntArray, corners: IntArray)
     """Return the mesh of some polygons, or the cloud where there are none."""
     if len(sizes) == 0:
         return PointCloud(vertices)
-    return TriangleMesh(vertices, triangulate(path, sizes, corners))
+    return TriangleMesh(vertices, triangulate(path, vertices, sizes, corners))
 
 
 def cloud(path: Path, points: ArrayLike, normals: ArrayLike | None) -> PointCloud:
@@ -183,7 +171,7 @@ def warn(path: Path, text: str) -> None:
     _warning.warn(f"{path.name}: {text}", ReadWarning)
 
 
-def optional_package(name: str, suffix: str) -> Any:
+def optional_package(name: str, suffix: str, doing: str = "reading") -> Any:
     """Import a package, or a module of one, of the extra ``io``.
 
     Raises
@@ -194,7 +182,7 @@ def optional_package(name: str, suffix: str) -> Any:
     try:
         return importlib.import_module(name)
     except ImportError as error:
-        package = name.partition(".")[0]
+        package = PACKAGES.get(name.partition(".")[0], name.partition(".")[0])
         raise MissingDependencyError(
-            f'reading .{suffix} files needs {package}: pip install "geodesic-toolkit[io]"'
+            f'{doing} .{suffix} files needs {package}: pip install "geodesic-toolkit[io]"'
         ) from error

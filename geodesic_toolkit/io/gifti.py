@@ -1,15 +1,57 @@
-"""GIFTI surfaces of neuroimaging, through nibabel."""
+"""GIFTI, the surfaces of neuroimaging and the numbers on them, through nibabel."""
 
 from pathlib import Path
+from typing import Any
 
+import numpy as np
+from numpy.typing import NDArray
+
+from geodesic_toolkit._typing import FloatArray
 from geodesic_toolkit.conversion import as_domain
 from geodesic_toolkit.domains import Domain
+from geodesic_toolkit.errors import ReadError
 from geodesic_toolkit.io.common import optional_package
 
-__all__ = ["read_gifti"]
+__all__ = ["encode_gifti", "read_gifti", "read_gifti_numbers"]
+
+LABEL = 1002
+"""The intent of an array of regions."""
 
 
 def read_gifti(path: Path) -> Domain:
     """Read a GIFTI file that holds a surface: coordinates and triangles."""
-    image = optional_package("nibabel.gifti", "gii").GiftiImage.from_filename(str(path))
-    return as_domain(image)
+    return as_domain(_image(path))
+
+
+def read_gifti_numbers(path: Path) -> tuple[NDArray[Any], dict[str, int] | None]:
+    """Return the number of each vertex, of shape (N,); of regions also their names."""
+    image = _image(path)
+    if len(image.darrays) != 1 or image.darrays[0].data.ndim != 1:
+        raise ReadError("one number a vertex is asked for, and the file holds something else")
+    array = image.darrays[0]
+    names = None
+    if array.intent == LABEL:
+        table = image.labeltable.get_labels_as_dict()
+        names = {str(name): int(key) for key, name in table.items()}
+    return np.asarray(array.data), names
+
+
+def encode_gifti(field: FloatArray, name: str) -> bytes:
+    """Return a file of one number a vertex, in single precision as the format has it.
+
+    `name` is that of the file, whose last part but one tells its kind: ``d.func.gii``.
+    """
+    gifti = optional_package("nibabel.gifti", "gii", "writing")
+    function = name.lower().endswith(".func.gii")
+    array = gifti.GiftiDataArray(
+        field.astype(np.float32),
+        intent="NIFTI_INTENT_NONE" if function else "NIFTI_INTENT_SHAPE",
+        datatype="NIFTI_TYPE_FLOAT32",
+        meta=gifti.GiftiMetaData({"Name": "geodesic distance"}),
+    )
+    encoded: bytes = gifti.GiftiImage(darrays=[array]).to_bytes()
+    return encoded
+
+
+def _image(path: Path) -> Any:
+    return optional_package("nibabel.gifti", "gii").GiftiImage.from_filename(str(path))

@@ -9,28 +9,37 @@ from numpy.typing import NDArray
 
 from geodesic_toolkit._typing import BoolArray
 from geodesic_toolkit.errors import InvalidOptionError, ReadError
-from geodesic_toolkit.io.common import array_of, floats, lines_of, tokens_of, whole_numbers
-from geodesic_toolkit.io.reading import check_file, named_errors
+from geodesic_toolkit.io.common import array_of, floats, whole_numbers
+from geodesic_toolkit.io.reading import check_file, named_errors, unpacked
+from geodesic_toolkit.io.regions import REGION_SUFFIXES, check_no_region, read_region
+from geodesic_toolkit.io.tables import read_table
 
 __all__ = ["MASK_SUFFIXES", "read_mask"]
 
-MASK_SUFFIXES = (".npy", ".txt", ".csv")
+MASK_SUFFIXES = (".npy", ".txt", ".csv", *REGION_SUFFIXES)
 
 WORDS = {b"true": True, b"false": False}
 """What programs write for booleans beside 1 and 0, in lower case."""
 
 
-def read_mask(path: str | os.PathLike[str], n_vertices: int) -> BoolArray:
+def read_mask(
+    path: str | os.PathLike[str], n_vertices: int, *, region: str | None = None
+) -> BoolArray:
     r"""Read a mask of vertices from a file: a boolean for each, or the indices of the masked ones.
 
     Parameters
     ----------
     path : str or path-like
-        An .npy array with one dimension, or a .txt or .csv of values separated by blanks, commas
-        or line ends. Booleans, or more than two numbers that are all 0 or 1, say for each vertex
-        whether it is masked; other numbers are the indices, from 0, of those that are.
+        An .npy array with one dimension, or a .txt or .csv of values separated by blanks, commas,
+        semicolons or line ends. Booleans, or more than two numbers that are all 0 or 1, say for
+        each vertex whether it is masked; other numbers are the indices, from 0, of those that are.
+        Or a file of neuroimaging that marks vertices: a FreeSurfer .label; an .annot or GIFTI
+        .label.gii, of which `region` is masked; a GIFTI .gii of zeros and ones. Each may be
+        compressed (.gz).
     n_vertices : int
         Number N of vertices of the shape.
+    region : str, optional
+        The name of the region of an .annot or .label.gii.
 
     Returns
     -------
@@ -45,7 +54,8 @@ def read_mask(path: str | os.PathLike[str], n_vertices: int) -> BoolArray:
     NotEnoughMemoryError
         The file announces more than fits.
     InvalidOptionError
-        Booleans that are not one for each vertex, or an index of no vertex.
+        Booleans or regions that are not one for each vertex, an index of no vertex, a region that
+        the file has not.
 
     Examples
     --------
@@ -59,17 +69,24 @@ def read_mask(path: str | os.PathLike[str], n_vertices: int) -> BoolArray:
     """
     file = Path(path)
     check_file(file)
-    suffix = file.suffix.lower()
-    if suffix not in MASK_SUFFIXES:
-        raise ReadError(f"{file}: a mask is read from {', '.join(MASK_SUFFIXES)}")
-    with named_errors(file, "the mask"):
-        values = _array(file) if suffix == ".npy" else _text(file)
-    if values.dtype.kind == "b" or _no_indices(values, n_vertices):
-        if len(values) != n_vertices:
-            raise InvalidOptionError(
-                f"{file}: {len(values)} booleans, where the shape has {n_vertices} vertices"
-            )
-        return np.array(values, dtype=np.bool_)
+    with unpacked(file) as plain:
+        suffix = plain.suffix.lower()
+        if suffix not in MASK_SUFFIXES:
+            raise ReadError(f"{file}: a mask is read from {', '.join(MASK_SUFFIXES)}")
+        with named_errors(file, "the mask"):
+            if suffix in REGION_SUFFIXES:
+                values, expected = read_region(plain, region)
+            else:
+                check_no_region(plain, region)
+                values = _array(plain) if suffix == ".npy" else _text(plain)
+                flags = values.dtype.kind == "b" or _no_indices(values, n_vertices)
+                expected = len(values) if flags else None
+                values = np.flatnonzero(values) if flags else values
+    if expected not in {None, n_vertices}:
+        what = "regions" if suffix in REGION_SUFFIXES else "booleans"
+        raise InvalidOptionError(
+            f"{file}: {expected} {what}, where the shape has {n_vertices} vertices"
+        )
     outside = values[(values < 0) | (values >= n_vertices)]
     if len(outside):
         raise InvalidOptionError(
@@ -96,7 +113,7 @@ def _array(file: Path) -> NDArray[Any]:
 
 
 def _text(file: Path) -> NDArray[Any]:
-    tokens = tokens_of(lines_of(file))
+    tokens = read_table(file).values("vertex")
     words = [WORDS.get(token.lower()) for token in tokens]
     if None not in words:
         return np.array(words, dtype=np.bool_)

@@ -54,4 +54,4 @@ def read_obj(path: Path) -> Domain:
             f"face {owner[outside[0]]} refers to vertex {numbers[outside[0]]}; there are "
             f"{len(vertices)}, numbered from 1, or from -1 backwards"
         )
-    return TriangleMesh(vertices, triangulate(path, counts, indices))
+    return TriangleMesh(vertices, triangulate(path, vertices, counts, indices))

@@ -69,7 +69,7 @@ def read_ply(path: Path) -> Domain:
     if "face" in tables:
         sizes, corners = _indices(tables["face"], "face")
         if len(sizes):
-            faces.append(triangulate(path, sizes, corners))
+            faces.append(triangulate(path, vertices, sizes, corners))
     if "tristrips" in tables:
         faces.append(strip_triangles(*_indices(tables["tristrips"], "tristrips")))
     if not faces:

@@ -1,9 +1,13 @@
 """`read`: from a path to a domain, by the file's suffix."""
 
+import gzip
 import os
+import shutil
+import tempfile
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -16,8 +20,9 @@ from geodesic_toolkit.errors import (
     ReadError,
     UnknownPluginError,
 )
+from geodesic_toolkit.io.freesurfer import is_surface, read_surface
 
-__all__ = ["check_file", "named_errors", "one_line", "read"]
+__all__ = ["check_file", "named_errors", "one_line", "read", "unpacked"]
 
 LONGEST_REASON = 300
 """Characters of a foreign error's text that a message repeats."""
@@ -32,18 +37,24 @@ def read(path: str | os.PathLike[str]) -> Domain:
     but for what is listed here.
 
     ============================ ======================================================
-    off, obj, ply, stl, glb,     a :class:`TriangleMesh`; off, obj, ply and glb without
-    gltf                         faces are a :class:`PointCloud`. An STL has corners only:
+    off, obj, ply, stl, vtp,     a :class:`TriangleMesh`; without faces all but stl are a
+    glb, gltf                    :class:`PointCloud`. An STL has corners only:
                                  equal ones are one vertex, in the order of first use,
                                  and at open edges those that differ by rounding
     mesh, msh, vtk, vtu          a :class:`TriangleMesh`, of a solid the surface (meshio)
-    gii                          a :class:`TriangleMesh` (nibabel)
-    pcd, xyz, pts, las, laz      a :class:`PointCloud`, missing points (NaN) kept (laspy
+    gii; pial, white, inflated,  a :class:`TriangleMesh` (nibabel); surfaces of FreeSurfer are
+    sphere, orig and so on       known by their first bytes whatever they are called
+    pcd, pts, las, laz           a :class:`PointCloud`, missing points (NaN) kept (laspy
                                  for the last two)
+    xyz, txt, asc, csv           a :class:`PointCloud`: rows ``x y z``, perhaps with normals,
+                                 after a line with their number or names of columns; of
+                                 named columns x, y and z count. Separated by blanks, commas
+                                 or semicolons; decimal commas only where that is clear
     mtx, npz, edges, edgelist    a :class:`Graph`: entries of a sparse matrix, or rows
                                  ``i j length`` counted from 0, are edge lengths; an npz
                                  may also hold ``vertices`` and ``faces``, or ``points``
                                  and ``normals``
+    gz                           any of these, compressed
     ============================ ======================================================
 
     Parameters
@@ -70,8 +81,9 @@ def read(path: str | os.PathLike[str]) -> Domain:
     Warns
     -----
     ReadWarning
-        Polygons were split into triangles (fans from their first corner), normals left out
-        because they are not usable, or a surface is cut where the format repeats vertices.
+        Polygons were split into triangles inside them (convex ones into the fan of their first
+        corner), or cross themselves; normals were left out because they are not usable; a surface
+        is cut where the format repeats vertices.
 
     Examples
     --------
@@ -85,19 +97,44 @@ def read(path: str | os.PathLike[str]) -> Domain:
     """
     file = Path(path)
     check_file(file)
-    suffix = file.suffix[1:].lower()
-    try:
-        reader = readers[suffix]
-    except UnknownPluginError as error:
-        unknown = f"there is no reader for .{suffix}" if suffix else "it has no suffix"
-        raise ReadError(f"{file}: {unknown}; can be read: {', '.join(readers)}") from error
-    with named_errors(file, "the shape"):
-        domain = reader(file)
+    with unpacked(file) as plain:
+        suffix = plain.suffix[1:].lower()
+        reader = _reader(file, plain)
+        with named_errors(file, "the shape"):
+            domain = reader(plain)
     if not isinstance(domain, Domain):
         raise ReadError(
             f"{file}: the reader of .{suffix} returned {type(domain).__name__}, no domain"
         )
     return domain
+
+
+def _reader(file: Path, plain: Path) -> Any:
+    """Return the reader of a file, which has been unpacked to `plain`."""
+    suffix = plain.suffix[1:].lower()
+    try:
+        return readers[suffix]
+    except UnknownPluginError as error:
+        if is_surface(plain):
+            return read_surface
+        unknown = f"there is no reader for .{suffix}" if suffix else "it has no suffix"
+        raise ReadError(
+            f"{file}: {unknown}; can be read: {', '.join(readers)}, and surfaces of FreeSurfer by "
+            "any name; each may be compressed (.gz)"
+        ) from error
+
+
+@contextmanager
+def unpacked(file: Path) -> Iterator[Path]:
+    """Give a path to what a .gz file holds, of the name without that suffix; or `file` itself."""
+    if file.suffix.lower() != ".gz":
+        yield file
+        return
+    with tempfile.TemporaryDirectory() as folder:
+        plain = Path(folder, file.stem)
+        with named_errors(file, "the file"), gzip.open(file) as packed, plain.open("wb") as out:
+            shutil.copyfileobj(packed, out)
+        yield plain
 
 
 @contextmanager

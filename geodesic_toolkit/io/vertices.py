@@ -5,23 +5,29 @@ from pathlib import Path
 
 from geodesic_toolkit._typing import IntArray
 from geodesic_toolkit.errors import ReadError
-from geodesic_toolkit.io.common import array_of, integers, lines_of, tokens_of, whole_numbers
-from geodesic_toolkit.io.reading import check_file, named_errors
+from geodesic_toolkit.io.common import array_of, floats, whole_numbers
+from geodesic_toolkit.io.reading import check_file, named_errors, unpacked
+from geodesic_toolkit.io.regions import REGION_SUFFIXES, check_no_region, read_region
+from geodesic_toolkit.io.tables import read_table
 
 __all__ = ["VERTEX_SUFFIXES", "read_vertices"]
 
-VERTEX_SUFFIXES = (".npy", ".txt", ".csv")
+VERTEX_SUFFIXES = (".npy", ".txt", ".csv", *REGION_SUFFIXES)
 
 
-def read_vertices(path: str | os.PathLike[str]) -> IntArray:
+def read_vertices(path: str | os.PathLike[str], *, region: str | None = None) -> IntArray:
     r"""Read a list of vertex indices from a file.
 
     Parameters
     ----------
     path : str or path-like
         An .npy array with one dimension, or a .txt or .csv of whole numbers separated by blanks,
-        commas or line ends, where a first line without any digit is one of names, and ``#`` begins
-        a comment.
+        commas, semicolons or line ends, where the first line may be one of names, and ``#`` begins
+        a comment; of several named columns, that of ``vertex`` is read. Or a file of neuroimaging
+        that marks vertices: a FreeSurfer .label; an .annot or GIFTI .label.gii with a `region`; a
+        GIFTI .gii of zeros and ones. Each may be compressed (.gz).
+    region : str, optional
+        The name of the region of an .annot or .label.gii.
 
     Returns
     -------
@@ -33,6 +39,8 @@ def read_vertices(path: str | os.PathLike[str]) -> IntArray:
     ReadError
         No such file, another suffix, or contents that are no whole numbers; the message names the
         file and what is wrong.
+    InvalidOptionError
+        A region that the file has not, or none where it has several.
 
     Examples
     --------
@@ -46,11 +54,15 @@ def read_vertices(path: str | os.PathLike[str]) -> IntArray:
     """
     file = Path(path)
     check_file(file)
-    suffix = file.suffix.lower()
-    if suffix not in VERTEX_SUFFIXES:
-        raise ReadError(f"{file}: vertices are read from {', '.join(VERTEX_SUFFIXES)}")
-    with named_errors(file, "the list of vertices"):
-        return _array(file) if suffix == ".npy" else _text(file)
+    with unpacked(file) as plain:
+        suffix = plain.suffix.lower()
+        if suffix not in VERTEX_SUFFIXES:
+            raise ReadError(f"{file}: vertices are read from {', '.join(VERTEX_SUFFIXES)}")
+        with named_errors(file, "the list of vertices"):
+            if suffix in REGION_SUFFIXES:
+                return read_region(plain, region)[0]
+            check_no_region(plain, region)
+            return _array(plain) if suffix == ".npy" else _text(plain)
 
 
 def _array(file: Path) -> IntArray:
@@ -64,7 +76,5 @@ def _array(file: Path) -> IntArray:
 
 
 def _text(file: Path) -> IntArray:
-    lines = lines_of(file)
-    if lines and not any(character in b"0123456789" for character in lines[0]):
-        lines = lines[1:]  # names of columns
-    return integers(tokens_of(lines), "vertex indices")
+    numbers = floats(read_table(file).values("vertex"), "vertex indices")
+    return whole_numbers(numbers, "vertex indices")

@@ -46,7 +46,9 @@ def read_vtk(path: Path) -> Domain:
             case [section, number, size] if section in CELLS:
                 sizes, corners = cursor.cells(_count(number), _count(size))
                 if section == "POLYGONS" and len(sizes):
-                    faces.append(triangulate(path, sizes, corners))
+                    if points is None:  # the triangles of a polygon depend on where it lies
+                        raise ReadError("the VTK file has polygons before its points")
+                    faces.append(triangulate(path, points, sizes, corners))
                 elif section == "TRIANGLE_STRIPS":
                     faces.append(strip_triangles(sizes, corners))
             case _:

@@ -1,4 +1,4 @@
-"""Distances to files: PLY to look at, NPY and CSV to go on with."""
+"""Distances to files: shapes with a field to look at, tables to go on with."""
 
 import os
 from pathlib import Path
@@ -11,11 +11,23 @@ from geodesic_toolkit._atomic import check_output, replacing
 from geodesic_toolkit._typing import FloatArray
 from geodesic_toolkit.domains import Domain, PointCloud, TriangleMesh, known_positions
 from geodesic_toolkit.errors import InvalidOptionError
+from geodesic_toolkit.io.common import optional_package
+from geodesic_toolkit.io.gifti import encode_gifti
 from geodesic_toolkit.io.ply import encode_ply
+from geodesic_toolkit.io.vtk_library import require_vtk, write_vtk
 
-__all__ = ["DISTANCE_SUFFIXES", "write_distances"]
+__all__ = ["WITH_SHAPE", "check_distance_output", "write_distances"]
 
-DISTANCE_SUFFIXES = (".ply", ".npy", ".csv")
+WITH_SHAPE = (".ply", ".vtp", ".vtk", ".vtu")
+"""Formats of a shape with numbers at its vertices."""
+
+DISTANCE_SUFFIXES = (*WITH_SHAPE, ".gii", ".npy", ".csv", ".txt")
+
+SHAPE_ALONE = (".obj", ".off", ".stl", ".xyz", ".pcd", ".mesh")
+"""Formats that people ask for and that have no place for a field."""
+
+OTHER_GIFTI = (".surf.gii", ".label.gii")
+"""Names that promise something else than a field."""
 
 GREY = (160, 160, 160)
 """Colour of what no source reaches."""
@@ -29,13 +41,20 @@ def write_distances(
 ) -> None:
     """Write one distance field, in the format that the suffix names.
 
-    ====== ==============================================================================
-    .ply   binary: vertices and faces, or points with their normals, with a vertex
-           property ``distance`` (``inf`` where no source reaches) and colours (viridis,
-           where matplotlib is installed; grey where no source reaches)
-    .npy   the distances alone, float64
-    .csv   ``vertex,x,y,z,distance``, or ``vertex,distance`` of a graph, with all digits
-    ====== ==============================================================================
+    ================ ====================================================================
+    .ply             binary: vertices and faces, or points with their normals, with a
+                     vertex property ``distance`` (``inf`` where no source reaches) and
+                     colours (viridis, where matplotlib is installed; grey where no source
+                     reaches)
+    .vtp, .vtk, .vtu vertices and faces, or points, with the point data ``distance``, for
+                     ParaView (vtk)
+    .gii             the distances alone, float32, as ``.shape.gii`` or ``.func.gii`` are
+                     (nibabel)
+    .npy             the distances alone, float64
+    .csv             ``vertex,x,y,z,distance``, or ``vertex,distance`` of a graph, with all
+                     digits
+    .txt             the distances alone, one a line, with all digits
+    ================ ====================================================================
 
     Parameters
     ----------
@@ -50,7 +69,9 @@ def write_distances(
     Raises
     ------
     InvalidOptionError
-        An unknown suffix, a PLY of a graph, distances of another shape.
+        An unknown suffix, a shape of a graph, distances of another shape.
+    MissingDependencyError
+        The format needs a package that is not installed.
     WriteError
         The file cannot be written.
 
@@ -70,22 +91,64 @@ def write_distances(
     2,2.0
     <BLANKLINE>
     """
-    file = check_output(path, DISTANCE_SUFFIXES)
+    file = check_distance_output(path)
     field = _checked(distances, domain)
     positions = known_positions(domain)
     suffix = file.suffix.lower()
-    if suffix == ".ply" and positions is None:
+    if suffix in WITH_SHAPE and positions is None:
         raise InvalidOptionError(
-            f"a {type(domain).__name__} has no positions to write to a PLY; write .npy or .csv"
+            f"a {type(domain).__name__} has no positions to write to a {suffix} file; write .npy, "
+            ".csv or .txt"
         )
     with replacing(file) as temporary:
-        if suffix == ".npy":
-            with temporary.open("wb") as handle:  # to a path np.save might add a suffix
-                np.save(handle, field, allow_pickle=False)
-        elif suffix == ".csv":
-            _write_csv(temporary, positions, field)
-        else:
-            temporary.write_bytes(_ply(domain, field, sources))
+        match suffix:
+            case ".npy":
+                with temporary.open("wb") as handle:  # to a path np.save might add a suffix
+                    np.save(handle, field, allow_pickle=False)
+            case ".csv":
+                _write_csv(temporary, positions, field)
+            case ".txt":
+                text = "".join(f"{value!r}\n" for value in field.tolist())
+                temporary.write_text(text, encoding="ascii", newline="\n")
+            case ".gii":
+                temporary.write_bytes(encode_gifti(field, file.name))
+            case ".ply":
+                temporary.write_bytes(_ply(domain, field, sources))
+            case _:
+                write_vtk(temporary, domain, field)
+
+
+def check_distance_output(path: str | os.PathLike[str]) -> Path:
+    """Raise where distances cannot be written to `path`: to be asked before any work is done.
+
+    Raises
+    ------
+    InvalidOptionError
+        A suffix of a format that is not known, or that cannot hold numbers at vertices.
+    WriteError
+        A directory, a device, a directory that is not there, or no permission.
+    MissingDependencyError
+        The format needs a package that is not installed.
+    """
+    file = Path(path)
+    suffix = file.suffix.lower()
+    can = ", ".join(DISTANCE_SUFFIXES)
+    if suffix in SHAPE_ALONE:
+        raise InvalidOptionError(
+            f"{file}: {suffix} files hold a shape and cannot hold a field of distances; can be "
+            f"written: {can}"
+        )
+    if file.name.lower().endswith(OTHER_GIFTI):
+        raise InvalidOptionError(
+            f"{file}: distances are numbers, not a surface and not labels; call it .shape.gii or "
+            f".func.gii; can be written: {can}"
+        )
+    check_output(file, DISTANCE_SUFFIXES)
+    if suffix in {".vtp", ".vtk", ".vtu"}:
+        require_vtk(file)
+    elif suffix == ".gii":
+        optional_package("nibabel.gifti", "gii", "writing")
+    return file
 
 
 def _checked(distances: ArrayLike, domain: Domain) -> FloatArray:

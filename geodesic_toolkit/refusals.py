@@ -1,0 +1,122 @@
+"""Why something is no shape, and what to give instead."""
+
+import os
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+
+from geodesic_toolkit.errors import UnsupportedDomainError
+
+__all__ = ["described", "refusal", "several"]
+
+GRID = ("dimensions", "n_cells", "extract_surface")
+"""Attributes that PyVista's structured grids have, and its other shapes have not."""
+
+LISTED = 5
+"""Names that a message lists."""
+
+
+def described(obj: Any) -> str:
+    """Return what an object is called in messages."""
+    if isinstance(obj, type):
+        return f"the class {obj.__name__}"
+    if isinstance(obj, np.ndarray):
+        return f"an array of shape {obj.shape} and dtype {obj.dtype}"
+    return f"{type(obj).__module__}.{type(obj).__qualname__}".removeprefix("builtins.")
+
+
+def refusal(obj: Any, taken: str) -> str:
+    """Return why something is no shape, with the cure where it is a thing that people hold.
+
+    Parameters
+    ----------
+    obj : object
+    taken : str
+        What is a shape.
+    """
+    who = described(obj)
+    if obj is None:
+        why = "None is no shape; did a function return nothing?"
+    elif isinstance(obj, str | bytes | os.PathLike):
+        why = f"{str(obj)[:80]!r} is no shape (to read a file: geodesic_toolkit.read)"
+    elif isinstance(obj, Mapping):
+        why = f"{who} is no shape; give its vertices and faces as a pair, {_by_keys(obj)}"
+    elif not isinstance(obj, type) and all(hasattr(obj, name) for name in GRID):
+        why = f"{who}: a structured grid is no surface; give its surface, grid.extract_surface()"
+    elif (table := _table(obj)) is not None:
+        why = _of_table(table)
+    elif isinstance(obj, list | tuple) and obj:
+        why = f"{who} of {len(obj)}, the first {described(obj[0])}, is no shape; give one shape"
+        why += f": {taken}"
+    else:
+        why = f"{who} is no shape; give {taken}"
+    return why
+
+
+def _by_keys(obj: Mapping[Any, Any]) -> str:
+    if "vertices" in obj and "faces" in obj:
+        return '(d["vertices"], d["faces"])'
+    return f"(its keys are {_listed(list(obj))})"
+
+
+def _table(obj: Any) -> np.ndarray[Any, Any] | None:
+    """Return a table of numbers, or None where there is none."""
+    if not isinstance(obj, list | tuple) and not hasattr(obj, "__array__"):
+        return None
+    try:
+        table = np.asarray(obj)
+    except ValueError:
+        return None
+    return table if table.ndim == 2 and table.dtype.kind in "iufb" and table.size else None
+
+
+def _of_table(table: np.ndarray[Any, Any]) -> str:
+    """Return what to do with a table that does not have three columns."""
+    rows, columns = table.shape
+    if rows == columns:
+        cure = (
+            "if its entries are lengths of edges, and 0 where there is none, give "
+            "scipy.sparse.csr_array(table)"
+        )
+    elif columns == 2:
+        cure = "points in the plane get a third column: numpy.column_stack([xy, 0 * xy[:, 0]])"
+    elif columns > 3:
+        cure = (
+            f"for points in {columns} dimensions give the graph of their neighbours: "
+            'sklearn.neighbors.kneighbors_graph(table, 10, mode="distance")'
+        )
+    else:
+        cure = f"it has {columns} column{'s' * (columns != 1)} of {table.dtype}"
+    return f"a table of shape {table.shape} is no list of points in space; {cure}"
+
+
+def several(
+    obj: Any, number: int, access: str, names: Sequence[Any], all_at_once: str | None = None
+) -> UnsupportedDomainError:
+    """Return the error for an object that holds several shapes, or none.
+
+    Parameters
+    ----------
+    obj : object
+    number : int
+        How many it holds.
+    access : str
+        Code that gives one of them.
+    names : sequence
+        What they are called.
+    all_at_once : str, optional
+        Code that gives all as one shape.
+    """
+    if number == 0:
+        return UnsupportedDomainError(f"{described(obj)} is no shape: there is nothing in it")
+    joined = f", or all as one shape: {all_at_once}" if all_at_once else ""
+    return UnsupportedDomainError(
+        f"{described(obj)} holds {number} shapes; give one, {access} (there are {_listed(names)})"
+        f"{joined}"
+    )
+
+
+def _listed(names: Sequence[Any]) -> str:
+    more = ", ..." if len(names) > LISTED else ""
+    return ", ".join(map(repr, names[:LISTED])) + more
