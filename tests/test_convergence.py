@@ -26,6 +26,9 @@ TORUS_RING_TOLERANCE = 0.04
 HALVING = 0.75
 
 
+# The coarsest of the meshes are warned of, and their errors are what is measured here.
+pytestmark = pytest.mark.filterwarnings("ignore::geodesic_toolkit.errors.CoarseMeshWarning")
+
 plain_heat = partial(gt.geodesic_distance, refine=False)
 
 

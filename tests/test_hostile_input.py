@@ -524,6 +524,7 @@ def test_parts_of_a_mesh_of_other_sizes_read_what_each_reads_alone():
     np.testing.assert_allclose(distance[fine.n_vertices :], alone[1], rtol=1e-9, atol=1e-12)
 
 
+@pytest.mark.filterwarnings("ignore::geodesic_toolkit.errors.CoarseMeshWarning")
 def test_heat_has_the_time_to_cross_a_surface_of_long_triangles_with_a_fine_corner():
     """Half of the vertices in one corner make the mean edge say nothing about the surface."""
     side = np.concatenate([np.linspace(0, 0.02, 25), np.linspace(0.1, 1, 12)])

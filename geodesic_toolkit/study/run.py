@@ -11,7 +11,11 @@ from typing import Any, TypeAlias
 
 from geodesic_toolkit._atomic import make_folder, replacing
 from geodesic_toolkit.domains import Domain, TriangleMesh
-from geodesic_toolkit.errors import NonPositiveHeatWarning, UnsupportedDomainError
+from geodesic_toolkit.errors import (
+    CoarseMeshWarning,
+    NonPositiveHeatWarning,
+    UnsupportedDomainError,
+)
 from geodesic_toolkit.study.beyond import study_beyond
 from geodesic_toolkit.study.charts import draw_charts
 from geodesic_toolkit.study.discretizations import study_discretizations
@@ -96,6 +100,7 @@ def run_study(
     with warnings.catch_warnings():
         # Bad heat is what is studied here: the tables count it.
         warnings.simplefilter("ignore", NonPositiveHeatWarning)
+        warnings.simplefilter("ignore", CoarseMeshWarning)
         results = _experiments(Subject(mesh, name, chosen.tolist(), seed=seed), step)
     with step("drawing"):
         files = [*draw_pictures(results, target), *draw_charts(results, target)]
