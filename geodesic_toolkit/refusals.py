@@ -88,7 +88,7 @@ def _of_table(table: np.ndarray[Any, Any]) -> str:
         )
     else:
         cure = f"it has {columns} column{'s' * (columns != 1)} of {table.dtype}"
-    return f"a table of shape {table.shape} is no list of points in space; {cure}"
+    return f"a table of size {rows} x {columns} is no shape; {cure}"
 
 
 def several(

@@ -327,7 +327,10 @@ def test_what_is_no_shape_is_refused_by_name(thing, named):
         (Path("bunny.off"), r"'bunny.off' is no shape \(to read a file: geodesic_toolkit.read\)"),
         ({"vertices": VERTICES, "faces": FACES}, r'as a pair, \(d\["vertices"\], d\["faces"\]\)'),
         ({"v": VERTICES, "f": FACES}, r"its keys are 'v', 'f'"),
-        (VERTICES[:, :2], r"shape \(42, 2\) .* numpy.column_stack\(\[xy, 0 \* xy\[:, 0\]\]\)"),
+        (
+            VERTICES[:, :2],
+            r"size 42 x 2 is no shape; .* numpy.column_stack\(\[xy, 0 \* xy\[:, 0\]\]\)",
+        ),
         (np.zeros((30, 10)), r"points in 10 dimensions .*kneighbors_graph\(table, 10, mode="),
         (np.zeros((30, 10)).tolist(), "points in 10 dimensions"),
         (np.zeros((30, 1)), "has 1 column of float64"),
@@ -359,7 +362,7 @@ def test_the_cures_that_messages_give_are_taken():
 
 @pytest.mark.parametrize("make", [gt.TriangleMesh, lambda *pair: gt.as_domain(pair)])
 def test_faces_of_four_corners_are_refused_with_the_cure(make):
-    with pytest.raises(InvalidDomainError, match=r"shape \(1, 4\) have four corners. Split quad"):
+    with pytest.raises(InvalidDomainError, match=r"shape \(n, 3\), not \(1, 4\). Split quad"):
         make(CUBE, [[0, 1, 2, 3]])
 
 

@@ -104,7 +104,11 @@ def test_a_command_shown_in_the_documentation_has_these_options(words):
 
     commands = typer.main.get_command(app).commands
     assert words[0] in commands
-    known = {option for parameter in commands[words[0]].params for option in parameter.opts}
+    known = {
+        option
+        for parameter in commands[words[0]].params
+        for option in (*parameter.opts, *parameter.secondary_opts)
+    }
     assert {word.split("=")[0] for word in words if word.startswith("--")} <= known
 
 

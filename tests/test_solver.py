@@ -224,10 +224,14 @@ def test_cg_serves_the_poisson_step(sphere, solver):
 def test_cg_for_heat_needs_to_be_insisted_on_and_warns():
     mesh = shapes.grid(60)
     loose = gt.CG(rtol=1e-5, allow_heat=True)
-    insisted = gt.GeodesicSolver(mesh, solver={"heat": loose, "poisson": gt.CG()})
+    solvers = {"heat": loose, "poisson": gt.CG()}
+    insisted = gt.GeodesicSolver(mesh, solver=solvers, refine=False)
     assert (insisted.heat(0) == 0).sum() > 500
     with pytest.warns(NonPositiveHeatWarning, match="an iterative solver cannot resolve it"):
         insisted.distance(0)
+    # Without heat there is no order, and sweeps go on until the front is everywhere.
+    refined = gt.geodesic_distance(mesh, 0, solver=solvers)
+    np.testing.assert_allclose(refined, np.linalg.norm(mesh.vertices, axis=1), rtol=2e-3)
 
 
 def test_the_uniform_diffusion_on_a_mesh_knows_no_lengths(sphere):

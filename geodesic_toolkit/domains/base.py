@@ -104,7 +104,7 @@ def check_corners(faces: Any) -> None:
         return
     if len(shape) == 2 and shape[1] == 4 and shape[0]:
         raise InvalidDomainError(
-            f"faces of shape {shape} have four corners. Split quadrangles that are convex: "
+            f"faces must have shape (n, 3), not {shape}. Split quadrangles that are convex: "
             "numpy.concatenate([faces[:, [0, 1, 2]], faces[:, [0, 2, 3]]]); others, or tetrahedra: "
             'meshio.Mesh(vertices, [("quad", faces)]), or "tetra"; of PyVista\'s rows, which begin '
             "with 3, give faces[:, 1:]"
