@@ -237,8 +237,11 @@ class HeatMethod:
             heat, worst = self._diffuse(block)
             self._sweep(heat, block, distances)
             return worst
-        # Memory is dear the first time that it is written to: heat is where distances will be.
-        heat, worst = self._diffuse(block, distances.reshape(self.n_vertices, len(block)))
+        # Memory is dear the first time that it is written to: heat is where distances will be. But
+        # of points that start late heat tells, after distances, which of them have been overtaken.
+        late = any(points.delayed for points in block)
+        room = None if late else distances.reshape(self.n_vertices, len(block))
+        heat, worst = self._diffuse(block, room)
         values = heat.values[:, 0] if len(block) == 1 else heat.values
         load = self.metric.gradient.descent_load(values, logarithmic=heat.logarithmic)
         self._poisson.distances(load, heat, block, distances)
