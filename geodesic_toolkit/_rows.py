@@ -91,8 +91,10 @@ class CompressedRows(FrozenArrays):
 
     def diagonal(self) -> FloatArray:
         """Return the diagonal, of shape (N,); 0 where there is no entry."""
-        found = np.zeros(self.shape[0])
         places = self.diagonal_places
+        if len(places) == self.shape[0]:
+            return self.data[places]
+        found = np.zeros(self.shape[0])
         found[self.indices[places]] = self.data[places]
         return found
 

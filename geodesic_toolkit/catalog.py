@@ -5,6 +5,7 @@ from typing import Any
 from geodesic_toolkit.domains import Domain, Graph, PointCloud, TriangleMesh
 from geodesic_toolkit.errors import InvalidOptionError, PluginLoadError, UnsupportedDomainError
 from geodesic_toolkit.laplacians.base import LaplaceOperator
+from geodesic_toolkit.laplacians.cotan import CotanLaplacian
 from geodesic_toolkit.linear.base import LinearSolver
 from geodesic_toolkit.linear.supernodal import Supernodal
 from geodesic_toolkit.registry import Registry
@@ -59,8 +60,6 @@ def resolve_operator(choice: object, domain: Domain) -> LaplaceOperator:
     # The core's own operators are not looked up by name: to look through all that is installed
     # takes as long as a mesh of 10,000 vertices.
     if isinstance(domain, TriangleMesh):
-        from geodesic_toolkit.laplacians.cotan import CotanLaplacian
-
         return CotanLaplacian(intrinsic_delaunay="auto")
     if isinstance(domain, PointCloud):
         from geodesic_toolkit.laplacians.pointcloud import PointCloudLaplacian

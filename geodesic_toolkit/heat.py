@@ -233,10 +233,15 @@ class HeatMethod:
 
     def _solve(self, block: Sequence[SourcePoints], distances: FloatArray) -> HeatReport | None:
         """Write the distances from one block of source sets, (K, N): the paper's three steps."""
-        heat, worst = self._diffuse(block)
         if self._sweeper is not None:
+            heat, worst = self._diffuse(block)
             self._sweep(heat, block, distances)
             return worst
+        # Memory is dear the first time that it is written to: heat is where distances will be. But
+        # of points that start late heat tells, after distances, which of them have been overtaken.
+        late = any(points.delayed for points in block)
+        room = None if late else distances.reshape(self.n_vertices, len(block))
+        heat, worst = self._diffuse(block, room)
         values = heat.values[:, 0] if len(block) == 1 else heat.values
         load = self.metric.gradient.descent_load(values, logarithmic=heat.logarithmic)
         self._poisson.distances(load, heat, block, distances)
@@ -285,12 +290,14 @@ class HeatMethod:
 
     # -- step 1 --------------------------------------------------------------------------------
 
-    def _diffuse(self, block: Sequence[SourcePoints]) -> tuple[Heat, HeatReport | None]:
-        """Return the heat, and the worst report on it if it does harm.
+    def _diffuse(
+        self, block: Sequence[SourcePoints], room: FloatArray | None = None
+    ) -> tuple[Heat, HeatReport | None]:
+        """Return the heat, in `room` perhaps, and the worst report on it if it does harm.
 
         Where heat turns negative, it is that of a diffusion which cannot.
         """
-        heat, reports = self._flow.diffuse(block)
+        heat, reports = self._flow.diffuse(block, room=room)
         harmed = [k for k, report in enumerate(reports) if report.harmful]
         worst = None
         for k in harmed:

@@ -108,13 +108,21 @@ class HeatFlow:
         scaled = np.mean(parts, axis=0) * np.exp(log_scales)
         return np.column_stack([scaled[:, owners == k].sum(axis=1) for k in range(len(block))])
 
-    def diffuse(self, block: Sequence[SourcePoints]) -> tuple[Heat, list[HeatReport]]:
+    def diffuse(
+        self, block: Sequence[SourcePoints], *, room: FloatArray | None = None
+    ) -> tuple[Heat, list[HeatReport]]:
         """Return the heat of each source set, and a report on it.
 
         Vertices whose heat is not positive take it from their neighbours, unless there are so many
         of them that the report says harmful.
+
+        Parameters
+        ----------
+        block : sequence of K SourcePoints
+        room : ndarray of shape (N, K), float64, optional
+            Memory to work in, in which the heat may then be.
         """
-        loads, log_scales, owners = self._loads(block)
+        loads, log_scales, owners = self._loads(block, room)
         (system, *more) = self.systems()
         first = system.load(loads)
         if self.solver.componentwise:
@@ -191,10 +199,16 @@ class HeatFlow:
             fill_from_neighbours(matrix, log_heat, missing, logarithmic=True)
         return HeatReport(int(reached.sum()), count, stages)
 
-    def _loads(self, block: Sequence[SourcePoints]) -> tuple[FloatArray, FloatArray, IntArray]:
+    def _loads(
+        self, block: Sequence[SourcePoints], room: FloatArray | None = None
+    ) -> tuple[FloatArray, FloatArray, IntArray]:
         """Return right-hand sides (N, K'), the logarithms of their scales, and whose they are."""
         if not any(points.delayed for points in block):
-            columns = np.zeros((self.diffusion.n_vertices, len(block)))
+            if room is None:
+                columns = np.zeros((self.diffusion.n_vertices, len(block)))
+            else:
+                columns = room
+                columns.fill(0.0)
             for column, points in enumerate(block):
                 np.add.at(columns[:, column], points.vertices, points.shares)
             return columns, np.zeros(len(block)), np.arange(len(block))

@@ -65,7 +65,9 @@ class PoissonStep:
     @cached_property
     def _ground(self) -> FloatArray:
         """What holds one vertex of each component at 0: an addition to the (N,) diagonal of L."""
-        _, grounded = np.unique(self.metric.components, return_index=True)
+        grounded = np.zeros(1, dtype=np.int64)
+        if self.metric.components.any():
+            _, grounded = np.unique(self.metric.components, return_index=True)
         diagonal = self.metric.rows.diagonal()[grounded]
         ground = np.zeros(self.metric.n_vertices)
         ground[grounded] = np.where(diagonal > 0, diagonal, 1.0)

@@ -5,7 +5,6 @@ Each is a function on arrays, in ``native/``; the names and types are those of `
 
 import importlib
 import os
-from pathlib import Path
 from types import ModuleType
 
 _CHOICE = "GEODESIC_TOOLKIT_LEVEL"
@@ -46,7 +45,7 @@ def _load() -> tuple[ModuleType, int]:
                 raise
     wanted = " or ".join(map(str, levels))
     raise ImportError(
-        f"{Path(__file__).parent} has no compiled kernels for level {wanted} of x86-64. If that is "
+        f"{__path__[0]} has no compiled kernels for level {wanted} of x86-64. If that is "
         "in a checkout, `pip install --editable .` builds them (it needs a C++ compiler), and "
         f"Python in another folder finds an installed package; unset {_CHOICE} if it is set"
     )

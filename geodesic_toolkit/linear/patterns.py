@@ -37,7 +37,8 @@ def plus_diagonal(
            [-2.,  8.]])
     """
     scales = scale if np.ndim(scale) == 0 else np.repeat(scale, np.diff(matrix.indptr))
-    scaled, places = matrix.with_data(matrix.data * scales), matrix.diagonal_places
+    places = matrix.diagonal_places  # first, so that the other matrix has them too
+    scaled = matrix.with_data(matrix.data * scales)
     if len(places) != len(diagonal):
         from scipy.sparse import csr_array, diags_array
 

@@ -1,4 +1,4 @@
-// Room to work in for a solve.
+// Room to work in for a factorisation or a solve.
 #pragma once
 
 #include "array.hpp"
@@ -7,8 +7,8 @@ namespace geodesic {
 
 // Numbers to work in, in which anything may stand.
 //
-// Memory from the system comes with a fault for every page. So that of the last solve is kept for
-// the next one, of whichever factor, up to a size.
+// Memory from the system comes with a fault for every page. So that of the last one is kept for the
+// next, of whichever factor, up to a size.
 class Room {
  public:
   explicit Room(Index size);

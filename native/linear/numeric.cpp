@@ -17,7 +17,9 @@
 #include <vector>
 
 #include "core/processor.hpp"
+#include "core/room.hpp"
 #include "linear/front.hpp"
+#include "linear/substitution.hpp"
 
 namespace geodesic {
 namespace {
@@ -140,9 +142,9 @@ Pivots factorize(const Analysis& its, std::span<const double> data, std::span<T>
   for (Index s = n_supernodes - 1; s >= 0; --s)
     odd[s] = its.above[s] != kNone && !odd[its.above[s]];
   Eliminator<T> eliminator(its, data, panels.data(), result.left.data());
-  Array<double> stack(its.stack);
+  Room stack(std::max(its.stack, kBlock * its.n_vertices()));  // solves of a block will have it
   std::vector<Update> waiting;
-  double *low = stack.data(), *high = low + stack.size();
+  double *low = stack.data(), *high = low + its.stack;
   for (Index s = 0; s < n_supernodes; ++s) {
     const Index below = its.below(s);
     double* const update = odd[s] ? high - below * below : low;
