@@ -84,7 +84,8 @@ the front already, and turning it too is worse.
 
 def made_of_triangles(metric: Discretization) -> bool:
     """Return whether the elements of a discretization are triangles, which fronts can cross."""
-    return isinstance(metric.gradient, ElementGradient) and metric.gradient.of_planes
+    gradient = metric.on_surface
+    return isinstance(gradient, ElementGradient) and gradient.of_planes
 
 
 @dataclass(frozen=True, eq=False)
@@ -233,7 +234,7 @@ class WavefrontSweeper:
 
     @property
     def _gradient(self) -> ElementGradient:
-        gradient = self.metric.gradient
+        gradient = self.metric.on_surface
         assert isinstance(gradient, ElementGradient)  # for the type checker; checked on creation
         return gradient
 
