@@ -52,6 +52,9 @@ class Discretization(FrozenArrays):
         Where the elements are stars in tangent planes: the same triangles as they lie in space, in
         the form of the gradient's own ``inverse_frames``. Refinement measures by them, and they
         tell it the curvature.
+    surface : ElementGradient, optional
+        The triangles of the surface, where the gradient's elements are others: those are what
+        fronts cross and distances are measured on.
     notes : mapping, optional
         What the operator found or decided on the way, by name, for people to read: a number of
         flipped edges, whose normals were used.
@@ -79,6 +82,7 @@ class Discretization(FrozenArrays):
     boundary: BoolArray
     scales: FloatArray = field(default_factory=lambda: np.zeros(0))
     surface_frames: FloatArray = field(default_factory=lambda: np.zeros((0, 3)))
+    surface: ElementGradient | None = None
     notes: Mapping[str, Any] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
@@ -99,6 +103,13 @@ class Discretization(FrozenArrays):
         if not (np.isfinite(self.spacing) and self.spacing > 0):
             raise InvalidDiscretizationError(
                 f"spacing must be positive and finite, not {self.spacing}"
+            )
+        if self.surface is not None and not (
+            self.surface.of_planes and self.surface.n_vertices == count
+        ):
+            raise InvalidDiscretizationError(
+                f"surface must be triangles in the same {count} vertices, not {self.surface!r} in "
+                f"{self.surface.n_vertices}"
             )
         self._set_rows(count)
         self._check_scales(count)
@@ -171,6 +182,11 @@ class Discretization(FrozenArrays):
     def n_vertices(self) -> int:
         """Number N of vertices."""
         return len(self.mass)
+
+    @property
+    def on_surface(self) -> Gradient:
+        """The gradient on the triangles of the surface: `surface`, or `gradient` without one."""
+        return self.gradient if self.surface is None else self.surface
 
     @cached_property
     def components(self) -> IntArray:

@@ -113,7 +113,10 @@ class CoarseMeshWarning(GeodesicWarning):
 
 
 class NonPositiveHeatWarning(GeodesicWarning):
-    """The heat is not positive at some vertices, where the distance is not to be trusted."""
+    """The heat is not positive at some vertices, and distances from it are not to be trusted.
+
+    Refined ones take an order from the heat and nothing else: they suffer nothing by it.
+    """
 
 
 class FarSourceWarning(GeodesicWarning):

@@ -27,8 +27,8 @@ from geodesic_toolkit.linear.base import LinearSolver
 from geodesic_toolkit.linear.memory import array_bytes, require_memory
 from geodesic_toolkit.linear.patterns import SharedAnalysis
 from geodesic_toolkit.poisson import PoissonStep
-from geodesic_toolkit.positivity import positive_part
-from geodesic_toolkit.refine import WavefrontSweeper
+from geodesic_toolkit.positivity import has_wrong_signs, positive_part
+from geodesic_toolkit.refine import WavefrontSweeper, made_of_triangles
 from geodesic_toolkit.source_points import SourcePoints, as_vertices
 from geodesic_toolkit.time_step import time_steps
 
@@ -247,14 +247,17 @@ class HeatMethod:
         self._poisson.distances(load, heat, block, distances)
         return worst
 
-    def log_heat(self, sources: ArrayLike | SourcePoints) -> FloatArray:
+    def log_heat(
+        self, sources: ArrayLike | SourcePoints, *, only_order: bool = False
+    ) -> FloatArray:
         """Return the logarithm of the heat u of step 1, of shape (N,), over an unlimited range.
 
         ``-inf`` where no heat comes: in other components, and at a Dirichlet boundary.
-        Parameters and errors are those of `distance`.
+        Parameters and errors are those of `distance`; who needs no more than the order of the
+        values, to refine, asks for `only_order` and is not warned of heat that is not positive.
         """
         heat, worst = self._diffuse([self._source_points(sources)])
-        self._warn_of(worst)
+        self._warn_of(None if only_order else worst)
         return heat.log()[:, 0]
 
     def heat(self, sources: ArrayLike | SourcePoints) -> FloatArray:
@@ -305,10 +308,7 @@ class HeatMethod:
         if not harmed or not self.heat_solver.componentwise:
             return heat, worst
         cured, _ = self._positive_flow().diffuse([block[k] for k in harmed])
-        if heat.logarithmic or cured.logarithmic:
-            heat, cured = Heat(heat.log(), logarithmic=True), Heat(cured.log(), logarithmic=True)
-        heat.values[:, harmed] = cured.values
-        return heat, worst
+        return heat.replaced(harmed, cured), worst
 
     def _warn_of(self, worst: HeatReport | None) -> None:
         if worst is not None and self._sweeper is None:  # sweeps need an order, and end alike
@@ -333,12 +333,16 @@ class HeatMethod:
         )
         if not self.heat_solver.componentwise:
             return found + "an iterative solver cannot resolve it, a direct one can"
-        if self.boundary == "dirichlet":
+        if self.boundary == "dirichlet" and not has_wrong_signs(self.diffusion.rows):
             return found + 'a boundary held at zero lets none through: use boundary="average"'
-        return found + (
+        found += (
             "the diffusion has weights of the wrong sign, and was replaced by its positive part: "
-            "on a triangle mesh CotanLaplacian(intrinsic_delaunay=True) is better"
         )
+        if self.diffusion.notes.get("triangulation", "intrinsic Delaunay") != "intrinsic Delaunay":
+            return found + "on a triangle mesh CotanLaplacian(intrinsic_delaunay=True) is better"
+        if made_of_triangles(self.metric):
+            return found + "refine=True is better, which takes no more than an order from heat"
+        return found + "elements with fewer obtuse angles are better: make the shape anew of such"
 
     # -- instead of steps 2 and 3 --------------------------------------------------------------
 

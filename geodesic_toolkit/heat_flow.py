@@ -69,6 +69,13 @@ class Heat(NamedTuple):
         """Return log u, (N, K), ``-inf`` where no heat comes."""
         return self.values if self.logarithmic else _log(self.values)
 
+    def replaced(self, columns: Sequence[int], other: "Heat") -> "Heat":
+        """Return the heat with these columns from another one; its own are written over."""
+        logarithmic = self.logarithmic or other.logarithmic
+        values = self.log() if logarithmic else self.values
+        values[:, columns] = other.log() if logarithmic else other.values
+        return Heat(values, logarithmic)
+
 
 class HeatFlow:
     """``(M + t L) u = δ`` with L = -Δ positive semidefinite, factorised once.
@@ -103,10 +110,10 @@ class HeatFlow:
 
     def heat(self, block: Sequence[SourcePoints]) -> FloatArray:
         """Return u, (N, K), as the solver gives it: with underflow, zeros and negative values."""
-        loads, log_scales, owners = self._loads(block)
-        parts = [system.factor.solve(system.load(loads)) for system in self.systems()]
-        scaled = np.mean(parts, axis=0) * np.exp(log_scales)
-        return np.column_stack([scaled[:, owners == k].sum(axis=1) for k in range(len(block))])
+        heat = self._heat(block)
+        if free := self._at_held_boundary(block):
+            heat[:, free] = self._free.heat([block[k] for k in free])
+        return heat
 
     def diffuse(
         self, block: Sequence[SourcePoints], *, room: FloatArray | None = None
@@ -122,6 +129,53 @@ class HeatFlow:
         room : ndarray of shape (N, K), float64, optional
             Memory to work in, in which the heat may then be.
         """
+        heat, reports = self._diffuse(block, room)
+        if free := self._at_held_boundary(block):
+            other, again = self._free.diffuse([block[k] for k in free])
+            heat = heat.replaced(free, other)
+            for k, report in zip(free, again, strict=True):
+                reports[k] = report
+        return heat, reports
+
+    def _at_held_boundary(self, block: Sequence[SourcePoints]) -> list[int]:
+        """Return the source sets with a point at a boundary held at zero, which is then free.
+
+        At it means on it or next to it, within the reach √t = h of the heat: what such a condition
+        leaves of that is the heat of a dipole, which says little about distance. On a square of
+        22 x 22 vertices distances from the rim were 24 % off, and are 1.7 %.
+        """
+        if self.boundary != "dirichlet" or not self.diffusion.boundary.any():
+            return []
+        return [
+            k
+            for k, points in enumerate(block)
+            if np.logical_and.reduceat(self._cold[points.vertices], points.begins[:-1]).any()
+        ]
+
+    @cached_property
+    def _cold(self) -> BoolArray:
+        """Whether the (N,) vertices or neighbours of theirs are on the boundary."""
+        held, rows = self.diffusion.boundary, self.diffusion.rows
+        cold = held.copy()
+        cold[rows.row_of_entry[held[rows.indices]]] = True
+        return cold
+
+    @cached_property
+    def _free(self) -> "HeatFlow":
+        """The same flow without a condition at the boundary."""
+        return HeatFlow(
+            self.diffusion, self.times, "neumann", self.solver, factorize=self._factorize
+        )
+
+    def _heat(self, block: Sequence[SourcePoints]) -> FloatArray:
+        loads, log_scales, owners = self._loads(block)
+        parts = [system.factor.solve(system.load(loads)) for system in self.systems()]
+        scaled = np.mean(parts, axis=0) * np.exp(log_scales)
+        return np.column_stack([scaled[:, owners == k].sum(axis=1) for k in range(len(block))])
+
+    def _diffuse(
+        self, block: Sequence[SourcePoints], room: FloatArray | None
+    ) -> tuple[Heat, list[HeatReport]]:
         loads, log_scales, owners = self._loads(block, room)
         (system, *more) = self.systems()
         first = system.load(loads)
@@ -280,7 +334,9 @@ class HeatFlow:
     @property
     def nbytes(self) -> int:
         """Bytes of the factors made so far."""
-        return sum(system.factor.nbytes for system in self._systems or [])
+        own = sum(system.factor.nbytes for system in self._systems or [])
+        free: HeatFlow | None = self.__dict__.get("_free")
+        return own + (free.nbytes if free is not None else 0)
 
 
 @dataclass(frozen=True)

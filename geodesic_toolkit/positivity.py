@@ -17,10 +17,13 @@ from geodesic_toolkit.gradient import EdgeGradient
 if TYPE_CHECKING:
     from scipy.sparse import csr_array
 
-__all__ = ["obtuse_excess", "positive_part"]
+__all__ = ["has_wrong_signs", "obtuse_excess", "positive_part"]
 
 RINGS = 4
 """Size of the neighbourhoods that :func:`obtuse_excess` averages over."""
+
+ROUNDING = 1e-12
+"""Share of the largest entry of a stiffness below which one is 0."""
 
 LINK = 1e-3
 """What is left of an edge of the wrong sign: enough that no part comes off."""
@@ -41,6 +44,13 @@ def obtuse_excess(stiffness: CompressedRows, mass: FloatArray) -> FloatArray:
     mass : ndarray of shape (N,)
     """
     return _native.obtuse_excess(*stiffness.arrays, mass, RINGS)
+
+
+def has_wrong_signs(stiffness: CompressedRows) -> bool:
+    """Return whether off-diagonal entries of a stiffness are positive, but for rounding."""
+    apart = stiffness.indices != stiffness.row_of_entry
+    rounding = ROUNDING * np.abs(stiffness.data).max(initial=0.0)
+    return bool((stiffness.data[apart] > rounding).any())
 
 
 def positive_part(metric: Discretization) -> Discretization:

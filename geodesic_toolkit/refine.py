@@ -27,8 +27,13 @@ from geodesic_toolkit.source_points import SourcePoints
 
 __all__ = ["WavefrontSweeper", "made_of_triangles"]
 
-TOLERANCE = 3e-4
-"""Improvement, in mean edge lengths, below which a vertex is left as it is."""
+TOLERANCE = 1e-6
+"""Improvement, in mean edge lengths, below which a vertex is left as it is.
+
+With 3e-4 sweeps take 1 % less time (87.7 instead of 89.0 ms of CPU a source at 557,000 vertices),
+and distances differ by as much as 3e-4 of the largest; over the rings of a long tube the direction
+of the front freezes.
+"""
 
 MAX_SWEEPS = 100
 """Sweeps after which improvement stops, unless some vertex has not been reached; two are the rule,
@@ -84,7 +89,8 @@ the front already, and turning it too is worse.
 
 def made_of_triangles(metric: Discretization) -> bool:
     """Return whether the elements of a discretization are triangles, which fronts can cross."""
-    return isinstance(metric.gradient, ElementGradient) and metric.gradient.of_planes
+    gradient = metric.on_surface
+    return isinstance(gradient, ElementGradient) and gradient.of_planes
 
 
 @dataclass(frozen=True, eq=False)
@@ -190,7 +196,7 @@ class WavefrontSweeper:
         """
         elements, frames, _ = self._triangles
         stars, tell = self._gradient.stars, bool(len(self.metric.surface_frames))
-        return _native.gather_corners(elements, frames, stars, tell, self._gradient.n_vertices)
+        return _native.gather_corners(elements, frames, stars, tell, self.metric.boundary)
 
     @cached_property
     def _triangles(self) -> tuple[IntArray, FloatArray, FloatArray]:
@@ -233,7 +239,7 @@ class WavefrontSweeper:
 
     @property
     def _gradient(self) -> ElementGradient:
-        gradient = self.metric.gradient
+        gradient = self.metric.on_surface
         assert isinstance(gradient, ElementGradient)  # for the type checker; checked on creation
         return gradient
 

@@ -26,6 +26,10 @@ __all__ = ["locate_sources"]
 SAMPLES = 4
 """Samples of a curve to a mean edge length."""
 
+LEAST = 0.25
+"""Share of its length to which a front that leaves a curve may have shrunk at the next vertex: one
+that the curve bends about more closely than edges are long."""
+
 MOST_SAMPLES = 10_000_000
 """A curve of more is in another unit than the shape."""
 
@@ -204,7 +208,7 @@ def _no_positions(domain: Domain, name: str) -> InvalidSourceError:
 def _along(domain: Domain, passable: Domain, curve: Curve, name: str) -> SourcePoints:
     """Return samples of a curve; the corners around one lie at their distance from the curve."""
     from geodesic_toolkit.geometry.closest import closest_on_triangles
-    from geodesic_toolkit.geometry.polylines import distance_to_segments, sample_polyline
+    from geodesic_toolkit.geometry.polylines import sample_polyline
 
     if isinstance(curve.points, tuple):
         faces, barycentric = _faces_of(domain, curve.points, name)
@@ -212,16 +216,18 @@ def _along(domain: Domain, passable: Domain, curve: Curve, name: str) -> SourceP
         corners = np.einsum("pc,pcd->pd", barycentric, domain.vertices[domain.faces[faces]])
     else:
         corners = curve.points
-    step = _spacing(passable, name) / SAMPLES
+    spacing = _spacing(passable, name)
+    step = spacing / SAMPLES
     if curve.closed:
         corners = np.concatenate([corners, corners[:1]])
+    corners = corners[np.append(True, (corners[1:] != corners[:-1]).any(axis=1))]
     length = np.linalg.norm(np.diff(corners, axis=0), axis=1).sum()
     if not length < MOST_SAMPLES * step:
         raise InvalidSourceError(
             f"{name}: the curve is {length / (SAMPLES * step):.3g} times as long as the mean edge; "
             "is it in the unit of the shape?"
         )
-    points = sample_polyline(corners, step)
+    points, places = sample_polyline(corners, step)
     if isinstance(passable, PointCloud):
         nearest = _nearest_present(passable, points)
         vertices, place = np.unique(nearest, return_inverse=True)
@@ -231,12 +237,90 @@ def _along(domain: Domain, passable: Domain, curve: Curve, name: str) -> SourceP
         return replace(at, distances=off, front_curvatures=np.zeros(len(vertices)))
     assert isinstance(passable, TriangleMesh)  # for the type checker; _spacing has raised
     faces, barycentric = closest_on_triangles(points, passable.vertices, passable.faces)
+    if len(points) == 1:
+        return _barycentric(passable, faces, barycentric)
     around = passable.vertices[passable.faces[faces]]
     laid = np.einsum("pc,pcd->pd", barycentric, around)
-    distances, beside = distance_to_segments(around, laid)
+    fronts = _fronts_beside(
+        around,
+        laid,
+        _normals_at(passable, faces, barycentric),
+        corners=corners,
+        places=places,
+        spacing=spacing,
+        closed=curve.closed,
+    )
+    return _barycentric(passable, faces, barycentric, *fronts)
+
+
+def _normals_at(mesh: TriangleMesh, faces: IntArray, barycentric: FloatArray) -> FloatArray:
+    """Return unit normals at points in faces, (P, 3), between those of the corners."""
+    corners = mesh.faces[faces]
+    near = np.zeros(mesh.n_vertices, dtype=np.bool_)
+    near[corners] = True
+    around = mesh.faces[near[mesh.faces].any(axis=1)]
+    a, b, c = (mesh.vertices[around[:, corner]] for corner in range(3))
+    areas = np.cross(b - a, c - a)
+    sums = np.zeros((mesh.n_vertices, 3))
+    for corner in range(3):
+        np.add.at(sums, around[:, corner], areas)
+    normals = np.einsum("pc,pcd->pd", barycentric, sums[corners])
+    lengths = np.linalg.norm(normals, axis=1, keepdims=True)
+    return np.asarray(np.divide(normals, lengths, out=normals, where=lengths > 0))
+
+
+def _fronts_beside(
+    around: FloatArray,
+    laid: FloatArray,
+    normals: FloatArray,
+    *,
+    corners: FloatArray,
+    places: IntArray,
+    spacing: float,
+    closed: bool,
+) -> tuple[FloatArray, FloatArray]:
+    """Return how far vertices around the samples of a curve are from it, and the front there.
+
+    A front leaves with the geodesic curvature of the curve, to the one side as if it converged, and
+    after a way s on a flat surface has ``κ / (1 + κ s)``. About ends and kinks it is a circle.
+
+    Parameters
+    ----------
+    around : ndarray of shape (S, 3, 3)
+        Three vertices for each sample.
+    laid, normals : ndarray of shape (S, 3)
+        Where the samples lie on the surface, and its normals there.
+    corners : ndarray of shape (P, 3)
+        Of the curve as it was given.
+    places : ndarray of shape (P,), int64
+        The samples at the corners.
+    spacing : float
+    closed : bool
+
+    Returns
+    -------
+    distances, curvatures : ndarray of shape (S, 3)
+    """
+    from geodesic_toolkit.geometry.polylines import bends_of_polyline, distance_to_segments
+
+    distances, beside, at_sample = distance_to_segments(around, laid)
+    if closed:
+        beside[[0, -1]] = True
+    steps = np.diff(corners, axis=0)
+    ends = np.append(0.0, np.cumsum(np.linalg.norm(steps, axis=1)))
+    along = np.interp(np.arange(len(laid)), places, ends)
+    bends, kinks = bends_of_polyline(corners, normals[places], along, spacing, closed)
+    at_kink = np.zeros(len(laid), dtype=np.bool_)
+    at_kink[places[kinks]] = True
+    beside &= ~(at_sample & at_kink[:, None])
+    left = np.cross(normals, np.gradient(laid, axis=0))
+    side = np.sign(np.einsum("scd,sd->sc", around - laid[:, None], left))
+    leaving = -side * bends[:, None]
     with np.errstate(divide="ignore"):
-        curvatures = np.where(beside, 0.0, 1 / distances)  # beside a line the front is straight
-    return _barycentric(passable, faces, barycentric, distances, curvatures)
+        curvatures = np.where(
+            beside, leaving / np.maximum(1 + leaving * distances, LEAST), 1 / distances
+        )
+    return distances, curvatures
 
 
 def _spacing(domain: Domain, name: str) -> float:

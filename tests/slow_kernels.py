@@ -192,9 +192,14 @@ def mean_edge_length(vertices, indptr, indices):
 
 def flip_edges(faces, lengths, twin, held):
     assert not held.any()
-    flipped_lengths, flipped_faces, *_ = igl.intrinsic_delaunay_triangulation(lengths, faces)
+    flipped_lengths, flipped_faces, *_, sides = igl.intrinsic_delaunay_triangulation(lengths, faces)
     flips = int((flipped_faces != faces).any(axis=1).sum())
     faces[:], lengths[:] = flipped_faces, flipped_lengths
+    twin[:] = -1
+    for pair in sides:  # half-edges, all of the first corners before those of the second
+        if len(pair) == 2:
+            one, other = (3 * (side % len(faces)) + side // len(faces) for side in pair)
+            twin[one], twin[other] = other, one
     return flips
 
 

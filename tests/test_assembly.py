@@ -235,9 +235,9 @@ def test_kernels_flip_edges_as_libigl_does(use, seed, n, shear, flatness):
     numpy, kernels = both(use, lambda: delaunay_triangles(faces, lengths))
     total = face_areas(frames_from_lengths(lengths)).sum()
     assert face_areas(frames_from_lengths(kernels[1])).sum() == pytest.approx(total)
-    weights, stiffness = positive_weights(*kernels, n * n)
+    weights, stiffness = positive_weights(*kernels[:2], n * n)
     assert weights.max(initial=-1.0) < 1e-6 * np.abs(stiffness.data).max()
-    _, expected = positive_weights(*numpy, n * n)
+    _, expected = positive_weights(*numpy[:2], n * n)
     np.testing.assert_allclose(
         stiffness.toarray(), expected.toarray(), atol=1e-6 * np.abs(expected.data).max()
     )

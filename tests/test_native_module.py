@@ -170,7 +170,7 @@ def calls():
         "flip_edges": (_native.flip_edges, FACES.copy(), FRAMES.copy(), TWIN.copy(), HELD),
         "poisson_load": (_native.poisson_load, FACES, FRAMES, AREAS, np.ones(4), False),
         "angle_defects": (_native.angle_defects, FACES, FRAMES, HELD),
-        "gather_corners": (_native.gather_corners, FACES, FRAMES, False, False, 4),
+        "gather_corners": (_native.gather_corners, FACES, FRAMES, False, False, HELD),
         "falling": (_native.falling, np.ones(4), False),
         "fill": (_native.fill, INDPTR, INDICES, DATA, np.ones(4), np.array([0], np.int32)),
     }

@@ -1,7 +1,8 @@
 """Do the kernels of refinement read triangles as the plain formulas do, and finish their sweeps?"""
 
 import dataclasses
-from itertools import pairwise
+from collections import Counter
+from itertools import pairwise, permutations
 
 import numpy as np
 import pytest
@@ -133,6 +134,11 @@ def test_every_vertex_has_its_corners_and_those_of_its_own_star_first(sweeper):
     vertex = np.repeat(np.arange(count), total)
     later = np.arange(faces.size) >= (corners.starts[:-1] + own)[vertex]
     found = np.column_stack([vertex, later, *(getattr(corners, name) for name in FIELDS)])
+    edges = [tuple(sorted(pair)) for pair in zip(corners.a, corners.b, strict=True)]
+    rims = Counter(tuple(sorted(side)) for face in faces.tolist() for side in permutations(face, 2))
+    alone = [not gradient.stars and rims[edge] == 2 for edge in edges]  # there and back
+    np.testing.assert_array_equal(np.signbit(corners.edge), alone)
+    found[:, -1] = np.abs(found[:, -1])
     lengths, (c, a, b) = plain_lengths(gradient), ([0, 1, 2], [1, 2, 0], [2, 0, 1])
     table = [faces, foreign, faces[:, a], faces[:, b], lengths[:, b], lengths[:, a], lengths[:, c]]
     expected = np.column_stack([column.ravel() for column in table])

@@ -247,9 +247,13 @@ class Corners:
     def edge(self) -> Numbers: ...
 
 def gather_corners(
-    elements: Indices, frames: Numbers, stars: bool, tell: bool, n_vertices: int
+    elements: Indices, frames: Numbers, stars: bool, tell: bool, boundary: Bools
 ) -> Corners:
-    """Sort the corners of triangles by their vertices; `tell` stars what they have missed."""
+    """Sort the corners of triangles by their vertices; `tell` stars what they have missed.
+
+    Where there are no stars and the surface ends in an edge, between vertices of the `boundary`,
+    the edge is less than zero.
+    """
 
 def angle_defects(elements: Indices, frames: Numbers, boundary: Bools) -> Numbers:
     """Return what the angles about vertices lack of 2π, where the domain ends of π."""

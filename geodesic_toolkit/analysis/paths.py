@@ -218,7 +218,7 @@ def _path_on_mesh(  # noqa: PLR0917 - what it needs, in the order of its doing
 def _with_triangles(solver: GeodesicSolver) -> Discretization:
     """Return the metric of a solver, or that of its mesh where the solver's has no triangles."""
     metric, mesh = solver.method.metric, solver.passable
-    gradient = metric.gradient
+    gradient = metric.on_surface
     three = isinstance(gradient, ElementGradient) and gradient.elements.shape[1] == 3
     if isinstance(mesh, TriangleMesh) and not three:
         return CotanLaplacian().assemble(mesh)
@@ -234,7 +234,7 @@ def _refined(solver: GeodesicSolver, metric: Discretization, sources: SourcePoin
     method = solver.method
     if method.refine:
         return method.distance(sources)
-    return WavefrontSweeper(metric).distance(method.log_heat(sources), sources)
+    return WavefrontSweeper(metric).distance(method.log_heat(sources, only_order=True), sources)
 
 
 def _from_goal(metric: Discretization, positions: FloatArray, goal: SourcePoints) -> FloatArray:
@@ -245,9 +245,10 @@ def _from_goal(metric: Discretization, positions: FloatArray, goal: SourcePoints
     from scipy.sparse.csgraph import dijkstra  # a tenth of a second
 
     sweeper = WavefrontSweeper(metric)  # which refuses what has no triangles
-    assert isinstance(metric.gradient, ElementGradient)  # for the type checker
+    gradient = metric.on_surface
+    assert isinstance(gradient, ElementGradient)  # for the type checker
     count = len(positions)
-    edges, _ = edges_of_faces(metric.gradient.elements, count)
+    edges, _ = edges_of_faces(gradient.elements, count)
     steps = positions[edges[:, 0]] - positions[edges[:, 1]]
     lengths = np.linalg.norm(steps, axis=1)
     lengths = np.maximum(lengths, SAME * lengths.max(initial=0.0) + TINY)  # 0 would be no edge

@@ -91,7 +91,7 @@ def mean_eikonal_residual(solver: GeodesicSolver, distance: ArrayLike) -> float:
 
 def _measured(solver: GeodesicSolver, distance: ArrayLike) -> tuple[FloatArray, FloatArray]:
     """Return the residual and the measure of each element or edge."""
-    gradient = solver.method.metric.gradient
+    gradient = solver.method.metric.on_surface
     values = np.asarray(distance, dtype=np.float64)
     if values.shape != (gradient.n_vertices,):
         raise InvalidOptionError(

@@ -23,7 +23,7 @@ MOST_SIDES = np.iinfo(np.int32).max
 
 def delaunay_triangles(
     faces: IntArray, lengths: FloatArray, sides: _native.HalfEdges | None = None
-) -> tuple[IntArray, FloatArray]:
+) -> tuple[IntArray, FloatArray, IntArray]:
     """Return the intrinsic Delaunay triangulation of any triangles.
 
     Parameters
@@ -40,6 +40,9 @@ def delaunay_triangles(
     faces : ndarray of shape (F, 3), int64
         In the same vertices.
     lengths : ndarray of shape (F, 3), float64
+    twin : ndarray of shape (3 F,), int64
+        The half-edge that each half-edge ``3 f + c``, opposite corner c of face f, is glued to;
+        -1 at a rim, and at edges where flips had to cut the surface.
     """
     count = int(faces.max()) + 1
     twin, coherent = (sides or _native.sorted_half_edges(faces, count)).twins()
@@ -47,17 +50,17 @@ def delaunay_triangles(
         return _flipped(faces, lengths, twin, count)
     cut, cut_lengths, origin = coherently_oriented(faces, lengths)
     twin, _ = _native.sorted_half_edges(cut, len(origin)).twins()
-    flipped, flipped_lengths = _flipped(cut, cut_lengths, twin, len(origin))
-    return origin[flipped], flipped_lengths
+    flipped, flipped_lengths, twin = _flipped(cut, cut_lengths, twin, len(origin))
+    return origin[flipped], flipped_lengths, twin
 
 
 def _flipped(
     faces: IntArray, lengths: FloatArray, twin: IntArray, n_vertices: int
-) -> tuple[IntArray, FloatArray]:
-    """Return the triangles after all flips; `twin` is used up."""
+) -> tuple[IntArray, FloatArray, IntArray]:
+    """Return the triangles and their twins after all flips; those given are written over."""
     faces, lengths = faces.copy(), lengths.copy()
     _native.flip_edges(faces, lengths, twin, np.zeros(n_vertices, dtype=np.bool_))
-    return faces, lengths
+    return faces, lengths, twin
 
 
 def coherently_oriented(

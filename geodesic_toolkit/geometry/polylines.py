@@ -1,13 +1,23 @@
-"""Polylines in space: samples of them, and distances to them."""
+"""Polylines in space: samples of them, distances to them, and how they bend within a surface."""
 
 import numpy as np
 
-from geodesic_toolkit._typing import BoolArray, FloatArray
+from geodesic_toolkit._typing import BoolArray, FloatArray, IntArray
 
-__all__ = ["distance_to_segments", "sample_polyline"]
+__all__ = ["bends_of_polyline", "distance_to_segments", "sample_polyline"]
+
+KINK = 0.5
+"""Turn of a polyline, in radians, from which on it is a kink of the curve and no part of a bend: as
+much as a circle of the least radius that a mesh resolves, two edges, turns by along one. Within an
+edge's length all others must turn by less than that together, or else it is one of the steps of a
+staircase, or of a loop too small to have corners.
+"""
+
+WINDOW = 4.0
+"""Mean edge lengths over which a bend is averaged: steps from face to face are noise."""
 
 
-def sample_polyline(corners: FloatArray, step: float) -> FloatArray:
+def sample_polyline(corners: FloatArray, step: float) -> tuple[FloatArray, IntArray]:
     """Return points along a polyline, its corners among them, no farther apart than `step`.
 
     Parameters
@@ -17,7 +27,9 @@ def sample_polyline(corners: FloatArray, step: float) -> FloatArray:
 
     Returns
     -------
-    ndarray of shape (S, 3)
+    samples : ndarray of shape (S, 3)
+    places : ndarray of shape (P,), int64
+        Which of them the corners are.
     """
     edges = np.diff(corners, axis=0)
     pieces = np.maximum(np.ceil(np.linalg.norm(edges, axis=1) / step), 1).astype(np.int64)
@@ -25,10 +37,12 @@ def sample_polyline(corners: FloatArray, step: float) -> FloatArray:
     first = np.cumsum(pieces) - pieces
     share = (np.arange(len(segment)) - first[segment]) / pieces[segment]
     inner = corners[segment] + share[:, None] * edges[segment]
-    return np.concatenate([inner, corners[-1:]])
+    return np.concatenate([inner, corners[-1:]]), np.append(first, len(inner))
 
 
-def distance_to_segments(places: FloatArray, samples: FloatArray) -> tuple[FloatArray, BoolArray]:
+def distance_to_segments(
+    places: FloatArray, samples: FloatArray
+) -> tuple[FloatArray, BoolArray, BoolArray]:
     """Return how far places near each sample are from the two segments that meet there.
 
     Parameters
@@ -42,8 +56,10 @@ def distance_to_segments(places: FloatArray, samples: FloatArray) -> tuple[Float
     distance : ndarray of shape (S, m)
     beside : ndarray of shape (S, m), bool
         Whether the nearest point is inside a segment or between two, rather than an end of all.
+    at_sample : ndarray of shape (S, m), bool
+        Whether it is the sample itself.
     """
-    distance = np.linalg.norm(places - samples[:, None], axis=2)
+    to_sample = distance = np.linalg.norm(places - samples[:, None], axis=2)
     beside = np.zeros(distance.shape, dtype=np.bool_)
     beside[1:-1] = True
     for shift in (-1, 1):
@@ -59,4 +75,69 @@ def distance_to_segments(places: FloatArray, samples: FloatArray) -> tuple[Float
         to_foot = np.linalg.norm(places - feet, axis=2)
         beside |= (share > 0) & (to_foot <= distance)
         distance = np.minimum(distance, to_foot)
-    return distance, beside
+    return distance, beside, distance == to_sample
+
+
+def bends_of_polyline(
+    corners: FloatArray, normals: FloatArray, at: FloatArray, spacing: float, closed: bool
+) -> tuple[FloatArray, BoolArray]:
+    """Return the geodesic curvature along a polyline, and which of its corners are kinks.
+
+    A turn is what the polyline turns by in the tangent plane, spread over half of either segment;
+    kinks are left out.
+
+    Parameters
+    ----------
+    corners, normals : ndarray of shape (P, 3)
+        The last corner of a closed polyline is its first.
+    at : ndarray of shape (S,)
+        Places as lengths along the polyline.
+    spacing : float
+        Mean edge length of the surface.
+    closed : bool
+
+    Returns
+    -------
+    curvatures : ndarray of shape (S,)
+        To the left, seen from where the normals point.
+    kinks : ndarray of shape (P,), bool
+    """
+    steps = np.diff(corners, axis=0)
+    ends = np.concatenate([[0.0], np.cumsum(np.linalg.norm(steps, axis=1))])
+    half = min(WINDOW * spacing, ends[-1]) / 2
+    before, after = (
+        part - np.einsum("pd,pd->p", part, normals)[:, None] * normals
+        for part in (np.vstack([steps[-1:], steps]), np.vstack([steps, steps[:1]]))
+    )
+    aside = np.einsum("pd,pd->p", np.cross(before, after), normals)
+    turns = np.arctan2(aside, np.einsum("pd,pd->p", before, after))
+    if not closed:
+        turns[[0, -1]] = 0.0
+    kinks = _are_kinks(turns, ends, spacing, closed)
+    smooth = np.where(kinks, 0.0, turns)[:-1]  # at the beginning of each segment
+    middles, turned = (ends[:-1] + ends[1:]) / 2, np.cumsum(smooth)
+    if closed:  # the windows of the first and the last reach over the seam
+        laps = np.array([[-1.0], [0.0], [1.0]])
+        middles = (middles + laps * ends[-1]).ravel()
+        turned = (turned + laps * smooth.sum()).ravel()
+    first, last = at - half, at + half
+    if not closed:
+        first, last = np.maximum(first, 0.0), np.minimum(last, ends[-1])
+    change = np.interp(last, middles, turned) - np.interp(first, middles, turned)
+    width = np.maximum(last - first, np.finfo(np.float64).tiny)
+    return change / width, kinks
+
+
+def _are_kinks(turns: FloatArray, places: FloatArray, spacing: float, closed: bool) -> BoolArray:
+    """Return which corners of a polyline, so far along it, are kinks."""
+    last = len(turns) - closed  # it is the first again
+    own, at, total = turns[:last], places[:last], places[-1]
+    reach = min(spacing, total) / 2
+    laps = np.array([[-1.0], [0.0], [1.0]]) if closed else np.zeros((1, 1))
+    along = (at + laps * total).ravel()
+    turned = np.concatenate([[0.0], np.cumsum(np.tile(np.abs(own), len(laps)))])
+    near = (
+        turned[np.searchsorted(along, places + reach, side="right")]
+        - turned[np.searchsorted(along, places - reach, side="left")]
+    )
+    return np.asarray((np.abs(turns) > KINK) & (near - np.abs(turns) < KINK))

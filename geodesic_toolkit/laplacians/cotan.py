@@ -14,6 +14,12 @@ from geodesic_toolkit.errors import InvalidOptionError, UnsupportedDomainError
 from geodesic_toolkit.geometry.components import connected_vertices
 from geodesic_toolkit.geometry.intrinsic import delaunay_triangles, voronoi_areas
 from geodesic_toolkit.geometry.parts import part_scales
+from geodesic_toolkit.geometry.rims import (
+    Trapezoids,
+    mirrored_at_rims,
+    rim_cotangents,
+    rim_edges,
+)
 from geodesic_toolkit.geometry.triangles import (
     lengths_from_inverse,
     mean_edge_length,
@@ -44,6 +50,16 @@ SMALLEST = 1e-75
 ROUNDING = 1e-9
 """The `obtuse_excess` below which there is none."""
 
+SLIVER = 1.0
+"""Cotangent below zero, of an angle opposite an edge of one face, from which on
+``intrinsic_delaunay="auto"`` flips edges: 135 degrees. Such angles leave `obtuse_excess` small, as
+their triangles are, and yet let heat run along the rim.
+
+Measured on 15 meshes with rims: any limit from 0.25 to 4 gives the same mean errors but for 0.02
+points on one scan (Stanford bunny, whose worst is 0.75). Without one scattered points are 2 to 53 %
+off instead of 1 to 4, and a scan with slivers (Laurana) 1.5 instead of 0.7.
+"""
+
 _TRIANGULATION = {
     (False, False): "given",
     (True, False): "partly intrinsic Delaunay",
@@ -70,11 +86,12 @@ class CotanLaplacian(LaplaceOperator):
     mass : {"barycentric", "voronoi", "identity"}
         A third of the area of the faces around a vertex, its mixed Voronoi area, or 1.
     intrinsic_delaunay : bool or "auto"
-        Assemble on the intrinsic Delaunay triangulation of the same surface: same vertices, but
-        no weight of the wrong sign away from the boundary, so that heat is positive. Worth its
-        cost (that of the rest of the assembly) on meshes with many obtuse angles.
-        "auto" decides by how much of the stiffness has the wrong sign. Refined distances are
-        measured on flipped triangles whatever is said here.
+        Assemble on the intrinsic Delaunay triangulation of the same surface, glued to its mirror
+        image where it ends: same vertices, but not one weight of the wrong sign, so that heat is
+        positive. Worth its cost (that of the rest of the assembly) on meshes with many obtuse
+        angles, or a few next to the boundary.
+        "auto" decides by how much of the stiffness has the wrong sign, and by the slivers at the
+        boundary. Refined distances are measured on flipped triangles whatever is said here.
 
     Raises
     ------
@@ -130,8 +147,11 @@ class CotanLaplacian(LaplaceOperator):
         Returns
         -------
         Discretization
-            Its notes hold ``dropped_faces``, ``mollified_by`` (a length), ``obtuse_excess`` and
-            ``triangulation`` ("given", "intrinsic Delaunay", or "partly intrinsic Delaunay").
+            Where the boundary was mirrored its gradient has elements (i, j, j), on which functions
+            change along the boundary alone, in the place of obtuse triangles; ``surface`` has
+            those. Its notes hold ``dropped_faces``, ``mollified_by`` (a length),
+            ``obtuse_excess`` and ``triangulation`` ("given", "intrinsic Delaunay", or "partly
+            intrinsic Delaunay").
 
         Raises
         ------
@@ -161,10 +181,15 @@ class CotanLaplacian(LaplaceOperator):
             areas=areas,
         )
         excess, boundary = obtuse_excess(sums.edges, sums.thirds), sums.boundary
-        flip = self._to_be_flipped(faces, parts, excess)
+        rims = rim_edges(faces, boundary)
+        flip = self._to_be_flipped(faces, parts, excess, rims[_does_harm(lengths, rims)])
+        surface = None
         if flip.any():
-            faces, lengths = _flipped(faces, lengths, flip, sums.sides)
+            faces, lengths, twin = _flipped(faces, lengths, flip, sums.sides)
             gradient = ElementGradient.of_triangles(faces, *measured_by_lengths(lengths), count)
+            kept, trapezoids = mirrored_at_rims(faces, lengths, twin)
+            if not kept.all():
+                surface, gradient = gradient, _mirrored(gradient, kept, trapezoids)
             sums = gradient.sums()
         notes: dict[str, Any] = {
             "dropped_faces": dropped,
@@ -179,20 +204,27 @@ class CotanLaplacian(LaplaceOperator):
             spacing=spacing,
             boundary=boundary,
             scales=scales[parts],
+            surface=surface,
             notes=notes,
         )
         vars(discretization)["components"] = freeze(parts)  # flips join and part nothing
         return discretization
 
-    def _to_be_flipped(self, faces: IntArray, labels: IntArray, excess: FloatArray) -> BoolArray:
-        """Return the faces of the components that are to be made intrinsically Delaunay."""
+    def _to_be_flipped(
+        self, faces: IntArray, labels: IntArray, excess: FloatArray, slivers: IntArray
+    ) -> BoolArray:
+        """Return the faces of the components that are to be made intrinsically Delaunay.
+
+        `slivers` are half-edges of rims that make it so wherever they are.
+        """
         if self.intrinsic_delaunay != "auto":
             return np.full(len(faces), bool(self.intrinsic_delaunay))
         if not labels.any():  # one component, as most meshes are
             limit = ROUNDING if len(faces) <= SMALL else DELAUNAY_LIMIT
-            return np.full(len(faces), excess.max() > limit)
+            return np.full(len(faces), len(slivers) > 0 or excess.max() > limit)
         worst = np.zeros(labels.max() + 1)
         np.maximum.at(worst, labels, excess)
+        worst[labels[faces[slivers // 3, 0]]] = np.inf
         component = labels[faces[:, 0]]
         small = np.bincount(component, minlength=len(worst)) <= SMALL
         wanted = worst > np.where(small, ROUNDING, DELAUNAY_LIMIT)
@@ -225,14 +257,43 @@ def _widest(points: FloatArray) -> float:
         return max(float(np.ptp(column)) for column in points.T)
 
 
+def _does_harm(lengths: FloatArray, rims: IntArray) -> BoolArray:
+    """Return whether the angles opposite half-edges of rims are too obtuse to be left so."""
+    return np.asarray(rim_cotangents(lengths, rims) < -SLIVER)
+
+
 def _flipped(
     faces: IntArray, lengths: FloatArray, flip: BoolArray, sides: _native.HalfEdges
-) -> tuple[IntArray, FloatArray]:
-    """Return the triangles, the chosen ones of them made intrinsically Delaunay."""
+) -> tuple[IntArray, FloatArray, IntArray]:
+    """Return the triangles, the chosen ones of them made intrinsically Delaunay, and their twins.
+
+    Those that are not chosen come first, and are twins of themselves.
+    """
     if flip.all():
         return delaunay_triangles(faces, lengths, sides)
-    delaunay, delaunay_lengths = delaunay_triangles(faces[flip], lengths[flip])
+    rest = 3 * np.count_nonzero(~flip)
+    delaunay, delaunay_lengths, twin = delaunay_triangles(faces[flip], lengths[flip])
     return (
         np.concatenate([faces[~flip], delaunay]),
         np.concatenate([lengths[~flip], delaunay_lengths]),
+        np.concatenate([np.arange(rest), np.where(twin < 0, twin, twin + rest)]),
+    )
+
+
+def _mirrored(surface: ElementGradient, kept: BoolArray, beside: Trapezoids) -> ElementGradient:
+    """Return the gradient on triangles and on trapezoids between them and a mirror.
+
+    On these a function changes along the mirror alone. That is what it does on a right triangle
+    with the one leg along it and two corners of one value: (i, j, j). Its area is that of the
+    trapezoid where the other leg is as long as both parallel sides together.
+    """
+    legs = beside.tail_sides + beside.head_sides
+    first = np.where(beside.tail_sides <= beside.head_sides, beside.tails, beside.heads)
+    second = beside.tails + beside.heads - first  # has more of the area
+    inverse = np.column_stack([1 / beside.widths, -1 / legs, 1 / legs])
+    return ElementGradient.of_triangles(
+        np.concatenate([surface.elements[kept], np.column_stack([first, second, second])]),
+        np.concatenate([surface.inverse_frames[kept], inverse]),
+        np.concatenate([surface.measure[kept], beside.widths * legs / 2]),
+        surface.n_vertices,
     )

@@ -1,4 +1,5 @@
 // Sweeps of fronts over flat grids, where distances are known.
+#include <algorithm>
 #include <cmath>
 #include <cstring>
 #include <limits>
@@ -35,7 +36,8 @@ struct Flat {
 
   std::vector<double> swept(int n_threads) const {
     const Measured measured = measure_triangles(mesh.vertices, mesh.faces);
-    const Corners corners = gather_corners(mesh.faces, measured.triangles.frames, false, n);
+    Corners corners = gather_corners(mesh.faces, measured.triangles.frames, false, n);
+    close_rims(corners, Array<bool>(n, true));
     const Sweeper sweeper(corners, Array<double>(n, 0.0), Array<bool>(n, false));
     std::vector<double> heat(exact.size()), found(exact.size());
     for (Index k = 0; k < n_sets; ++k)
@@ -68,6 +70,19 @@ TEST(sweeps_give_the_same_bits_on_any_number_of_threads) {
     const std::vector<double> several = flat.swept(n_threads);
     CHECK(std::memcmp(one.data(), several.data(), one.size() * sizeof(double)) == 0);
   }
+}
+
+TEST(edges_with_nothing_behind_them_are_less_than_zero) {
+  const Flat flat;
+  const Measured measured = measure_triangles(flat.mesh.vertices, flat.mesh.faces);
+  Corners corners = gather_corners(flat.mesh.faces, measured.triangles.frames, false, flat.n);
+  const auto n_closed = [&] {
+    return std::ranges::count_if(corners.around, [](const Corner& it) { return it.edge < 0; });
+  };
+  close_rims(corners, Array<bool>(flat.n, false));
+  CHECK(n_closed() == 0);
+  close_rims(corners, Array<bool>(flat.n, true));
+  CHECK(n_closed() == 4 * (kSide - 1));
 }
 
 TEST(vertices_without_triangles_are_out_of_reach) {

@@ -11,6 +11,9 @@ namespace {
 // Corners of a vertex up to which they are sorted: it takes the square of their number.
 constexpr Index kMany = 32;
 
+// Share of a length by which two triangles may differ about an edge: more than rounding.
+constexpr double kSame = 1e-9;
+
 constexpr Index kAhead = 48;  // corners by which memory is asked for: places come in no order
 
 // Edges opposite the corners of an element.
@@ -87,6 +90,27 @@ Corners gather_corners(std::span<const Index> elements, std::span<const double> 
     if (own <= kMany) go_round({result.around.data() + starts[v], static_cast<std::size_t>(own)});
   }
   return result;
+}
+
+void close_rims(Corners& corners, std::span<const bool> boundary) {
+  const auto around = [&](Index v) {
+    return std::span(corners.around.data() + corners.starts[v],
+                     corners.around.data() + corners.starts[v + 1]);
+  };
+  // Flips may leave several edges between the same ends, and they differ in their lengths.
+  const auto is_side = [](const Corner& corner, std::uint32_t end, double length) {
+    return (corner.a == end && std::abs(corner.to_a - length) <= kSame * length) ||
+           (corner.b == end && std::abs(corner.to_b - length) <= kSame * length);
+  };
+  for (Index v = 0; v < corners.n_vertices(); ++v) {
+    for (Corner& corner : around(v)) {
+      if (!boundary[corner.a] || !boundary[corner.b]) continue;
+      const auto sides = std::ranges::count_if(around(corner.a), [&](const Corner& other) {
+        return is_side(other, corner.b, corner.edge);
+      });
+      if (sides == 1) corner.edge = -corner.edge;
+    }
+  }
 }
 
 void tell_missed(Corners& corners) {

@@ -5,7 +5,8 @@
 
 namespace geodesic {
 
-// The other two vertices of a triangle, how far they are, and how far apart.
+// The other two vertices of a triangle, how far they are, and how far apart: less than zero where
+// the surface ends in the edge between them.
 //
 // Every length is there twice, so that a vertex finds all of its triangles in one piece of memory.
 struct Corner {
@@ -29,6 +30,9 @@ struct Corners {
 // otherwise in the order of the elements.
 Corners gather_corners(std::span<const Index> elements, std::span<const double> frames, bool stars,
                        Index n_vertices);
+
+// Make the edges less than zero that one triangle alone has, both of whose ends are at the boundary.
+void close_rims(Corners& corners, std::span<const bool> boundary);
 
 // Let vertices listen to triangles that both others have in their stars, but they have not.
 //

@@ -54,7 +54,8 @@ GT_INLINE Lanes lesser(const Lanes& a, const Lanes& b) {
 }
 
 // Edges from a to b with the front at both ends, and how far these are from the third vertex; a few
-// of them at a time.
+// of them at a time. Nothing comes across an edge that is less than zero long. The sign of the way
+// to b is of no account.
 template <class Lanes>
 struct Edges {
   Lanes distance_a, distance_b, radius_a, radius_b, edge, to_a, to_b;

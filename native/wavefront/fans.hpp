@@ -8,7 +8,8 @@ namespace geodesic {
 inline constexpr int kSpokes = 8;
 
 // Neighbours of a vertex in their order about it, how far each is, and how far from it the next one
-// is, where the three make a triangle; otherwise no number. The first follows on the last. Where no
+// is, where the three make a triangle; otherwise no number. It is less than zero where the surface
+// ends between them, as nothing comes across from there. The first follows on the last. Where no
 // neighbour is left there is the vertex itself, infinitely far.
 struct Fan {
   double to[kSpokes], edge[kSpokes];

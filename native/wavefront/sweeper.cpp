@@ -19,6 +19,10 @@ constexpr Index kAhead = 12;
 // an edge does both, and rounding must not say which, as the radius differs.
 constexpr double kTie = 1 + 1e-12;
 
+// Up to this many times its length the distances at the ends of an edge are together where the front
+// begins on it; rounding makes them more than the length.
+constexpr double kOnEdge = 1 + 1e-9;
+
 // More than any distance that is finite.
 constexpr double kLarge = std::numeric_limits<double>::max();
 
@@ -41,7 +45,8 @@ struct Ring {
         distance(Lanes::of([&](int i) { return vertices[of.neighbour[i]].front.distance; })),
         radius(Lanes::of([&](int i) { return vertices[of.neighbour[i]].front.radius; })) {}
 
-  // The edges opposite the centre.
+  // The edges opposite the centre. Nothing comes across those in which the surface ends, as there
+  // is nothing behind: their lengths are less than zero.
   GT_INLINE Edges<Lanes> rim() const {
     const Lanes to = Lanes::load(fan->to);
     return {distance, turned(distance), radius, turned(radius), Lanes::load(fan->edge),
@@ -89,6 +94,8 @@ class Sweep {
       if (sources.distances[p] <= front.distance)
         front = {sources.distances[p], inverse(sources.curvatures[p])};
     }
+    for (Index p = sources.begins[k]; p < sources.begins[k + 1]; ++p)
+      begin_beside(sources.vertices[p]);
     for (Index p = sources.begins[k]; p < sources.begins[k + 1]; ++p) {
       const Index v = sources.vertices[p];
       for (Row fan = starts_[v]; fan < starts_[v + 1]; ++fan)
@@ -165,6 +172,34 @@ class Sweep {
   void await(Vertex& vertex) {
     n_pending_ += !vertex.pending;
     vertex.pending = true;
+  }
+
+  // Let fronts that begin on an edge in which the surface ends come to the vertex opposite it, for
+  // all such edges of a source vertex. To a front that comes later the edge is no way in.
+  void begin_beside(Row source) {
+    for (Row fan = starts_[source]; fan < starts_[source + 1]; ++fan)
+      for (const std::uint32_t opposite : fans_[fan].neighbour)
+        for (Row its = starts_[opposite]; its < starts_[opposite + 1]; ++its)
+          for (int i = 0; i < kSpokes; ++i)
+            if (fans_[its].edge[i] < 0) begin_across(fans_[its], i, static_cast<Row>(opposite));
+  }
+
+  void begin_across(const Fan& fan, int i, Row v) {
+    using Lane = Pack<2>;
+    const int j = (i + 1) % kSpokes;
+    Vertex& opposite = vertices_[v];
+    const Vertex &a = vertices_[fan.neighbour[i]], &b = vertices_[fan.neighbour[j]];
+    const double edge = -fan.edge[i];
+    if (!(a.front.distance + b.front.distance <= edge * kOnEdge)) return;
+    const auto arrivals = across<Lane>(
+        {Lane::spread(a.front.distance), Lane::spread(b.front.distance),
+         Lane::spread(a.front.radius), Lane::spread(b.front.radius), Lane::spread(edge),
+         Lane::spread(fan.to[i]), Lane::spread(fan.to[j])});
+    if (!(arrivals.distance[0] < opposite.front.distance)) return;
+    const double bend = (opposite.curvature + a.curvature + b.curvature) / 3;
+    opposite.front = {arrivals.distance[0], bent(arrivals.radius[0], arrivals.step[0], bend)};
+    for (Row its = starts_[v]; its < starts_[v + 1]; ++its)
+      for (const std::uint32_t neighbour : fans_[its].neighbour) await(vertices_[neighbour]);
   }
 
   // Visit a vertex; return the least rank of those who are known to gain from it.
