@@ -430,8 +430,9 @@ class HeatMethod:
 
         lengths = 1 / np.sqrt(gradient.edge_weights)
         graph = AlongEdges(self.n_vertices, gradient.edges, lengths)
-        found = rises(graph, self.metric.components, potentials)
         own = np.bincount(gradient.edges.ravel(), minlength=self.n_vertices) / 2
+        dimension = max(1, round(own.sum() / gradient.measure.sum())) if own.any() else 1
+        found = rises(graph, self.metric.components, dimension, potentials)
         # Never less than one dimension: there the whole of a rise is along the edge.
         measure = np.minimum(gradient.measure / found**2, own)
         return EdgeGradient(gradient.edges, gradient.edge_weights, measure)
