@@ -35,6 +35,12 @@ SOLID = 2.2
 NEAR = 3
 """Neighbourhoods that are looked at together where directions are few."""
 
+ALIKE = 0.1
+"""Part by which the mean degrees of neighbourhoods of one kind differ at most."""
+
+USUAL = 0.8
+"""Share of the neighbourhoods of one kind that rise less than is usual."""
+
 TRACED = 8
 """Fields whose own shortest ways are followed; their mean needs no more."""
 
@@ -62,7 +68,7 @@ only, or equally in all. Lattices with neighbours along their axes have 0.5 to 0
 of 0.3 up to 0.86; all neighbour graphs of two-dimensional samples 0.86 to 0.95.
 """
 
-SAY = 0.5
+SAY = 0.4
 """Weight of the mean rise where ways are equally straight in all directions."""
 
 PARTS = 256
@@ -132,7 +138,11 @@ def rises(
         greatest, mean = np.array([_rise(ball, used, heights, ways, asked) for ball in balls]).T
         if not _solid(greatest, mean, dimension):
             break
-    values = _weighed(greatest, mean, near)
+    degrees = np.diff(graph.matrix.indptr)
+    edges = np.array([degrees[ball.vertices].mean() for ball in balls])
+    alike = np.abs(edges - edges[:, None]) <= ALIKE * edges
+    alike &= part[centres] == part[centres][:, None]
+    values = _weighed(greatest, mean, near, alike)
     return _spread_out(graph.matrix, cells, values)
 
 
@@ -227,17 +237,25 @@ def _cells(graph: AlongEdges, centres: IntArray) -> tuple[IntArray, BoolArray]:
     return cells, np.isfinite(between) & (between <= last[:, None])
 
 
-def _weighed(greatest: FloatArray, mean: FloatArray, near: BoolArray) -> FloatArray:
+def _weighed(
+    greatest: FloatArray, mean: FloatArray, near: BoolArray, alike: BoolArray
+) -> FloatArray:
     """Return the rises that count, NaN for neighbourhoods with nothing to compare.
 
-    Where ways along edges are straight in some directions only, few fields come from just there,
-    and the greatest of the neighbours counts as well.
+    Where ways along edges are straight in some directions only, few fields come from just there: in
+    a vessel that runs askew, none. The greatest of the neighbours counts as well, and what most
+    neighbourhoods reach that have about as many edges.
     """
     known = greatest > 0
     straight = np.divide(mean, greatest, out=np.ones_like(mean), where=known)
     crooked = known & (straight < TAXICAB)
     others = np.where(near & crooked[:, None] & crooked, greatest, 0.0)
-    greatest = np.where(known, np.maximum(greatest, others.max(axis=1)), np.nan)
+    some = crooked.any()
+    kind = np.where(alike & crooked[:, None] & crooked, greatest, np.nan)
+    usual = np.zeros_like(greatest)
+    if some:
+        usual[crooked] = np.nanquantile(kind[crooked], USUAL, axis=1)
+    greatest = np.where(known, np.maximum(np.maximum(greatest, others.max(axis=1)), usual), np.nan)
     weight = SAY * np.clip((straight - TAXICAB) / (RANDOM - TAXICAB), 0, 1)
     return np.asarray(greatest * (1 - weight) + mean * weight)
 
