@@ -104,9 +104,7 @@ def _shown(value: Any) -> str:
     return f"{value:.6g}" if isinstance(value, float) else str(value)
 
 
-def diagnose(
-    domain: Domain, operator: object, method: HeatMethod, reason: str = ""
-) -> Diagnosis:
+def diagnose(domain: Domain, operator: object, method: HeatMethod, reason: str = "") -> Diagnosis:
     """Return the diagnosis of `domain` as `method` sees it; `reason` is why it refines or not."""
     metric = method.metric
     sizes = np.bincount(metric.components)

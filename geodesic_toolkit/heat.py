@@ -112,6 +112,7 @@ class HeatMethod:
     """
 
     _substitute: HeatFlow | None
+    _scaled: EdgeGradient | None
 
     def __init__(
         self,
@@ -448,7 +449,8 @@ class HeatMethod:
         gradient = self._scaled_gradient()
         assert isinstance(gradient, EdgeGradient)
         own = np.bincount(gradient.edges.ravel(), minlength=self.n_vertices) / 2
-        return np.divide(own, gradient.measure, out=np.full(len(own), np.nan), where=own > 0)
+        unknown = np.full(len(own), np.nan)
+        return np.asarray(np.divide(own, gradient.measure, out=unknown, where=own > 0))
 
     # -- sources -------------------------------------------------------------------------------
 
@@ -465,7 +467,7 @@ class HeatMethod:
     def _set_up(self) -> None:
         """Set what is not part of the recipe: factors to come, and their lock."""
         self._lock, self._scale_lock = threading.Lock(), threading.Lock()
-        self._scaled: Gradient | None = None
+        self._scaled = None
         # Both systems have one pattern, where metric and diffusion do.
         self._shares_analysis = self.poisson_solver == self.heat_solver and not self.refine
         self._factorize_heat = SharedAnalysis(self.heat_solver, 2 if self._shares_analysis else 1)

@@ -317,9 +317,7 @@ class GeodesicSolver:
 
         with self._lock:
             if self._diagnosis is None:
-                self._diagnosis = diagnose(
-                    self._passable, self.operator, self.method, self._reason
-                )
+                self._diagnosis = diagnose(self._passable, self.operator, self.method, self._reason)
             return self._diagnosis
 
     def _locate(self, sources: Any, name: str = "sources") -> SourcePoints:

@@ -72,8 +72,9 @@ def test_the_edges_of_a_sphere_measure_the_sphere():
 
 def test_the_graph_of_a_long_tube_is_right_at_its_far_end():
     rings, around = 1200, 48
-    distance = gt.geodesic_distance(edges_of(shapes.tube(rings, around)), 0)
-    assert abs(distance[-around:].mean() / ((rings - 1) * np.sqrt(3) / 2) - 1) < 0.05
+    flat = gt.UniformLaplacian(dim=2)  # not an edge leads along the tube, by which to tell
+    distance = gt.geodesic_distance(edges_of(shapes.tube(rings, around)), 0, operator=flat)
+    assert abs(distance[-around:].mean() / ((rings - 1) * np.sqrt(3) / 2) - 1) < 0.03
 
 
 def test_loops_and_parallel_edges_change_nothing():
@@ -114,11 +115,14 @@ def test_plain_heat_refuses_lengths_too_far_apart_by_name():
     lengths = np.ones(square.n_edges)
     lengths[7] = 3e6
     graph = gt.Graph(25, square.edges, lengths)
-    named = f"that from {min(graph.edges[7])} to {max(graph.edges[7])}, connected to it, .* refine=True"
+    named = (
+        f"that from {min(graph.edges[7])} to {max(graph.edges[7])}, connected to it, .* refine=True"
+    )
     with pytest.raises(UnsupportedDomainError, match=named):
         gt.GeodesicSolver(graph, refine=False)
     solver = gt.GeodesicSolver(graph)
-    assert solver.method.refine and "too far apart" in solver.diagnosis.reason
+    assert solver.method.refine
+    assert "too far apart" in solver.diagnosis.reason
 
 
 def test_lengths_a_million_times_apart_still_have_a_distance():
@@ -211,7 +215,8 @@ def test_on_trees_of_any_branching_the_default_is_the_way_along_edges(children):
     graph = gt.Graph(800, np.column_stack([np.arange(1, 800), parents]), lengths)
     solver = gt.GeodesicSolver(graph)
     np.testing.assert_allclose(solver.distance(0), exact)
-    assert solver.diagnosis.refined and "one-dimensional" in solver.diagnosis.reason
+    assert solver.diagnosis.refined
+    assert "one-dimensional" in solver.diagnosis.reason
     assert solver.method.nbytes == 0
     plain = gt.GeodesicSolver(graph, refine=False).distance(0)
     assert mean_relative_error(plain, exact) < 0.1
@@ -250,7 +255,7 @@ def test_refinement_on_a_graph_is_the_way_along_edges_with_offsets_masks_and_row
     assert distance[8] == 4.0
     assert (distance[mask] == np.inf).all()
     late = gt.GeodesicSolver(graph, refine=True).distance(gt.OffsetSources([0, 35], [0.0, 8.5]))
-    assert late[35] == 8.5 and late[34] == 9.0 and late[30] == 5.0
+    np.testing.assert_array_equal(late[[35, 34, 30]], [8.5, 9.0, 5.0])
     rows = gt.GeodesicSolver(graph, refine=True).distances([0, [0, 35]])
     np.testing.assert_array_equal(rows[:, 35], [10.0, 0.0])
 
@@ -258,7 +263,7 @@ def test_refinement_on_a_graph_is_the_way_along_edges_with_offsets_masks_and_row
 @pytest.mark.parametrize("short", [0.0, 1e-12])
 @pytest.mark.parametrize("refine", [True, False])
 def test_vertices_at_one_place_read_alike(short, refine):
-    sheet, positions = lattice(20, 2)
+    sheet, _ = lattice(20, 2)
     twins = np.column_stack([np.arange(0, 400, 10), np.arange(400, 440)])
     lengths = np.concatenate([np.ones(sheet.n_edges), np.full(40, short)])
     graph = gt.Graph(440, np.concatenate([sheet.edges, twins]), lengths)

@@ -1,5 +1,7 @@
 """Whether a graph is made of lines, and how wide it is."""
 
+from typing import Any
+
 import numpy as np
 
 from geodesic_toolkit._typing import BoolArray, IntArray
@@ -11,6 +13,7 @@ NEARLY_EVERYWHERE = 0.05
 """Share of the vertices that may lie in meshes of a graph of lines. Trees, chains and streets with
 a bend each have none; square grids with every tenth edge missing have 0.8, three by three 0.11.
 """
+
 
 def share_of_meshes(n_vertices: int, edges: IntArray) -> float:
     """Return the share of vertices that lie in meshes, instead of on lines.
@@ -56,7 +59,7 @@ def _dead_ends(n_vertices: int, edges: IntArray) -> BoolArray:
         np.bitwise_xor.at(neighbours, last, ends)
         np.subtract.at(degree, last, 1)
         ends = np.unique(last[(degree[last] == 1) & ~gone[last]])
-    return gone
+    return np.asarray(gone)
 
 
 def widest_level(n_vertices: int, edges: IntArray) -> int:
@@ -75,12 +78,12 @@ def widest_level(n_vertices: int, edges: IntArray) -> int:
     from scipy.sparse.csgraph import dijkstra
 
     entries = (np.ones(len(edges)), tuple(edges.T))
-    adjacency = csr_array(coo_array(entries, shape=(n_vertices, n_vertices)))
+    adjacency: Any = csr_array(coo_array(entries, shape=(n_vertices, n_vertices)))
     labels = connected_by_edges(edges, n_vertices)
     start = int(np.argmax(labels == np.bincount(labels).argmax()))
     widths = []
     for _ in range(3):
-        hops = dijkstra(adjacency, directed=False, indices=start, unweighted=True)
+        hops = dijkstra(adjacency, directed=False, indices=[start], unweighted=True)[0]
         reached = np.where(np.isfinite(hops), hops, -1)
         widths.append(int(np.bincount(reached[reached >= 0].astype(np.int64)).max()))
         start = int(reached.argmax())

@@ -175,7 +175,7 @@ def _ball(matrix: Any, centre: int, limit: int) -> _Ball:
             break
         vertices = wider
     inner = matrix[vertices][:, vertices]
-    ways = dijkstra(inner, directed=False, indices=int(np.searchsorted(vertices, centre)))
+    ways = dijkstra(inner, directed=False, indices=[int(np.searchsorted(vertices, centre))])[0]
     if len(vertices) > limit:
         near = ways < np.partition(ways, limit)[limit]
         if np.count_nonzero(near) > limit // 4:  # not all on one sphere
@@ -214,7 +214,7 @@ def _rise(
 
 
 def _cells(graph: AlongEdges, centres: IntArray) -> tuple[IntArray, BoolArray]:
-    """Return the nearest of n centres to each vertex, -1 for none, and which cells are next, (n, n).
+    """Return the nearest of n centres to each vertex, or -1, and which cells are next, (n, n).
 
     Of the cells that touch one, those with the nearest centres.
     """

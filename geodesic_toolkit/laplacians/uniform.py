@@ -117,7 +117,9 @@ class UniformLaplacian(LaplaceOperator):
         part = connected_by_edges(edges, count)
         fault = _instead_of_heat(edges, lengths, part[edges[:, 0]])
         if fault and ways is None:
-            raise UnsupportedDomainError(f"{fault}; merge vertices that are as good as at one place")
+            raise UnsupportedDomainError(
+                f"{fault}; merge vertices that are as good as at one place"
+            )
         dim = self._dimension(domain, edges)
         measure = np.bincount(edges.ravel(), minlength=count) / (2.0 * dim)
         local = self.dim == "auto" and isinstance(domain, Graph)
