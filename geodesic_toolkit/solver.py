@@ -25,6 +25,7 @@ from geodesic_toolkit.geometry.seams import find_seams
 from geodesic_toolkit.heat import Boundary, HeatMethod, Progress
 from geodesic_toolkit.laplacians.base import LaplaceOperator
 from geodesic_toolkit.linear.base import LinearSolver
+from geodesic_toolkit.refine import made_of_triangles
 from geodesic_toolkit.refine_by_default import refinement_of
 from geodesic_toolkit.source_points import SourcePoints
 from geodesic_toolkit.sources import locate_sources
