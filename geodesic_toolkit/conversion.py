@@ -166,7 +166,7 @@ def graph_of_lengths(matrix: Any) -> Graph:
     if len(matrix.shape) != 2 or matrix.shape[0] != matrix.shape[1]:
         shape = " x ".join(map(str, matrix.shape))
         raise InvalidDomainError(f"a matrix of edge lengths is square, not {shape}")
-    entries = matrix.tocoo()  # explicit zeros among them: those are mistakes, which Graph names
+    entries = matrix.tocoo()  # explicit zeros among them: vertices at one place
     if entries.data.dtype.kind not in "buif":
         raise InvalidDomainError(f"edge lengths are real numbers, not {entries.data.dtype}")
     off = entries.row != entries.col

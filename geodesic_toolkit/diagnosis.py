@@ -14,7 +14,7 @@ from geodesic_toolkit.geometry.triangles import (
     frames_from_positions,
     proper_faces,
 )
-from geodesic_toolkit.heat import HeatMethod
+from geodesic_toolkit.heat import HeatMethod, HeatReport
 
 __all__ = ["Diagnosis", "diagnose"]
 
@@ -44,7 +44,10 @@ class Diagnosis:
         Share of the off-diagonal entries of the diffusion's stiffness that are positive, where a
         Laplacian with a maximum principle has none.
     refined : bool
-        Whether distances are refined; otherwise they are plain heat's.
+        Whether distances are refined; otherwise they are plain heat's. On a graph refined ones are
+        the shortest ways along edges.
+    reason : str
+        Why, where that was left open; empty where it was said.
     spacing : float
         Mean edge length h.
     time : float
@@ -53,7 +56,7 @@ class Diagnosis:
         The middle vertex of the largest component, from which heat was sent.
     reached, non_positive, stages : int
         Vertices connected to the probe; those whose heat was not positive; solves that the range
-        of the heat took.
+        of the heat took, 0 where none flows.
     notes : mapping
         What the operator found or decided.
 
@@ -75,6 +78,7 @@ class Diagnosis:
     minimum_angle: float | None
     positive_off_diagonals: float
     refined: bool
+    reason: str
     spacing: float
     time: float
     probe: int
@@ -100,13 +104,13 @@ def _shown(value: Any) -> str:
     return f"{value:.6g}" if isinstance(value, float) else str(value)
 
 
-def diagnose(domain: Domain, operator: object, method: HeatMethod) -> Diagnosis:
-    """Return the diagnosis of `domain` as `method` sees it."""
+def diagnose(domain: Domain, operator: object, method: HeatMethod, reason: str = "") -> Diagnosis:
+    """Return the diagnosis of `domain` as `method` sees it; `reason` is why it refines or not."""
     metric = method.metric
     sizes = np.bincount(metric.components)
     members = np.flatnonzero(metric.components == sizes.argmax())
     probe = int(members[len(members) // 2])
-    report = method.heat_report(probe)
+    report = method.heat_report(probe) if method.flows else HeatReport(int(sizes.max()), 0, 0)
     manifold, angle = _face_quality(domain)
     return Diagnosis(
         domain=repr(domain),
@@ -115,7 +119,7 @@ def diagnose(domain: Domain, operator: object, method: HeatMethod) -> Diagnosis:
         coarse_components=(
             coarse_components(domain, metric.components) if isinstance(domain, TriangleMesh) else 0
         ),
-        isolated_vertices=int((sizes == 1).sum()),
+        isolated_vertices=_isolated(metric),
         boundary_vertices=int(metric.boundary.sum()),
         non_manifold_edges=manifold,
         minimum_angle=angle,
@@ -127,8 +131,27 @@ def diagnose(domain: Domain, operator: object, method: HeatMethod) -> Diagnosis:
         reached=report.reached,
         non_positive=report.non_positive,
         stages=report.stages,
-        notes=metric.notes,
+        notes={**metric.notes, **_local_dimensions(method)},
+        reason=reason,
     )
+
+
+def _isolated(metric: Discretization) -> int:
+    """Return how many vertices are connected to nothing, nor at the place of another."""
+    alone = np.bincount(metric.components)[metric.components] == 1
+    others = metric.representatives
+    if len(others):
+        alone &= np.bincount(others, minlength=len(others))[others] == 1
+    return int(alone.sum())
+
+
+def _local_dimensions(method: HeatMethod) -> dict[str, Any]:
+    """Return the 5th, 50th and 95th percentile of the dimensions about the vertices of a graph."""
+    found = method.local_dimensions
+    if found is None or np.isnan(found).all():
+        return {}
+    low, middle, high = np.nanpercentile(found, [5, 50, 95]).round(2).tolist()
+    return {"local_dimensions": (low, middle, high)}
 
 
 def _positive_share(discretization: Discretization) -> float:

@@ -10,13 +10,14 @@ from typing import TYPE_CHECKING, Any, final
 import numpy as np
 
 from geodesic_toolkit import _native
-from geodesic_toolkit._checks import check_finite, coerce
+from geodesic_toolkit._checks import check_finite, check_range, coerce
 from geodesic_toolkit._frozen import FrozenArrays, freeze, freeze_csr
 from geodesic_toolkit._rows import CompressedRows
 from geodesic_toolkit._typing import BoolArray, FloatArray, IntArray
 from geodesic_toolkit.errors import InvalidDiscretizationError
+from geodesic_toolkit.geometry.along_edges import AlongEdges
 from geodesic_toolkit.geometry.components import connected_vertices
-from geodesic_toolkit.gradient import ElementGradient, Gradient
+from geodesic_toolkit.gradient import EdgeGradient, ElementGradient, Gradient
 
 if TYPE_CHECKING:
     from scipy.sparse import csr_array
@@ -55,6 +56,16 @@ class Discretization(FrozenArrays):
     surface : ElementGradient, optional
         The triangles of the surface, where the gradient's elements are others: those are what
         fronts cross and distances are measured on.
+    along_edges : AlongEdges, optional
+        The shortest ways along the edges of a graph, which no distance exceeds, and which
+        refinement takes.
+    representatives : ndarray of shape (N,), int64, optional
+        The vertex whose distance each vertex reads: another one where several are at one place, of
+        which one has entries in the stiffness.
+    local_scale : bool, optional
+        Whether the gradient's measure is right but for a factor about each vertex, which is to be
+        read off potentials (:mod:`geodesic_toolkit.geometry.local_scale`). For edge gradients that
+        come with `along_edges`.
     notes : mapping, optional
         What the operator found or decided on the way, by name, for people to read: a number of
         flipped edges, whose normals were used.
@@ -83,10 +94,13 @@ class Discretization(FrozenArrays):
     scales: FloatArray = field(default_factory=lambda: np.zeros(0))
     surface_frames: FloatArray = field(default_factory=lambda: np.zeros((0, 3)))
     surface: ElementGradient | None = None
+    along_edges: AlongEdges | None = None
+    representatives: IntArray = field(default_factory=lambda: np.zeros(0, dtype=np.int64))
+    local_scale: bool = False
     notes: Mapping[str, Any] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
-        coerce(self, mass=np.float64, boundary=np.bool_)
+        coerce(self, mass=np.float64, boundary=np.bool_, representatives=np.int64)
         count = len(self.mass)
         if self.mass.ndim != 1 or self.boundary.shape != (count,):
             raise InvalidDiscretizationError(
@@ -114,6 +128,7 @@ class Discretization(FrozenArrays):
         self._set_rows(count)
         self._check_scales(count)
         self._check_frames()
+        self._check_graph()
         freeze(self.mass)
         freeze(self.boundary)
         object.__setattr__(self, "spacing", float(self.spacing))
@@ -177,6 +192,20 @@ class Discretization(FrozenArrays):
                 )
             check_finite(frames, "the surface frame of element")
         freeze(frames)
+
+    def _check_graph(self) -> None:
+        others = self.representatives
+        if len(others):
+            if others.shape != self.mass.shape:
+                raise InvalidDiscretizationError(f"representatives {others.shape} must be (N,)")
+            check_range(others, len(others), "representative")
+        freeze(others)
+        if self.local_scale and not (
+            isinstance(self.gradient, EdgeGradient) and self.along_edges is not None
+        ):
+            raise InvalidDiscretizationError(
+                f"a local scale is for gradients along edges with lengths, not {self.gradient!r}"
+            )
 
     @property
     def n_vertices(self) -> int:

@@ -13,7 +13,7 @@ from typing import Any, TypeAlias
 import numpy as np
 from numpy.typing import ArrayLike
 
-from geodesic_toolkit._typing import FloatArray
+from geodesic_toolkit._typing import FloatArray, IntArray
 from geodesic_toolkit._warning import warn
 from geodesic_toolkit.bounds import DistanceBounds
 from geodesic_toolkit.discretization import Discretization
@@ -22,6 +22,8 @@ from geodesic_toolkit.errors import (
     NonPositiveHeatWarning,
     UnsupportedDomainError,
 )
+from geodesic_toolkit.geometry.along_edges import AlongEdges
+from geodesic_toolkit.gradient import EdgeGradient, Gradient
 from geodesic_toolkit.heat_flow import Boundary, Heat, HeatFlow, HeatReport
 from geodesic_toolkit.linear.base import LinearSolver
 from geodesic_toolkit.linear.memory import array_bytes, require_memory
@@ -75,7 +77,8 @@ class HeatMethod:
     refine : bool
         Instead of steps 2 and 3, sweep wavefronts over the triangles in the order of the heat
         (:mod:`geodesic_toolkit.refine`): several times more accurate, exact at the sources, and no
-        Poisson system is factorised. For metrics made of triangles.
+        Poisson system is factorised. For metrics made of triangles. On a graph, whose metric knows
+        the ways along its edges, take the shortest of those instead, without any heat.
     bounds : DistanceBounds, optional
         What refined distances are held to.
 
@@ -87,7 +90,7 @@ class HeatMethod:
         resolve small values.
     UnsupportedDomainError
         Metric and diffusion with different numbers of vertices; refinement of something else than
-        triangles.
+        triangles or graphs; a graph that heat cannot measure.
     SolverError, NotEnoughMemoryError
         A factorisation failed.
 
@@ -109,6 +112,7 @@ class HeatMethod:
     """
 
     _substitute: HeatFlow | None
+    _scaled: EdgeGradient | None
 
     def __init__(
         self,
@@ -148,6 +152,9 @@ class HeatMethod:
             raise InvalidOptionError(f"refine must be True or False, not {refine!r}")
         self.refine = bool(refine)
         self.bounds = bounds
+        ways = metric.along_edges
+        if ways is not None and ways.instead_of_heat and not self.refine:
+            raise UnsupportedDomainError(f"{ways.instead_of_heat}; use refine=True")
         self._set_up()
 
     # -- the three steps -----------------------------------------------------------------------
@@ -233,6 +240,9 @@ class HeatMethod:
 
     def _solve(self, block: Sequence[SourcePoints], distances: FloatArray) -> HeatReport | None:
         """Write the distances from one block of source sets, (K, N): the paper's three steps."""
+        if self._takes_edges:
+            self._along_edges(block, distances)
+            return None
         if self._sweeper is not None:
             heat, worst = self._diffuse(block)
             self._sweep(heat, block, distances)
@@ -243,8 +253,9 @@ class HeatMethod:
         room = None if late else distances.reshape(self.n_vertices, len(block))
         heat, worst = self._diffuse(block, room)
         values = heat.values[:, 0] if len(block) == 1 else heat.values
-        load = self.metric.gradient.descent_load(values, logarithmic=heat.logarithmic)
-        self._poisson.distances(load, heat, block, distances)
+        load = self._scaled_gradient().descent_load(values, logarithmic=heat.logarithmic)
+        self._poisson.distances(load, heat, self._settled(block), distances)
+        self._hold_to_graph(block, distances)
         return worst
 
     def log_heat(
@@ -258,7 +269,7 @@ class HeatMethod:
         """
         heat, worst = self._diffuse([self._source_points(sources)])
         self._warn_of(None if only_order else worst)
-        return heat.log()[:, 0]
+        return self._read(heat.log()[:, 0])
 
     def heat(self, sources: ArrayLike | SourcePoints) -> FloatArray:
         """Return the heat u of step 1 as the solver gives it, of shape (N,).
@@ -266,14 +277,14 @@ class HeatMethod:
         It underflows some 700 edges from the source, and shows what `log_heat` cures: zeros and
         negative values. Parameters and errors are those of `distance`.
         """
-        return self._flow.heat([self._source_points(sources)])[:, 0]
+        return self._read(self._flow.heat(self._settled([self._source_points(sources)]))[:, 0])
 
     def heat_report(self, sources: ArrayLike | SourcePoints) -> HeatReport:
         """Return how far the heat of one source set reaches and where it is not positive.
 
         Parameters and errors are those of `distance`.
         """
-        _, reports = self._flow.diffuse([self._source_points(sources)])
+        _, reports = self._flow.diffuse(self._settled([self._source_points(sources)]))
         return reports[0]
 
     def integrate(self, field: FloatArray) -> FloatArray:
@@ -300,6 +311,7 @@ class HeatMethod:
 
         Where heat turns negative, it is that of a diffusion which cannot.
         """
+        block = self._settled(block)
         heat, reports = self._flow.diffuse(block, room=room)
         harmed = [k for k, report in enumerate(reports) if report.harmful]
         worst = None
@@ -361,6 +373,89 @@ class HeatMethod:
         if self.bounds is not None:
             self.bounds.hold(distances, block, n_threads=n_threads)
 
+    # -- graphs --------------------------------------------------------------------------------
+
+    @property
+    def flows(self) -> bool:
+        """Whether distances come from heat, if only from its order."""
+        return not self._takes_edges
+
+    @property
+    def _takes_edges(self) -> bool:
+        """Whether distances are the shortest ways along edges, and no heat flows."""
+        return self.refine and self.metric.along_edges is not None
+
+    def _along_edges(self, block: Sequence[SourcePoints], distances: FloatArray) -> None:
+        """Write the shortest ways along edges, (K, N)."""
+        assert self.metric.along_edges is not None
+        begins = np.cumsum([0, *(len(points.vertices) for points in block)])
+        known = [points.distances + points.starts[points.rows] for points in block]
+        vertices = np.concatenate([points.vertices for points in block])
+        distances[:] = self.metric.along_edges.distances(begins, vertices, np.concatenate(known))
+
+    def _hold_to_graph(self, block: Sequence[SourcePoints], distances: FloatArray) -> None:
+        """Lower distances (K, N) in place to the ways along edges, of all vertices at a place."""
+        if len(self.metric.representatives):
+            distances[:] = self._read(distances)
+        if self.metric.along_edges is not None:
+            ways = np.empty_like(distances)
+            self._along_edges(block, ways)
+            np.minimum(distances, ways, out=distances, where=np.isfinite(distances))
+
+    def _settled(self, block: Sequence[SourcePoints]) -> Sequence[SourcePoints]:
+        """Return sources at vertices that the stiffness connects."""
+        others = self.metric.representatives
+        return [points.moved_to(others) for points in block] if len(others) else block
+
+    def _read(self, values: FloatArray) -> FloatArray:
+        """Return values (..., N) with what each vertex reads at its representative."""
+        others = self.metric.representatives
+        return np.asarray(values[..., others]) if len(others) else values
+
+    def _scaled_gradient(self) -> Gradient:
+        """Return the gradient of the metric, with the scale that its potentials ask for."""
+        if not self.metric.local_scale:
+            return self.metric.gradient
+        with self._scale_lock:
+            if self._scaled is None:
+                self._scaled = self._locally_scaled()
+            return self._scaled
+
+    def _locally_scaled(self) -> EdgeGradient:
+        from geodesic_toolkit.geometry.local_scale import rises
+
+        gradient = self.metric.gradient
+        assert isinstance(gradient, EdgeGradient)  # for the type checker
+
+        def potentials(sets: list[IntArray]) -> FloatArray:
+            block = [SourcePoints.at_vertices(own, self.n_vertices) for own in sets]
+            heat, _ = self._diffuse(block)
+            load = gradient.descent_load(heat.values, logarithmic=heat.logarithmic)
+            return self._poisson.factor().solve(load).T
+
+        lengths = 1 / np.sqrt(gradient.edge_weights)
+        graph = AlongEdges(self.n_vertices, gradient.edges, lengths)
+        own = np.bincount(gradient.edges.ravel(), minlength=self.n_vertices) / 2
+        dimension = max(1, round(own.sum() / gradient.measure.sum())) if own.any() else 1
+        found = rises(graph, self.metric.components, dimension, potentials)
+        # Never less than one dimension: there the whole of a rise is along the edge.
+        measure = np.minimum(gradient.measure / found**2, own)
+        return EdgeGradient(gradient.edges, gradient.edge_weights, measure)
+
+    @property
+    def local_dimensions(self) -> FloatArray | None:
+        """The dimension about each vertex that the local scale of a graph amounts to, (N,).
+
+        NaN at vertices without edges; None where no local scale is taken.
+        """
+        if self._takes_edges or not self.metric.local_scale:
+            return None
+        gradient = self._scaled_gradient()
+        assert isinstance(gradient, EdgeGradient)
+        own = np.bincount(gradient.edges.ravel(), minlength=self.n_vertices) / 2
+        unknown = np.full(len(own), np.nan)
+        return np.asarray(np.divide(own, gradient.measure, out=unknown, where=own > 0))
+
     # -- sources -------------------------------------------------------------------------------
 
     def _source_points(self, sources: Any, position: int | None = None) -> SourcePoints:
@@ -375,7 +470,8 @@ class HeatMethod:
 
     def _set_up(self) -> None:
         """Set what is not part of the recipe: factors to come, and their lock."""
-        self._lock = threading.Lock()
+        self._lock, self._scale_lock = threading.Lock(), threading.Lock()
+        self._scaled = None
         # Both systems have one pattern, where metric and diffusion do.
         self._shares_analysis = self.poisson_solver == self.heat_solver and not self.refine
         self._factorize_heat = SharedAnalysis(self.heat_solver, 2 if self._shares_analysis else 1)
@@ -390,7 +486,9 @@ class HeatMethod:
             self.heat_solver,
             factorize=self._factorize_heat,
         )
-        self._sweeper = WavefrontSweeper(self.metric) if self.refine else None
+        self._sweeper = None
+        if self.refine and not self._takes_edges:
+            self._sweeper = WavefrontSweeper(self.metric)
         self._substitute = None
 
     @property
@@ -411,17 +509,21 @@ class HeatMethod:
 
         The Poisson system is left out where distances are refined: they do not need it.
         """
+        if self._takes_edges:
+            return self
         beside: Callable[[], object] = self._poisson.factor
         if self._sweeper is not None:
             beside = self._sweeper.prepare
         if self.n_vertices < WORTH_A_THREAD:
             self._flow.systems()
             beside()
+            self._scaled_gradient()
             return self
         with ThreadPoolExecutor(1) as pool:  # the other on a second thread
             other = pool.submit(beside)
             self._flow.systems()
             other.result()
+        self._scaled_gradient()
         return self
 
     @property
@@ -437,6 +539,8 @@ class HeatMethod:
         What stands when the factors are begun (the discretization and both systems), and what they
         take; 0 where the linear solver does not foresee that.
         """
+        if self._takes_edges:
+            return array_bytes(self.metric, self.diffusion)
         systems = [system.matrix for system in self._flow.systems()]
         factors = self._factorize_heat.expected_bytes()
         if factors and not self._shares_analysis and self._sweeper is None:

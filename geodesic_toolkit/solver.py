@@ -26,6 +26,7 @@ from geodesic_toolkit.heat import Boundary, HeatMethod, Progress
 from geodesic_toolkit.laplacians.base import LaplaceOperator
 from geodesic_toolkit.linear.base import LinearSolver
 from geodesic_toolkit.refine import made_of_triangles
+from geodesic_toolkit.refine_by_default import refinement_of
 from geodesic_toolkit.source_points import SourcePoints
 from geodesic_toolkit.sources import locate_sources
 
@@ -71,8 +72,10 @@ class GeodesicSolver:
     refine : bool or "auto"
         True: sweep wavefronts over the triangles in the order of the heat, instead of solving the
         Poisson equation. That is several times more accurate on meshes and clouds, and exact at
-        the sources. False: plain heat, the paper's own result, which is smooth. "auto" refines
-        wherever the elements are triangles.
+        the sources. False: plain heat, the paper's own result, which is smooth. On a graph True is
+        the shortest way along its edges, and False the distance across them of what it samples.
+        "auto" refines wherever the elements are triangles, and on graphs that are made of lines, as
+        trees and streets, or whose factor would take too long; `diagnosis` says why.
     mask : array-like of shape (N,), bool, optional
         True at vertices that paths may not cross: faces and edges that touch one do not conduct,
         and it reads ``inf`` itself. It needs no boundary of its own: what is left ends there.
@@ -138,8 +141,9 @@ class GeodesicSolver:
         self._passable: Domain = domain
         self.operator.check_domain(domain)
         metric = self.operator.assemble(domain)
+        self._reason = ""
         if isinstance(refine, str):
-            refine = _refine_by_default(refine, metric)
+            refine, self._reason = _refine_by_default(refine, metric)
         heat_solver, poisson_solver = resolve_solvers(solver, domain.n_vertices, refine=refine)
         self._seams = (
             find_seams(domain.vertices, domain.faces, metric.boundary)
@@ -314,7 +318,7 @@ class GeodesicSolver:
 
         with self._lock:
             if self._diagnosis is None:
-                self._diagnosis = diagnose(self._passable, self.operator, self.method)
+                self._diagnosis = diagnose(self._passable, self.operator, self.method, self._reason)
             return self._diagnosis
 
     def _locate(self, sources: Any, name: str = "sources") -> SourcePoints:
@@ -397,8 +401,8 @@ class GeodesicSolver:
         )
 
 
-def _refine_by_default(choice: str, metric: Discretization) -> bool:
-    """Return whether "auto" refines: where the elements are triangles."""
+def _refine_by_default(choice: str, metric: Discretization) -> tuple[bool, str]:
+    """Return whether "auto" refines, and why."""
     if choice != "auto":
         raise InvalidOptionError(f'refine must be True, False or "auto", not {choice!r}')
-    return made_of_triangles(metric)
+    return refinement_of(metric)

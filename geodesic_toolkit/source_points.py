@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
@@ -61,6 +61,10 @@ class SourcePoints:
         """Return sources at vertices."""
         count = len(vertices)
         return cls(vertices, np.ones(count), np.arange(count + 1), n_vertices, np.zeros(count))
+
+    def moved_to(self, representatives: IntArray) -> SourcePoints:
+        """Return the same sources at the representatives of their vertices, of shape (N,)."""
+        return replace(self, vertices=representatives[self.vertices])
 
     @property
     def count(self) -> int:

@@ -250,7 +250,7 @@ def test_one_triangle_of_a_matrix_is_enough_and_the_shorter_length_counts():
         (sp.csr_array(np.ones((2, 3))), "square, not 2 x 3"),
         (sp.coo_array(np.ones(4)), "square, not 4"),
         (sp.csr_array([[0, 1j], [1j, 0]]), "edge lengths are real numbers, not complex128"),
-        (sp.coo_array(([0.0], ([0], [1])), shape=(2, 2)), "edge 0 has length 0.0"),
+        (sp.coo_array(([-1.0], ([0], [1])), shape=(2, 2)), "edge 0 has length -1.0"),
         (sp.csr_array([[0, -1.0], [-1.0, 0]]), "edge 0 has length -1.0"),
         (sp.csr_array([[0, 1.0], [np.nan, 0]]), "edge 1 has length nan"),
     ],

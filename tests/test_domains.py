@@ -142,7 +142,7 @@ def test_normals_of_any_length_become_unit():
         (2, [[0, 2]], None, "edge 0 refers to vertex 2"),
         (2, [[0, 1, 1]], None, r"edges must have shape \(n, 2\)"),
         (2, [[0, 1]], [1.0, 2.0], r"lengths must have shape \(1,\), not \(2,\)"),
-        (2, [[0, 1]], [0.0], "edge 0 has length 0.0"),
+        (2, [[0, 1]], [-0.5], "edge 0 has length -0.5"),
         (2, [[0, 1]], [-1.0], "edge 0 has length -1.0"),
         (2, [[0, 1]], [np.nan], "edge 0 has length nan"),
     ],

@@ -8,7 +8,6 @@ from scipy.sparse.csgraph import minimum_spanning_tree
 
 import geodesic_toolkit as gt
 from geodesic_toolkit.errors import InvalidOptionError, UnsupportedDomainError
-from geodesic_toolkit.geometry.dimension import graph_dimension
 from geodesic_toolkit.testing import shapes
 
 # Mean relative errors allowed, from what was measured: paths 0.003 % at 100 vertices, square grids
@@ -73,28 +72,9 @@ def test_the_edges_of_a_sphere_measure_the_sphere():
 
 def test_the_graph_of_a_long_tube_is_right_at_its_far_end():
     rings, around = 1200, 48
-    distance = gt.geodesic_distance(edges_of(shapes.tube(rings, around)), 0)
+    flat = gt.UniformLaplacian(dim=2)  # not an edge leads along the tube, by which to tell
+    distance = gt.geodesic_distance(edges_of(shapes.tube(rings, around)), 0, operator=flat)
     assert abs(distance[-around:].mean() / ((rings - 1) * np.sqrt(3) / 2) - 1) < 0.03
-
-
-@pytest.mark.parametrize(
-    ("graph", "dim"),
-    [
-        (bent_path(50)[0], 1),
-        (bent_path(3)[0], 1),
-        (lattice(12, 2)[0], 2),
-        (lattice(40, 2)[0], 2),
-        (lattice(9, 3)[0], 3),
-        (lattice(25, 3)[0], 3),
-        (edges_of(shapes.icosphere(3)), 2),
-        (edges_of(shapes.tube(30, 12)), 2),
-        (gt.Graph(4, []), 1),
-    ],
-    ids=["path", "3-path", "square", "large square", "cube", "large cube", "sphere",
-         "tube", "no edges"],
-)  # fmt: skip
-def test_the_dimension_is_read_off_the_growth_of_balls(graph, dim):
-    assert graph_dimension(graph.n_vertices, graph.edges) == dim
 
 
 def test_loops_and_parallel_edges_change_nothing():
@@ -125,13 +105,24 @@ def test_on_a_tree_of_uneven_edges_order_follows_the_path():
 
 
 @pytest.mark.parametrize("lengths", [[0.5, 1e-7, 1.0], [3e6, 1.0, 2.0], [1e-60, 1.0, 1e60]])
-def test_lengths_too_far_apart_for_floats_are_refused_by_name(lengths):
+def test_lengths_too_far_apart_for_heat_are_measured_along_edges(lengths):
     graph = gt.Graph(4, [[0, 1], [2, 1], [2, 3]], lengths)
-    short, long = np.argmin(lengths), np.argmax(lengths)
-    named = [f"{min(graph.edges[edge])} to {max(graph.edges[edge])}" for edge in (short, long)]
-    message = f"from vertex {named[0]} is .* that from {named[1]}, connected to it, .* merge"
-    with pytest.raises(UnsupportedDomainError, match=message):
-        gt.GeodesicSolver(graph)
+    np.testing.assert_allclose(gt.geodesic_distance(graph, 0), np.cumsum([0, *lengths]))
+
+
+def test_plain_heat_refuses_lengths_too_far_apart_by_name():
+    square, _ = lattice(5, 2)
+    lengths = np.ones(square.n_edges)
+    lengths[7] = 3e6
+    graph = gt.Graph(25, square.edges, lengths)
+    named = (
+        f"that from {min(graph.edges[7])} to {max(graph.edges[7])}, connected to it, .* refine=True"
+    )
+    with pytest.raises(UnsupportedDomainError, match=named):
+        gt.GeodesicSolver(graph, refine=False)
+    solver = gt.GeodesicSolver(graph)
+    assert solver.method.refine
+    assert "too far apart" in solver.diagnosis.reason
 
 
 def test_lengths_a_million_times_apart_still_have_a_distance():
@@ -171,3 +162,124 @@ def test_lengths_without_a_square_in_floats_are_refused(length):
 def test_options_outside_their_values_are_refused(options):
     with pytest.raises(InvalidOptionError):
         gt.UniformLaplacian(**options)
+
+
+def boxes(*shape, spacing=(1, 1, 1), diagonals=False):
+    """The graph of a box of voxels and their positions."""
+    index = np.arange(np.prod(shape)).reshape(shape)
+    steps = [step for step in np.ndindex(*(3,) * len(shape)) if step > (1,) * len(shape)]
+    edges = []
+    for step in np.array(steps) - 1:
+        if diagonals or np.abs(step).sum() == 1:
+            low = tuple(slice(max(0, -s), None if s <= 0 else -s) for s in step)
+            high = tuple(slice(max(0, s), None if s >= 0 else s) for s in step)
+            edges.append(np.column_stack([index[low].ravel(), index[high].ravel()]))
+    edges = np.concatenate(edges)
+    positions = np.stack(np.unravel_index(index.ravel(), shape), axis=1) * spacing[: len(shape)]
+    lengths = np.linalg.norm(positions[edges[:, 0]] - positions[edges[:, 1]], axis=1)
+    return gt.Graph(index.size, edges, lengths), positions.astype(float)
+
+
+@pytest.mark.parametrize(
+    ("shape", "options"),
+    [
+        ((300, 4), {}),
+        ((60, 60), {}),
+        ((60, 40), {"diagonals": True}),
+        ((200, 2, 2), {}),
+        ((120, 5, 5), {}),
+        ((100, 5, 5), {"diagonals": True}),
+        ((50, 40, 2), {}),
+        ((18, 18, 18), {}),
+        ((25, 25, 12), {"spacing": (1, 1, 8)}),
+    ],
+)
+def test_bars_plates_and_boxes_of_any_aspect_measure_euclidean_distance(shape, options):
+    graph, positions = boxes(*shape, **options)
+    solver = gt.GeodesicSolver(graph)
+    assert not solver.method.refine
+    errors = []
+    for source in (0, graph.n_vertices // 2, graph.n_vertices // 3):
+        exact = np.linalg.norm(positions - positions[source], axis=1)
+        errors.append(mean_relative_error(solver.distance(source), exact))
+    assert np.mean(errors) < 0.06  # of which the method has 4 % on boxes, whatever the scale
+
+
+@pytest.mark.parametrize("children", [1, 2, 3, 6])
+def test_on_trees_of_any_branching_the_default_is_the_way_along_edges(children):
+    parents = (np.arange(1, 800) - 1) // children
+    lengths = np.random.default_rng(children).uniform(0.3, 2.0, 799)
+    exact = np.zeros(800)
+    for child, parent in enumerate(parents, start=1):
+        exact[child] = exact[parent] + lengths[child - 1]
+    graph = gt.Graph(800, np.column_stack([np.arange(1, 800), parents]), lengths)
+    solver = gt.GeodesicSolver(graph)
+    np.testing.assert_allclose(solver.distance(0), exact)
+    assert solver.diagnosis.refined
+    assert "one-dimensional" in solver.diagnosis.reason
+    assert solver.method.nbytes == 0
+    plain = gt.GeodesicSolver(graph, refine=False).distance(0)
+    assert mean_relative_error(plain, exact) < 0.1
+    assert (plain <= exact).all()
+
+
+def test_a_sheet_and_the_chain_that_hangs_from_it_have_each_their_own_scale():
+    sheet, positions = lattice(40, 2)
+    chain = np.column_stack([np.arange(1599, 1899), np.arange(1600, 1900)])
+    graph = gt.Graph(1900, np.concatenate([sheet.edges, chain]))
+    exact = np.linalg.norm(positions - positions[-1], axis=1)
+    exact = np.concatenate([exact, np.arange(1, 301)])
+    distance = gt.geodesic_distance(graph, 1599)
+    assert mean_relative_error(distance[:1600], exact[:1600]) < 0.05
+    assert mean_relative_error(distance[1599:], exact[1599:]) < 0.05
+
+
+def test_distances_across_edges_are_held_to_the_ways_along_them_and_sources_read_their_offsets():
+    graph, _ = boxes(30, 20, diagonals=True)
+    solver = gt.GeodesicSolver(graph)
+    along = gt.GeodesicSolver(graph, refine=True)
+    for sources in (7, [0, 44, 599], gt.OffsetSources([3, 300], [0.0, 2.5])):
+        distance, bound = solver.distance(sources), along.distance(sources)
+        assert (distance >= 0).all()
+        assert (distance <= bound).all()
+    np.testing.assert_array_equal(solver.distance([0, 44, 599])[[0, 44, 599]], 0)
+    np.testing.assert_array_equal(distance[[3, 300]], [0.0, 2.5])
+
+
+def test_refinement_on_a_graph_is_the_way_along_edges_with_offsets_masks_and_rows():
+    graph, _ = lattice(6, 2)
+    mask = np.zeros(36, dtype=bool)
+    mask[[7, 13, 19, 25, 31]] = True  # a wall with a gap at its top
+    solver = gt.GeodesicSolver(graph, refine=True, mask=mask)
+    distance = solver.distance(6)
+    assert distance[8] == 4.0
+    assert (distance[mask] == np.inf).all()
+    late = gt.GeodesicSolver(graph, refine=True).distance(gt.OffsetSources([0, 35], [0.0, 8.5]))
+    np.testing.assert_array_equal(late[[35, 34, 30]], [8.5, 9.0, 5.0])
+    rows = gt.GeodesicSolver(graph, refine=True).distances([0, [0, 35]])
+    np.testing.assert_array_equal(rows[:, 35], [10.0, 0.0])
+
+
+@pytest.mark.parametrize("short", [0.0, 1e-12])
+@pytest.mark.parametrize("refine", [True, False])
+def test_vertices_at_one_place_read_alike(short, refine):
+    sheet, _ = lattice(20, 2)
+    twins = np.column_stack([np.arange(0, 400, 10), np.arange(400, 440)])
+    lengths = np.concatenate([np.ones(sheet.n_edges), np.full(40, short)])
+    graph = gt.Graph(440, np.concatenate([sheet.edges, twins]), lengths)
+    distance = gt.GeodesicSolver(graph, refine=refine).distance(405)
+    plain = gt.GeodesicSolver(sheet, refine=refine).distance(50)
+    np.testing.assert_allclose(distance[:400], plain, rtol=0.02, atol=1e-9)
+    np.testing.assert_allclose(distance[400:], distance[twins[:, 0]], atol=1e-9)
+    assert distance[405] == 0
+    assert distance[50] <= short
+    assert gt.GeodesicSolver(graph).diagnosis.isolated_vertices == 0
+
+
+def test_a_graph_whose_factor_would_take_too_long_is_measured_along_edges():
+    rng = np.random.default_rng(0)
+    edges = rng.integers(3000, size=(24000, 2))
+    solver = gt.GeodesicSolver(gt.Graph(3000, edges, rng.uniform(0.5, 1.0, 24000)))
+    assert solver.method.nbytes == 0
+    assert "take too long" in solver.diagnosis.reason
+    assert np.isfinite(solver.distance(0)).all()

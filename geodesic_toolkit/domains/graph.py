@@ -35,7 +35,8 @@ class Graph(Domain):
     edges : array-like of shape (E, 2)
         Two vertex indices an edge, counted from 0, in either order.
     lengths : array-like of shape (E,), optional
-        Positive edge lengths; 1 each where left out.
+        Edge lengths, 0 or positive; 1 each where left out. Vertices that edges of length 0 connect
+        are one place under several indices.
 
     Attributes
     ----------
@@ -46,7 +47,7 @@ class Graph(Domain):
     ------
     InvalidDomainError
         No vertices, wrong shapes, an edge that refers to a vertex that is not there, a length
-        that is not positive and finite. The message names the first offender.
+        that is negative or not finite. The message names the first offender.
 
     Examples
     --------
@@ -70,11 +71,10 @@ class Graph(Domain):
             metric = np.ones(len(pairs))
         else:
             metric = as_floats(lengths, "lengths", (len(pairs),))
-            bad = first_bad_row(np.isfinite(metric) & (metric > 0))
+            bad = first_bad_row(np.isfinite(metric) & (metric >= 0))
             if bad is not None:
                 raise InvalidDomainError(
-                    f"edge {bad} has length {metric[bad]}; lengths must be positive and finite "
-                    "(merge vertices that are no distance apart)"
+                    f"edge {bad} has length {metric[bad]}; lengths must be finite and not negative"
                 )
         object.__setattr__(self, "_n_vertices", int(n_vertices))
         object.__setattr__(self, "edges", freeze(pairs))
