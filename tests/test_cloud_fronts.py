@@ -119,7 +119,7 @@ def test_a_vertex_is_told_what_both_others_have_and_it_has_not():
     stars = np.array([(0, a, b) for a, b in own] + [(a, b, 0) for a, b in others])
     frames = np.tile([1.0, 0.0, 1.0], (len(stars), 1))
     for told, heard in ((False, [(1, 2), (2, 3)]), (True, [(1, 2), (2, 3), (1, 3)])):
-        corners = _native.gather_corners(stars, frames, True, told, 6)
+        corners = _native.gather_corners(stars, frames, True, told, np.zeros(6, dtype=bool))
         pairs = np.sort(np.column_stack([corners.a, corners.b])[: corners.starts[1]], axis=1)
         pairs = [(int(a), int(b)) for a, b in pairs]
         assert corners.ends[0] == len(heard)
