@@ -8,6 +8,7 @@ __all__ = [
     "CoarseMeshWarning",
     "ConformanceError",
     "FarSourceWarning",
+    "FragmentedCloudWarning",
     "GeodesicError",
     "GeodesicWarning",
     "InvalidDiscretizationError",
@@ -25,6 +26,7 @@ __all__ = [
     "ReadWarning",
     "SeamWarning",
     "SolverError",
+    "UnevenCloudWarning",
     "UnknownPluginError",
     "UnreachableError",
     "UnsupportedDomainError",
@@ -110,6 +112,14 @@ class ReadWarning(GeodesicWarning):
 
 class CoarseMeshWarning(GeodesicWarning):
     """Plain heat is 4 % off, or more, as a part of a mesh has few vertices; refined is better."""
+
+
+class FragmentedCloudWarning(GeodesicWarning):
+    """A point cloud has come apart: points among the neighbours of others are not connected."""
+
+
+class UnevenCloudWarning(GeodesicWarning):
+    """A cloud is sampled too unevenly for plain heat to be trusted; refined distances can be."""
 
 
 class NonPositiveHeatWarning(GeodesicWarning):

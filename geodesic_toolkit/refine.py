@@ -153,12 +153,12 @@ class WavefrontSweeper:
             Threads that share the sets.
         """
         count = self._gradient.n_vertices
+        fronts = [self._fronts_at(points) for points in block]
         vertices, known, curvatures = (
-            np.ascontiguousarray(np.concatenate(parts))
-            for parts in zip(*map(_fronts_at, block), strict=True)
+            np.ascontiguousarray(np.concatenate(parts)) for parts in zip(*fronts, strict=True)
         )
         begins = np.zeros(len(block) + 1, dtype=np.int64)
-        np.cumsum([len(points.vertices) for points in block], out=begins[1:])
+        np.cumsum([len(front[0]) for front in fronts], out=begins[1:])
         self._fronts.sweep(
             np.ascontiguousarray(heat),
             logarithmic,
@@ -174,6 +174,47 @@ class WavefrontSweeper:
             distances=distances,
             n_threads=n_threads,
         )
+
+    def _fronts_at(self, points: SourcePoints) -> tuple[IntArray, FloatArray, FloatArray]:
+        """Return the vertices at and around points, and the front there: d and κ.
+
+        A point of a cloud can be in hardly any star but its own: others stand for it, or stand in
+        front of it. Where it is a source, the points of its own star are told. On repeated passes
+        in pairs that takes the worst error from 19 to 2 %; told to all sources it costs bunny.off
+        a hundredth.
+        """
+        vertices, known, curvatures = points.vertices, points.distances, points.curvatures
+        if points.delayed:
+            known = known + points.starts[points.rows]
+        if not self._unheard.any():
+            return vertices, known, curvatures
+        for place in np.flatnonzero(self._unheard[vertices] & (points.distances == 0)):
+            others, lengths = self._ring(int(vertices[place]))
+            vertices = np.append(vertices, others)
+            curvatures = np.append(curvatures, 1 / lengths)
+            known = np.append(known, known[place] + lengths)
+        return vertices, known, curvatures
+
+    def _ring(self, centre: int) -> tuple[IntArray, FloatArray]:
+        """Return the other points of a star, and how far they are."""
+        gradient, given = self._gradient, self.metric.surface_frames
+        rows = np.flatnonzero(gradient.elements[:, 0] == centre)
+        others = gradient.elements[rows]
+        lengths = _native.edge_lengths(
+            np.ascontiguousarray((given if len(given) else gradient.inverse_frames)[rows])
+        )
+        ring, first = np.unique(others[:, 1:], return_index=True)
+        return ring, lengths[:, [2, 1]].ravel()[first]
+
+    @cached_property
+    def _unheard(self) -> BoolArray:
+        """Which points are in the stars of fewer than 3 of 4 of those in theirs, of shape (N,)."""
+        gradient = self._gradient
+        if not gradient.stars:
+            return np.zeros(1, dtype=np.bool_)
+        own = np.bincount(gradient.elements[:, 0], minlength=gradient.n_vertices)
+        others = np.bincount(gradient.elements[:, 1:].ravel(), minlength=gradient.n_vertices)
+        return np.asarray(2 * others < 3 * own)  # a star that has a point has two triangles with it
 
     @cached_property
     def _fronts(self) -> _native.Sweeper:
@@ -259,11 +300,3 @@ class WavefrontSweeper:
             return _native.star_curvatures(elements, frames, boundary, COARSE_STARS)
         triangles = (elements, areas, self._defects)
         return _native.curvatures(*triangles, self._corners, boundary, COARSE)
-
-
-def _fronts_at(points: SourcePoints) -> tuple[IntArray, FloatArray, FloatArray]:
-    """Return the vertices at and around points, and the front there: d and κ."""
-    known = points.distances
-    if points.delayed:
-        known = known + points.starts[points.rows]
-    return points.vertices, known, points.curvatures

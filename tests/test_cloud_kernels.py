@@ -8,7 +8,7 @@ from geodesic_toolkit import _native
 from geodesic_toolkit.geometry.neighbours import nearest_neighbours
 from geodesic_toolkit.geometry.normals import pca_normals
 from geodesic_toolkit.geometry.poles import pole_normals
-from geodesic_toolkit.geometry.stars import delaunay_stars
+from geodesic_toolkit.geometry.stars import delaunay_stars, tie_breakers
 from geodesic_toolkit.geometry.threads import threads_for
 from geodesic_toolkit.testing import shapes
 
@@ -220,16 +220,30 @@ def test_a_tip_points_away_from_its_neighbours():
 
 @pytest.fixture(scope="module")
 def cloud():
-    """Points, normals, neighbours and shares of a cloud of several pieces, with thin parts."""
+    """Points, normals, neighbours and weights of a cloud of several pieces, with thin parts."""
     points, _ = limb(5000)
     neighbours = nearest_neighbours(points, 30)
-    shares = np.random.default_rng(1).random(5000)
-    return points, pca_normals(points, neighbours[:, :12]), neighbours, shares
+    return (
+        points,
+        pca_normals(points, neighbours[:, :12]),
+        neighbours,
+        tie_breakers(points, neighbours),
+    )
 
 
-def native_stars(points, normals, neighbours, shares, n_threads=1):
+def native_stars(points, normals, neighbours, weights, n_threads=1):
+    centres = np.arange(len(weights))
     return _native.delaunay_stars(
-        points, normals, neighbours, shares, k=15, oriented=False, smooth=True, n_threads=n_threads
+        points,
+        normals,
+        centres,
+        neighbours,
+        np.full(len(centres), np.inf),
+        weights,
+        k=15,
+        oriented=False,
+        smooth=True,
+        n_threads=n_threads,
     )
 
 
@@ -268,7 +282,7 @@ def test_arrays_that_do_not_fit_together_are_refused(cloud, kernel, wrong):
     arrays = list(cloud)
     arrays[wrong] = arrays[wrong][:-1]
     if wrong == 3 and kernel is native_poles:
-        return  # it takes no shares
+        return  # it takes no weights
     with pytest.raises(ValueError, match="do not fit together"):
         kernel(*arrays)
 
@@ -278,11 +292,11 @@ def test_arrays_that_do_not_fit_together_are_refused(cloud, kernel, wrong):
 @pytest.mark.parametrize("index", [-1, 5000, 2**62, -(2**63)])
 @pytest.mark.parametrize("place", [(0, 0), (4999, 29)])
 def test_neighbours_that_are_no_points_are_refused(cloud, kernel, n_threads, index, place):
-    points, normals, neighbours, shares = cloud
+    points, normals, neighbours, weights = cloud
     wrong = neighbours.copy()
     wrong[place] = index
     with pytest.raises(ValueError, match="no point of the cloud, which has 5000"):
-        kernel(points, normals, wrong, shares, n_threads=n_threads)
+        kernel(points, normals, wrong, weights, n_threads=n_threads)
 
 
 def test_small_clouds_are_worth_one_thread():

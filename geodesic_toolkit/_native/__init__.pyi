@@ -306,14 +306,22 @@ class Sweeper:
 def delaunay_stars(
     points: Numbers,
     normals: Numbers,
+    centres: Indices,
     neighbours: Indices,
-    shares: Numbers,
+    reaches: Numbers,
+    weights: Numbers,
     k: int,
     oriented: bool,
     smooth: bool,
     n_threads: int,
 ) -> tuple[Indices, Numbers, Bools]:
     """Return the triangles of local Delaunay stars, their frames, and which stars are open."""
+
+def crowd_reaches(points: Numbers, neighbours: Indices, n_threads: int) -> Numbers:
+    """Return how far the line or the heap that a point is one of reaches, 0 where there is none."""
+
+def thinned(points: Numbers, neighbours: Indices, radii: Numbers) -> Bools:
+    """Return which points to keep so that each other one has one of them within its radius."""
 
 def pole_normals(points: Numbers, neighbours: Indices, normals: Numbers, n_threads: int) -> Numbers:
     """Return normals in which those that are in doubt point to the emptiest side."""

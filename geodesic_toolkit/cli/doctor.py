@@ -142,6 +142,7 @@ def _examine_installation(json: bool) -> None:
     problems = [f"{row['package']} is not installed" for row in packages if row["problem"]]
     problems += [f"{name}: {probe.detail}" for name, probe in probes.items() if not probe.works]
     problems += [one_line(row.error) for _, row in plugins if not row.usable]
+    normals = "open3d" if probes["open3d"].works else "pca"
     if json:
         show_json(
             {
@@ -152,6 +153,7 @@ def _examine_installation(json: bool) -> None:
                 "pictures": vars(probes["pictures"]),
                 "pages": vars(probes["pages"]),
                 "plugins": len(plugins),
+                "normals": normals,
                 "kernels": KERNELS,
                 "problems": problems,
                 "warnings": run.warnings,
@@ -174,6 +176,7 @@ def _examine_installation(json: bool) -> None:
     state.append(
         ("plugins", "fail" if broken else "work", f"{len(plugins)} installed, {broken} broken")
     )
+    state.append(("normals", normals, NORMALS[normals]))
     state.append(("kernels", "work", KERNELS))
     for line in aligned(state):
         show(line)
@@ -207,6 +210,14 @@ def _packages() -> list[dict[str, Any]]:
 
 
 KERNELS = f"compiled for level {_native.LEVEL} of x86-64, {_native.LANES} numbers a register"
+
+NORMALS = {
+    "open3d": 'of clouds without their own, by Open3D; PointCloudLaplacian(normals="pca") does '
+    "without it",
+    "pca": "of clouds without their own, by principal components, as Open3D cannot be imported: "
+    "pip install open3d, where there are wheels for this Python and system; or give normals, "
+    "PointCloud(points, normals)",
+}
 
 EVERYTHING = "everything"
 

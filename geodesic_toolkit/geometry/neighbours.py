@@ -1,10 +1,15 @@
-"""Distinct points and their nearest neighbours, by scikit-learn."""
+"""Distinct points and their nearest neighbours, by SciPy."""
 
 import numpy as np
 
 from geodesic_toolkit._typing import BoolArray, FloatArray, IntArray
+from geodesic_toolkit.geometry.threads import threads_for
 
-__all__ = ["GRID", "distinct_points", "nearest_neighbours", "normalised"]
+__all__ = ["GRID", "distinct_points", "nearest_among", "nearest_neighbours", "normalised"]
+
+AT_ONCE = 100_000
+"""Points whose neighbours are asked for at once: distances, which are not kept, take as much memory
+as the neighbours do."""
 
 GRID = 2.0**-36
 """Points closer than this share of the cloud's size are one: what follows divides by distances."""
@@ -73,7 +78,34 @@ def nearest_neighbours(points: FloatArray, k: int) -> IntArray:
     k : int
         Below N.
     """
-    from sklearn.neighbors import NearestNeighbors  # heavy: more than a second
+    everything = np.arange(len(points))
+    return nearest_among(points, everything, everything, k)
 
-    search = NearestNeighbors(n_neighbors=k + 1, algorithm="kd_tree").fit(points)
-    return np.asarray(search.kneighbors(n_neighbors=k, return_distance=False), dtype=np.int64)
+
+def nearest_among(points: FloatArray, kept: IntArray, asked: IntArray, k: int) -> IntArray:
+    """Return the k nearest other points among some of them, of shape (M, k), nearest first.
+
+    Parameters
+    ----------
+    points : ndarray of shape (N, 3), float64
+        Distinct.
+    kept : ndarray of shape (P,), int64
+        Those that are neighbours, ascending.
+    asked : ndarray of shape (M,), int64
+        Those whose neighbours are asked for.
+    k : int
+        Below P.
+    """
+    from scipy.spatial import cKDTree
+
+    tree = cKDTree(points if len(kept) == len(points) else points[kept])
+    is_kept = np.zeros(len(points), dtype=np.bool_)
+    is_kept[kept] = True
+    result = np.empty((len(asked), k), dtype=np.int64)
+    for begin in range(0, len(asked), AT_ONCE):
+        some = asked[begin : begin + AT_ONCE]
+        found = np.asarray(tree.query(points[some], k=k + 1, workers=threads_for(len(some)))[1])
+        # What is kept finds itself first.
+        near = np.where(is_kept[some][:, None], found[:, 1:], found[:, :-1])
+        result[begin : begin + AT_ONCE] = kept[near]
+    return result

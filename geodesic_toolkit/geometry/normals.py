@@ -30,18 +30,22 @@ SYSTEM_PACKAGES = {
 """Debian's and Ubuntu's names of the system packages that hold the libraries Open3D loads."""
 
 
-def pca_normals(points: FloatArray, neighbours: IntArray) -> FloatArray:
-    """Return the direction in which each point's neighbourhood extends least, of shape (N, 3).
+def pca_normals(
+    points: FloatArray, neighbours: IntArray, centres: IntArray | None = None
+) -> FloatArray:
+    """Return the direction in which each point's neighbourhood extends least, of shape (M, 3).
 
     Parameters
     ----------
     points : ndarray of shape (N, 3)
-    neighbours : ndarray of shape (N, k)
+    neighbours : ndarray of shape (M, k)
         The point itself is added.
+    centres : ndarray of shape (M,), optional
+        The points whose neighbours these are; all of them unless given.
     """
-    count, k = neighbours.shape
-    own = np.arange(count)[:, None]
-    places = points[np.concatenate([own, neighbours], axis=1)]
+    k = neighbours.shape[1]
+    own = np.arange(len(points)) if centres is None else centres
+    places = points[np.concatenate([own[:, None], neighbours], axis=1)]
     places -= places.mean(axis=1, keepdims=True)
     spread = places.transpose(0, 2, 1) @ places / (k + 1)
     _, axes = np.linalg.eigh(spread)

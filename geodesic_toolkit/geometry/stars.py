@@ -9,7 +9,11 @@ from geodesic_toolkit import _native
 from geodesic_toolkit._typing import BoolArray, FloatArray, IntArray
 from geodesic_toolkit.geometry.threads import threads_for
 
-__all__ = ["delaunay_stars"]
+__all__ = ["delaunay_stars", "tie_breakers"]
+
+JITTER = 1e-8
+"""How much points are told apart where four lie on a circle, in squared nearest distances: enough
+to drown rounding, so that the stars of a square grid agree on its diagonals."""
 
 
 def delaunay_stars(
@@ -20,6 +24,9 @@ def delaunay_stars(
     k: int,
     oriented: bool,
     smooth: bool,
+    centres: IntArray | None = None,
+    reaches: FloatArray | None = None,
+    weights: FloatArray | None = None,
 ) -> tuple[IntArray, FloatArray, BoolArray]:
     """Return the stars of all points as one triangle soup.
 
@@ -41,7 +48,7 @@ def delaunay_stars(
         Distinct.
     normals : ndarray of shape (N, 3), float64
         Of length 1.
-    neighbours : ndarray of shape (N, m), int64
+    neighbours : ndarray of shape (M, m), int64
         Nearest first, more than k if stars are to grow.
     k : int
         Neighbours to begin with.
@@ -49,6 +56,12 @@ def delaunay_stars(
         Whether the sign of a normal means something.
     smooth : bool
         Whether the points lie on the surface with hardly any noise.
+    centres : ndarray of shape (M,), int64, optional
+        The points whose stars are asked for, ascending; all of them unless given.
+    reaches : ndarray of shape (M,), float64, optional
+        The widest circle about a triangle of each star, in diameter; any unless given.
+    weights : ndarray of shape (N,), float64, optional
+        What :func:`tie_breakers` returns, where neighbours are not those of all points.
 
     Returns
     -------
@@ -56,7 +69,7 @@ def delaunay_stars(
         The centre of the star first; sorted by it.
     frames : ndarray of shape (E, 3), float64
         The planar frames ``(l, a, b)`` of the triangles, as in `geometry.triangles`.
-    open : ndarray of shape (N,), bool
+    open : ndarray of shape (M,), bool
         Where the star does not surround its point.
 
     References
@@ -64,14 +77,38 @@ def delaunay_stars(
     K. Q. Brown, *Voronoi diagrams from convex hulls*, Information Processing Letters 9, 1979,
     https://doi.org/10.1016/0020-0190(79)90074-7
     """
-    shares = np.random.default_rng(0).random(len(points))  # the same ones every time
+    if centres is None:
+        centres = np.arange(len(points))
+    if reaches is None:
+        reaches = np.full(len(centres), np.inf)
+    if weights is None:
+        weights = tie_breakers(points, neighbours)
     return _native.delaunay_stars(
         np.ascontiguousarray(points),
         np.ascontiguousarray(normals),
+        centres,
         np.ascontiguousarray(neighbours),
-        shares,
+        reaches,
+        weights,
         k=k,
         oriented=oriented,
         smooth=smooth,
-        n_threads=threads_for(len(points)),
+        n_threads=threads_for(len(centres)),
     )
+
+
+def tie_breakers(points: FloatArray, neighbours: IntArray) -> FloatArray:
+    """Return what squared distances from points are lessened by, (N,): no four lie on a circle.
+
+    Parameters
+    ----------
+    points : ndarray of shape (N, 3), float64
+    neighbours : ndarray of shape (N, m), int64
+        Nearest first.
+    """
+    if neighbours.shape[1] == 0:
+        return np.zeros(len(points))
+    shares = np.random.default_rng(0).random(len(points))  # the same ones every time
+    with np.errstate(invalid="ignore"):  # of coordinates that make no sense
+        steps = points[neighbours[:, 0]] - points
+    return np.asarray(JITTER * shares * np.einsum("nd,nd->n", steps, steps))

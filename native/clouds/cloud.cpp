@@ -8,7 +8,7 @@
 namespace geodesic {
 
 void check_neighbours(const Cloud& cloud, int n_threads) {
-  in_pieces(cloud.size(), kPointsAtOnce, n_threads, [&](Index begin, Index end) {
+  in_pieces(cloud.rows(), kPointsAtOnce, n_threads, [&](Index begin, Index end) {
     bool sound = true;  // a comparison of numbers without sign, in which a negative one is large
     for (Index i = begin * cloud.width; i < end * cloud.width; ++i)
       sound &= static_cast<std::uint64_t>(cloud.neighbours[i]) <

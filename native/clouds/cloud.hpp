@@ -7,12 +7,13 @@ namespace geodesic {
 
 struct Cloud {
   std::span<const double> points, normals;  // (N, 3); normals have length 1
-  std::span<const Index> neighbours;        // (N, width), nearest first
+  std::span<const Index> neighbours;        // (N, width), nearest first; or of some points only
   Index width;
 
   Index size() const { return count(points) / 3; }
-  std::span<const Index> around(Index point) const {
-    return neighbours.subspan(static_cast<std::size_t>(point * width),
+  Index rows() const { return width == 0 ? 0 : count(neighbours) / width; }
+  std::span<const Index> around(Index row) const {
+    return neighbours.subspan(static_cast<std::size_t>(row * width),
                               static_cast<std::size_t>(width));
   }
 };

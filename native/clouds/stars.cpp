@@ -1,6 +1,8 @@
 #include "clouds/stars.hpp"
 
 #include <cmath>
+#include <stdexcept>
+#include <string>
 #include <vector>
 
 #include "core/threads.hpp"
@@ -35,10 +37,6 @@ constexpr double kGrown = 0.2;
 
 // Sine of the smallest angle of a triangle at the centre of its star.
 constexpr double kThin = 1e-6;
-
-// How much points are told apart where four lie on a circle, in squared nearest distances: enough
-// to drown rounding, so that the stars of a square grid agree on its diagonals.
-constexpr double kJitter = 1e-8;
 
 struct Planar {
   double x, y;
@@ -82,14 +80,15 @@ class StarMaker {
     hull_.reserve(2 * static_cast<std::size_t>(cloud.width));
   }
 
-  // Add the triangles of a star, and return whether it is open.
-  bool add_star(Index centre, Soup& soup);
+  // Add the triangles of a star whose circles are no wider than `reach`, and return whether it is
+  // open.
+  bool add_star(Index centre, std::span<const Index> near, double reach, Soup& soup);
 
  private:
   void project(Index centre, std::span<const Index> near, Index wanted);
   void find_hull();
   void append(const Neighbour& item, std::size_t kept);
-  void add_triangles(Index centre, bool last, Soup& soup);
+  void add_triangles(Index centre, double reach, bool last, Soup& soup);
 
   const Cloud& cloud_;
   const std::span<const double> weights_;
@@ -171,7 +170,7 @@ void StarMaker::find_hull() {
 }
 
 // The last triangles that are tried are left out where they are obtuse and reach past the ball.
-void StarMaker::add_triangles(Index centre, bool last, Soup& soup) {
+void StarMaker::add_triangles(Index centre, double reach, bool last, Soup& soup) {
   closed_ = certain_ = true;
   for (std::size_t side = 0; side + 1 < hull_.size(); ++side) {
     const Neighbour &first = *hull_[side], &second = *hull_[side + 1];
@@ -183,6 +182,10 @@ void StarMaker::add_triangles(Index centre, bool last, Soup& soup) {
     }
     const double c = length(first.place - second.place), along = dot(first.place, second.place);
     const double diameter = a * b * c / spanned;  // of the circle through all three
+    if (diameter > reach) {
+      closed_ = false;
+      continue;
+    }
     if (diameter > radius_) {
       certain_ = false;
       if (last && (along < 0 || a * a < along || b * b < along)) {
@@ -195,8 +198,7 @@ void StarMaker::add_triangles(Index centre, bool last, Soup& soup) {
   }
 }
 
-bool StarMaker::add_star(Index centre, Soup& soup) {
-  const std::span<const Index> near = cloud_.around(centre);
+bool StarMaker::add_star(Index centre, std::span<const Index> near, double reach, Soup& soup) {
   const std::size_t start = soup.corners.size();
   bool is_open = true;
   for (const Index wanted : {options_.k, cloud_.width}) {
@@ -206,24 +208,11 @@ bool StarMaker::add_star(Index centre, Soup& soup) {
     soup.frames.resize(start);
     find_hull();
     const bool last = took_all_ || wanted == cloud_.width;
-    add_triangles(centre, last, soup);
+    add_triangles(centre, reach, last, soup);
     is_open = !closed_;
     if (last || (closed_ && certain_)) break;
   }
   return is_open;
-}
-
-// What distances are lessened by, squared, so that no four points lie on a circle.
-Array<double> told_apart(const Cloud& cloud, std::span<const double> shares, int n_threads) {
-  Array<double> weights(cloud.size(), 0.0);
-  if (cloud.width == 0) return weights;
-  in_pieces(cloud.size(), kPointsAtOnce, n_threads, [&](Index begin, Index end) {
-    for (Index v = begin; v < end; ++v) {
-      const Place nearest = at(cloud.points, cloud.around(v)[0]) - at(cloud.points, v);
-      weights[v] = dot(nearest, nearest) * kJitter * shares[v];
-    }
-  });
-  return weights;
 }
 
 // One table of the pieces of several.
@@ -239,19 +228,24 @@ Array<T> joined(const std::vector<Soup>& soups, std::vector<T> Soup::* table) {
 
 }  // namespace
 
-Stars delaunay_stars(const Cloud& cloud, std::span<const double> shares, const StarOptions& options,
-                     int n_threads) {
+Stars delaunay_stars(const Cloud& cloud, const Centres& centres, std::span<const double> weights,
+                     const StarOptions& options, int n_threads) {
   check_neighbours(cloud, n_threads);
-  const Array<double> weights = told_apart(cloud, shares, n_threads);
+  const Index n_centres = count(centres.points);
+  for (const Index centre : centres.points)
+    if (centre < 0 || centre >= cloud.size())
+      throw std::invalid_argument("a centre is no point of the cloud, which has " +
+                                  std::to_string(cloud.size()));
   StarOptions limited = options;
   limited.k = std::min(options.k, cloud.width);
-  Array<bool> is_open(cloud.size());
+  Array<bool> is_open(n_centres);
   std::vector<Soup> soups(
-      static_cast<std::size_t>((cloud.size() + kPointsAtOnce - 1) / kPointsAtOnce));
-  in_pieces(cloud.size(), kPointsAtOnce, n_threads, [&](Index begin, Index end) {
+      static_cast<std::size_t>((n_centres + kPointsAtOnce - 1) / kPointsAtOnce));
+  in_pieces(n_centres, kPointsAtOnce, n_threads, [&](Index begin, Index end) {
     StarMaker maker(cloud, weights, limited);
     Soup& soup = soups[static_cast<std::size_t>(begin / kPointsAtOnce)];
-    for (Index v = begin; v < end; ++v) is_open[v] = maker.add_star(v, soup);
+    for (Index c = begin; c < end; ++c)
+      is_open[c] = maker.add_star(centres.points[c], cloud.around(c), centres.reaches[c], soup);
   });
   return {joined(soups, &Soup::corners), joined(soups, &Soup::frames), std::move(is_open)};
 }

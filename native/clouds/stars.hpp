@@ -20,16 +20,23 @@ struct StarOptions {
 };
 
 struct Stars {
-  Array<Index> triangles;  // (E, 3), the centre of the star first, sorted by it
+  Array<Index> triangles;  // (E, 3), the centre of the star first, in the order of centres
   Array<double> frames;    // (E, 3): (l, a, b), corners at (0, 0), (l, 0) and (a, b)
-  Array<bool> is_open;     // where the star does not surround its point
+  Array<bool> is_open;     // (M,), where the star does not surround its centre
 };
 
-// `shares` are numbers from 0 to 1, one for each point, by which points on one circle are told
-// apart.
+// The points that stars are made of, one for each row of the cloud's neighbours, and how far each
+// may look.
+struct Centres {
+  std::span<const Index> points;
+  std::span<const double> reaches;
+};
+
+// `weights` are what squared distances are lessened by, one for each point, so that points on one
+// circle are told apart.
 //
-// Throws std::invalid_argument if a neighbour is no point of the cloud.
-Stars delaunay_stars(const Cloud& cloud, std::span<const double> shares, const StarOptions& options,
-                     int n_threads);
+// Throws std::invalid_argument if a neighbour or a centre is no point of the cloud.
+Stars delaunay_stars(const Cloud& cloud, const Centres& centres, std::span<const double> weights,
+                     const StarOptions& options, int n_threads);
 
 }  // namespace geodesic

@@ -2,8 +2,10 @@
 #include <cmath>
 #include <cstring>
 #include <limits>
+#include <numeric>
 #include <stdexcept>
 
+#include "clouds/crowds.hpp"
 #include "clouds/poles.hpp"
 #include "clouds/stars.hpp"
 #include "tests/check.hpp"
@@ -73,7 +75,12 @@ bool are_same(const Array<T>& a, const Array<T>& b) {
 }
 
 Stars stars_of(const Cloud& cloud, bool smooth, int n_threads) {
-  return delaunay_stars(cloud, random_numbers(cloud.size(), 2), {12, false, smooth}, n_threads);
+  std::vector<Index> centres(static_cast<std::size_t>(cloud.size()));
+  std::iota(centres.begin(), centres.end(), Index{0});
+  const std::vector<double> reaches(centres.size(), std::numeric_limits<double>::infinity());
+  std::vector<double> weights = random_numbers(cloud.size(), 2);
+  for (double& weight : weights) weight *= 1e-10;
+  return delaunay_stars(cloud, {centres, reaches}, weights, {12, false, smooth}, n_threads);
 }
 
 }  // namespace
@@ -128,5 +135,20 @@ TEST(neighbours_that_are_no_points_are_refused) {
     using Error = std::invalid_argument;
     CHECK(message_of<Error>([&] { stars_of(cloud.cloud, true, 2); }) == expected);
     CHECK(message_of<Error>([&] { pole_normals(cloud.cloud, 2); }) == expected);
+    CHECK(message_of<Error>([&] { crowd_reaches(cloud.cloud, 2); }) == expected);
+    CHECK(message_of<Error>([&] { thinned(cloud.cloud, cloud.points); }) == expected);
   }
+}
+
+TEST(the_first_of_a_heap_stays) {
+  std::vector<double> points;  // four heaps on a line, of which each point is near the first
+  for (Index v = 0; v < kPoints; ++v)
+    points.insert(points.end(), {static_cast<double>(v % 40), 1e-3 * (v / 40), 0.0});
+  const Example heaps{points};
+  const Array<double> reaches = crowd_reaches(heaps.cloud, 2);
+  CHECK(are_same(reaches, crowd_reaches(heaps.cloud, 1)));
+  std::vector<double> radii(kPoints, 0.02);
+  radii[kPoints - 1] = 0.0;
+  const Array<bool> kept = thinned(heaps.cloud, radii);
+  CHECK(kept[0] && kept[kPoints - 1] && !kept[40]);
 }

@@ -1,0 +1,137 @@
+"""What the parts of a cloud are like: how coarse each is, and whether it has come apart."""
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from geodesic_toolkit._typing import FloatArray, IntArray
+from geodesic_toolkit._warning import warn
+from geodesic_toolkit.errors import FragmentedCloudWarning
+
+__all__ = ["CloudParts", "warn_of_fragments"]
+
+SLIVER = 0.01
+"""Height of a triangle over its longest edge below which it is a sliver."""
+
+NEAREST = 8
+"""Neighbours of a point that tell whether another part is near."""
+
+LOST = 0.02
+"""Share of points in parts other than the largest from which on a cloud is said to have come apart:
+scans have outliers."""
+
+FEW = 100
+"""Points up to which a cloud is no scan, and nothing is said."""
+
+
+@dataclass(frozen=True)
+class CloudParts:
+    """The stars of a cloud and the parts that they connect.
+
+    Parameters
+    ----------
+    triangles : ndarray of shape (E, 3), int64
+    frames : ndarray of shape (E, 3), float64
+    shares : ndarray of shape (E,), float64
+        Weights of the triangles.
+    links : ndarray of shape (L, 2), int64
+    link_lengths : ndarray of shape (L,), float64
+    parts : ndarray of shape (N,), int64
+        The connected part of every place.
+    """
+
+    triangles: IntArray
+    frames: FloatArray
+    shares: FloatArray
+    links: IntArray
+    link_lengths: FloatArray
+    parts: IntArray
+
+    def scales(self, spacing: float) -> FloatArray:
+        """Return the length s of each part whose square is its default time step, of shape (C,).
+
+        The mean length of its spokes, but at least half of the root mean square edge, in which an
+        edge weighs what its triangles cover: as on meshes. Most points of a sweep lie close to the
+        scanner, and heat has to get across the triangles between the outermost rings.
+
+        Parameters
+        ----------
+        spacing : float
+            The mean length of all spokes, which a part without any gets.
+        """
+        mean, half = self._lengths(spacing)
+        return np.maximum(mean, half)
+
+    def _lengths(self, spacing: float) -> tuple[FloatArray, FloatArray]:
+        """Return the mean spoke and half of the root mean square edge of each part, (C,) both."""
+        count = int(self.parts.max()) + 1
+        mean = np.full(count, spacing)
+        square = np.zeros(count)
+        part = self.parts[self.triangles[:, 0]]
+        length, along, height = self.frames.T
+        weights = self.shares * length * height
+        if count > 1:
+            spokes = self.shares * (length + np.hypot(along, height)) / 2
+            ends = self.parts[self.links[:, 0]]
+            total = np.bincount(part, spokes, count) + np.bincount(ends, self.link_lengths, count)
+            number = np.bincount(part, self.shares, count) + np.bincount(ends, minlength=count)
+            np.divide(total, number, out=mean, where=number > 0)
+        squares = 2 * (length**2 + along**2 + height**2 - length * along) / 3  # mean of the edges
+        covered = np.bincount(part, weights, count)
+        np.divide(
+            np.bincount(part, weights * squares, count), covered, out=square, where=covered > 0
+        )
+        return mean, np.sqrt(square) / 2
+
+    def notes(self, neighbours: IntArray, spacing: float) -> dict[str, Any]:
+        """Return what people should know of the parts, by name.
+
+        Parameters
+        ----------
+        neighbours : ndarray of shape (N, k), int64
+            Nearest first.
+        spacing : float
+            The mean length of all spokes.
+        """
+        longest = np.maximum(self.frames[:, 0], np.hypot(self.frames[:, 1], self.frames[:, 2]))
+        thin = self.triangles[self.frames[:, 2] < SLIVER * longest, 0]
+        sizes = np.bincount(self.parts)
+        near = np.zeros(len(sizes), dtype=np.bool_)
+        if len(sizes) > 1:
+            own = self.parts[:, None]
+            foreign = (self.parts[neighbours[:, :NEAREST]] != own).any(axis=1)
+            near[self.parts[foreign]] = True
+        near[sizes.argmax()] = False
+        largest = sizes.argmax()
+        mean, half = self._lengths(spacing)
+        return {
+            "parts": len(sizes),
+            "torn_off": int(sizes[near].sum()),
+            "sliver_stars": len(np.unique(thin)),
+            "unevenness": float(max(half[largest] / mean[largest], 1.0)),
+        }
+
+
+def warn_of_fragments(notes: dict[str, Any], count: int) -> None:
+    """Warn where parts of a cloud lie among the neighbours of others, and nothing connects them.
+
+    Parameters
+    ----------
+    notes : mapping
+        Of the discretization.
+    count : int
+        Number N of places.
+    """
+    lost = notes["torn_off"]
+    if count <= FEW or lost <= LOST * count:
+        return
+    warn(
+        f"the cloud has come apart: {notes['parts']} parts, and {lost} of {count} points are not "
+        "connected to the largest, although they lie among its neighbours; their distance from it "
+        f"is inf. {notes['open_stars']} stars are open, {notes['sliver_stars']} have slivers. If "
+        "these points are of one surface, PointCloudLaplacian(k=...) with more neighbours bridges "
+        "wider gaps, gt.thin(cloud, spacing) evens out dense places, and given normals that are "
+        "right keep neighbours which estimated ones leave out",
+        FragmentedCloudWarning,
+    )

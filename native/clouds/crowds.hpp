@@ -1,0 +1,24 @@
+// Where points of a cloud stand closer in one direction, or in heaps, than the cloud does.
+#pragma once
+
+#include "clouds/cloud.hpp"
+
+namespace geodesic {
+
+// How far the crowd about each point reaches: 0 where there is none.
+//
+// A ball about a point of a surface holds four times as many points if it is twice as wide. Along a
+// scan line it has to be four times as wide for that, and about a heap of points wider still. The
+// reach is the distance to the last neighbour by which that shows: the next line, or the next heap,
+// is not nearer than that.
+//
+// Normals are not used. Throws std::invalid_argument if a neighbour is no point of the cloud.
+Array<double> crowd_reaches(const Cloud& cloud, int n_threads);
+
+// Which points to keep so that each other one has one of them nearer than its radius.
+//
+// Points are visited in their order, so that the first of a heap is kept; those of radius 0 always
+// are. Throws std::invalid_argument as above.
+Array<bool> thinned(const Cloud& cloud, std::span<const double> radii);
+
+}  // namespace geodesic

@@ -1,0 +1,258 @@
+"""Are clouds as sensors write them right: sweeps, scan lines, heaps, repeated passes?"""
+
+import warnings
+
+import numpy as np
+import pytest
+
+import geodesic_toolkit as gt
+from geodesic_toolkit import _native
+from geodesic_toolkit.errors import FragmentedCloudWarning, UnevenCloudWarning
+from geodesic_toolkit.geometry.crowds import representatives, restored
+from geodesic_toolkit.geometry.neighbours import nearest_neighbours
+from geodesic_toolkit.laplacians.cloud_parts import CloudParts, warn_of_fragments
+
+PCA = gt.PointCloudLaplacian(normals="pca")
+
+
+def solver_of(points, **options):
+    return gt.GeodesicSolver(gt.PointCloud(points), operator=PCA, **options)
+
+
+def scan_lines(anisotropy, noise=0.0, lines=24):
+    """Return points of lines that are so many times as far apart as their points."""
+    rng = np.random.default_rng(0)
+    along, across = np.meshgrid(np.arange(lines * anisotropy) / anisotropy, np.arange(lines))
+    along = along + rng.uniform(0, 1, (lines, 1)) + rng.uniform(-0.1, 0.1, along.shape) / anisotropy
+    heights = noise / anisotropy * rng.normal(size=along.size)
+    return np.column_stack([along.ravel(), across.ravel(), heights])
+
+
+def inside(points):
+    """Return which points of those lines are not near their ends, which do not lie on one line."""
+    return (points[:, 0] > 3) & (points[:, 0] < points[:, 0].max() - 3)
+
+
+def sphere(count):
+    """Return evenly spread points of the unit sphere, and their spacing."""
+    i = np.arange(count) + 0.5
+    polar, turn = np.arccos(1 - 2 * i / count), np.pi * (1 + 5**0.5) * i
+    points = [np.cos(turn) * np.sin(polar), np.sin(turn) * np.sin(polar), np.cos(polar)]
+    return np.column_stack(points), np.sqrt(4 * np.pi / count)
+
+
+def passes(times, noise, count=600):
+    """Return a sphere that was hit so many times, and the true points."""
+    points, spacing = sphere(count)
+    true = np.tile(points, (times, 1))
+    shaken = noise * spacing * np.random.default_rng(0).normal(size=true.shape)
+    return true + shaken, true
+
+
+def sweep(beams, lowest, highest, azimuths, noise=0.0, height=1.8):
+    """Return the points of flat ground that a spinning scanner writes."""
+    elevation = np.radians(np.linspace(lowest, highest, beams))
+    angle = np.arange(azimuths) * 2 * np.pi / azimuths
+    down, turn = np.meshgrid(elevation, angle, indexing="ij")
+    reach = height / np.sin(-down)
+    reach = (reach + noise * np.random.default_rng(0).normal(size=reach.shape)).ravel()
+    down, turn = down.ravel(), turn.ravel()
+    flat = reach * np.cos(down)
+    return np.column_stack([flat * np.cos(turn), flat * np.sin(turn), reach * np.sin(down)])
+
+
+def errors(distance, true, least):
+    far = true > least
+    assert np.isfinite(distance).all()
+    return np.abs(distance - true)[far] / true[far]
+
+
+# -- what sensors write --------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("noise", [0.0, 0.5])
+@pytest.mark.parametrize("anisotropy", [5, 10, 20, 40])
+def test_scan_lines_are_a_surface_however_far_apart(anisotropy, noise):
+    points = scan_lines(anisotropy, noise)
+    source, inner = len(points) // 3 + 12 * anisotropy, inside(points)
+    true = np.linalg.norm(points - points[source], axis=1)
+    off = errors(solver_of(points).distance(source)[inner], true[inner], least=2)
+    assert off.mean() < 0.006
+    assert off.max() < 0.08
+    off = errors(solver_of(points, refine=False).distance(source)[inner], true[inner], least=2)
+    assert off.mean() < 0.04
+    assert off.max() < 0.12
+
+
+@pytest.mark.parametrize("noise", [0.0, 0.02])
+def test_one_sweep_of_sixteen_beams_reaches_its_outermost_ring(noise):
+    points = sweep(16, -15, -1, 900, noise)
+    source = 8 * 900
+    true = np.linalg.norm(points - points[source], axis=1)
+    ahead = np.abs(np.arctan2(points[:, 1], points[:, 0])) < 0.4  # the blind disc is not in the way
+    solver = solver_of(points)
+    off = errors(solver.distance(source)[ahead], true[ahead], least=2)
+    assert off.mean() < 0.01
+    assert off.max() < 0.05
+    behind = np.flatnonzero(points[:, 0] < 0)
+    inner = behind[np.abs(points[behind, 1]) < 1][0]  # on the far side of the blind disc
+    assert solver.distance(source)[inner] > 1.02 * true[inner]
+
+
+@pytest.mark.parametrize("noise", [0.0, 0.001, 0.03, 0.1])
+@pytest.mark.parametrize("times", [2, 5, 10, 20, 40])
+def test_repeated_passes_are_one_surface(times, noise):
+    points, true_points = passes(times, noise)
+    for source in (0, len(points) // 2):
+        true = np.arccos(np.clip(true_points @ true_points[source], -1, 1))
+        off = errors(solver_of(points).distance(source), true, least=0.9)
+        assert off.mean() < 0.03
+        assert off.max() < (0.08 if noise < 0.1 else 0.15)
+
+
+def test_heaps_here_and_there_change_nothing_elsewhere():
+    points, spacing = sphere(2000)
+    rng = np.random.default_rng(0)
+    places = points[rng.integers(0, 2000, 60)].repeat(rng.integers(5, 60, 60), axis=0)
+    heaps = places + 0.05 * spacing * rng.normal(size=places.shape)
+    heaps /= np.linalg.norm(heaps, axis=1, keepdims=True)
+    cloud = np.concatenate([points, heaps])
+    true = np.arccos(np.clip(cloud @ cloud[0], -1, 1))
+    off = errors(solver_of(cloud).distance(0), true, least=0.3)
+    assert off.mean() < 0.005
+    assert off.max() < 0.02
+
+
+def test_a_source_that_others_stand_for_reads_0_and_its_neighbours_are_right():
+    points = scan_lines(40)
+    thin = representatives(points, 40)
+    source = int(np.flatnonzero(~thin.stands & inside(points))[5000])
+    distance = solver_of(points).distance(source)
+    assert distance[source] == 0
+    true = np.linalg.norm(points - points[source], axis=1)
+    inner = inside(points)
+    assert errors(distance[inner], true[inner], least=1).max() < 0.02
+
+
+# -- what is left alone --------------------------------------------------------------------------
+
+
+def test_even_and_random_samples_of_surfaces_are_not_thinned():
+    even, _ = sphere(3000)
+    assert len(representatives(even, 40).kept) == 3000
+    rng = np.random.default_rng(0)
+    random = rng.normal(size=(8000, 3))
+    random /= np.linalg.norm(random, axis=1, keepdims=True)
+    for noise in (0.0, 0.01):
+        thin = representatives(random * (1 + noise * rng.normal(size=(8000, 1))), 40)
+        assert len(thin.kept) > 0.99 * 8000
+
+
+def test_a_wire_keeps_its_length():
+    turn = np.linspace(0, 1.8 * np.pi, 900)
+    wire = np.column_stack([np.cos(turn), np.sin(turn), 0.3 * turn])
+    steps = np.linalg.norm(np.diff(wire, axis=0), axis=1)
+    along = np.concatenate([[0], np.cumsum(steps)])
+    np.testing.assert_allclose(solver_of(wire).distance(0), along, rtol=1e-6, atol=1e-9)
+
+
+def test_two_lines_alone_are_no_surface():
+    line = np.column_stack([np.linspace(0, 10, 400), np.zeros(400), np.zeros(400)])
+    distance = solver_of(np.concatenate([line, line + np.array([0.0, 3.0, 0.0])])).distance(0)
+    np.testing.assert_allclose(distance[:400], line[:, 0], atol=1e-6)
+    assert (distance[400:] == np.inf).all()
+
+
+# -- who stands for whom -------------------------------------------------------------------------
+
+
+def test_the_first_of_a_heap_stands_for_it():
+    points, _ = passes(20, 0.001, count=300)
+    thin = representatives(points, 40)
+    np.testing.assert_array_equal(thin.kept, np.arange(300))
+    np.testing.assert_array_equal(thin.nearest, np.tile(np.arange(300), 20))
+    assert (thin.neighbours < 300).all()
+    np.testing.assert_array_equal(thin.own, thin.neighbours[:300])
+    back = restored(points, thin, np.arange(len(points)) == 777)
+    np.testing.assert_array_equal(back.kept, [*range(300), 777])
+    assert back.reaches[777] == 0
+
+
+def test_heaps_of_more_points_than_neighbours_are_found():
+    points, _ = passes(150, 0.001, count=60)
+    assert len(representatives(points, 40).kept) < 100
+
+
+def test_results_are_the_same_every_time_and_on_any_number_of_threads():
+    points = scan_lines(20, 0.5)
+    first, second = (solver_of(points).distance(7) for _ in range(2))
+    np.testing.assert_array_equal(first, second)
+    near = nearest_neighbours(points, 40)
+    one, three = (_native.crowd_reaches(points, near, n_threads=n) for n in (1, 3))
+    np.testing.assert_array_equal(one, three)
+
+
+def test_kernels_of_crowds_refuse_what_does_not_fit():
+    points = scan_lines(5)
+    near = nearest_neighbours(points, 40)
+    with pytest.raises(ValueError, match="do not fit together"):
+        _native.crowd_reaches(points, near[:-1], n_threads=1)
+    with pytest.raises(ValueError, match="do not fit together"):
+        _native.thinned(points, near, np.zeros(3))
+    near[3, 3] = len(points)
+    with pytest.raises(ValueError, match="no point of the cloud"):
+        _native.crowd_reaches(points, near, n_threads=1)
+    with pytest.raises(ValueError, match="no point of the cloud"):
+        _native.thinned(points, near, np.ones(len(points)))
+
+
+# -- what is said --------------------------------------------------------------------------------
+
+
+def test_plain_heat_on_a_sweep_says_that_it_is_not_to_be_trusted():
+    points = sweep(16, -15, -1, 360)
+    solver = solver_of(points, refine=False)
+    with pytest.warns(UnevenCloudWarning, match="use refine=True"):
+        solver.distance(0)
+    refined = solver_of(points)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        refined.distance(0)
+    assert refined.diagnosis.notes["unevenness"] > 3
+
+
+def test_each_part_has_a_time_step_of_its_own():
+    small, _ = sphere(400)
+    cloud = np.concatenate([small, 100 * small + np.array([1000.0, 0, 0])])
+    scales = solver_of(cloud).method.metric.scales
+    np.testing.assert_allclose(scales[400:], 100 * scales[:400], rtol=1e-6)
+
+
+def test_parts_that_lie_among_others_are_counted_and_told():
+    points = np.column_stack([np.arange(200.0), np.zeros((200, 2))])
+    near = nearest_neighbours(points, 10)
+    nothing = np.empty((0, 3))
+    parts = np.where(np.arange(200) % 4 == 0, 1, 0)  # one between any three
+    cloud = CloudParts(
+        np.empty((0, 3), dtype=np.int64),
+        nothing,
+        np.empty(0),
+        np.empty((0, 2), dtype=np.int64),
+        np.empty(0),
+        parts,
+    )
+    notes = {**cloud.notes(near, 1.0), "open_stars": 7}
+    assert (notes["parts"], notes["torn_off"]) == (2, 50)
+    with pytest.warns(FragmentedCloudWarning, match="2 parts, and 50 of 200 points are not"):
+        warn_of_fragments(notes, 200)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        warn_of_fragments({**notes, "torn_off": 4}, 200)  # outliers
+
+
+def test_separate_clouds_are_parts_and_nothing_is_said():
+    points, _ = sphere(400)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        notes = solver_of(np.concatenate([points, points + 5.0])).diagnosis.notes
+    assert (notes["parts"], notes["torn_off"]) == (2, 0)
