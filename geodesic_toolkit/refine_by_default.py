@@ -2,7 +2,12 @@
 
 from geodesic_toolkit.discretization import Discretization
 from geodesic_toolkit.geometry.along_edges import AlongEdges
-from geodesic_toolkit.geometry.lines import NEARLY_EVERYWHERE, share_of_meshes, widest_level
+from geodesic_toolkit.geometry.lines import (
+    NEARLY_EVERYWHERE,
+    is_network,
+    share_of_meshes,
+    widest_level,
+)
 from geodesic_toolkit.gradient import EdgeGradient
 from geodesic_toolkit.refine import made_of_triangles
 
@@ -46,6 +51,12 @@ def _on_graph(ways: AlongEdges, metric: Discretization) -> tuple[bool, str]:
     if share <= NEARLY_EVERYWHERE:
         return True, (
             f"the way along edges: the graph is one-dimensional but for {share:.1%} of its vertices"
+        )
+    proper = ways.lengths > 0
+    if metric.local_scale and is_network(ways.n_vertices, ways.edges[proper], ways.lengths[proper]):
+        return True, (
+            "the way along edges: junctions have up to four neighbours, and edges all kinds of "
+            "lengths, as in a street network; refine=False, or a dim, takes it for samples"
         )
     width = widest_level(ways.n_vertices, edges)
     if float(width) ** 3 > DEAR * ways.n_vertices:

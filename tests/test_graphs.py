@@ -283,3 +283,51 @@ def test_a_graph_whose_factor_would_take_too_long_is_measured_along_edges():
     assert solver.method.nbytes == 0
     assert "take too long" in solver.diagnosis.reason
     assert np.isfinite(solver.distance(0)).all()
+
+
+# -- networks of streets ---------------------------------------------------------------------------
+
+
+def street_plan(blocks, rng, closed=0.0, spread=8.0):
+    """Return the junctions of a town, the streets between them, and how long they are."""
+    n = blocks + 1
+    places = 100.0 * np.indices((n, n)).reshape(2, -1).T + rng.normal(scale=spread, size=(n * n, 2))
+    number = np.arange(n * n).reshape(n, n)
+    streets = np.concatenate(
+        [
+            np.column_stack([number[:-1].ravel(), number[1:].ravel()]),
+            np.column_stack([number[:, :-1].ravel(), number[:, 1:].ravel()]),
+        ]
+    )
+    streets = streets[rng.uniform(size=len(streets)) >= closed]
+    return places, streets, np.linalg.norm(np.diff(places[streets], axis=1)[:, 0], axis=1)
+
+
+@pytest.mark.parametrize(("blocks", "closed"), [(8, 0.0), (20, 0.0), (30, 0.1), (50, 0.25)])
+def test_junctions_of_streets_are_measured_along_the_streets(blocks, closed):
+    places, streets, lengths = street_plan(blocks, np.random.default_rng(blocks), closed)
+    solver = gt.GeodesicSolver(gt.Graph(len(places), streets, lengths))
+    assert solver.diagnosis.refined
+    assert "street network" in solver.diagnosis.reason or "one-dim" in solver.diagnosis.reason
+
+
+def test_lattices_quadrangles_and_samples_are_no_streets():
+    places, streets, lengths = street_plan(20, np.random.default_rng(0), 0.1)
+    lattice = gt.Graph(len(places), streets, np.full(len(streets), 100.0))
+    assert not gt.GeodesicSolver(lattice).diagnosis.refined
+    assert not gt.GeodesicSolver(
+        gt.Graph(len(places), streets, lengths), operator=gt.UniformLaplacian(dim=2)
+    ).diagnosis.refined
+    ring, tube = 30, np.arange(900)
+    quads = np.concatenate(
+        [
+            np.column_stack([tube, tube - tube % ring + (tube + 1) % ring]),
+            np.column_stack([tube, (tube + ring) % 900]),
+        ]
+    )
+    torus = gt.Graph(900, quads, np.random.default_rng(1).uniform(0.9, 1.1, len(quads)))
+    assert not gt.GeodesicSolver(torus).diagnosis.refined
+    mesh = shapes.icosphere(3)
+    edges = np.unique(np.sort(mesh.faces[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2), axis=1), axis=0)
+    sphere = np.linalg.norm(np.diff(mesh.vertices[edges], axis=1)[:, 0], axis=1)
+    assert not gt.GeodesicSolver(gt.Graph(mesh.n_vertices, edges, sphere)).diagnosis.refined

@@ -4,15 +4,19 @@ from typing import Any
 
 import numpy as np
 
-from geodesic_toolkit._typing import BoolArray, IntArray
+from geodesic_toolkit._typing import BoolArray, FloatArray, IntArray
 from geodesic_toolkit.geometry.components import connected_by_edges
 
-__all__ = ["NEARLY_EVERYWHERE", "share_of_meshes", "widest_level"]
+__all__ = ["NEARLY_EVERYWHERE", "is_network", "share_of_meshes", "widest_level"]
 
 NEARLY_EVERYWHERE = 0.05
 """Share of the vertices that may lie in meshes of a graph of lines. Trees, chains and streets with
 a bend each have none; square grids with every tenth edge missing have 0.8, three by three 0.11.
 """
+
+
+LIKE = 1e-6
+"""Relative difference up to which two lengths are the same."""
 
 
 def share_of_meshes(n_vertices: int, edges: IntArray) -> float:
@@ -40,6 +44,59 @@ def share_of_meshes(n_vertices: int, edges: IntArray) -> float:
     junction = np.bincount(inner.ravel(), minlength=n_vertices) >= 3
     between = inner[junction[inner].all(axis=1)]
     return float(np.mean(np.bincount(between.ravel(), minlength=n_vertices) >= 3))
+
+
+FEW_LENGTHS = 16
+"""Lengths that the edges of a lattice may have: those around a voxel have 13."""
+
+SMALLER_JUNCTIONS = 0.05
+"""Least share of vertices with fewer than four neighbours in a network of streets. A closed mesh of
+quadrangles has next to none, and a raster of 80 x 80 places has so many at its margin."""
+
+TRIANGLES = 0.1
+"""Share of edges that may be sides of triangles in a network of streets. Plans have 1 to 5 %, and
+meshes and neighbour graphs nearly 100."""
+
+
+def is_network(n_vertices: int, edges: IntArray, lengths: FloatArray) -> bool:
+    """Return whether a graph of junctions looks like a street network rather than like samples.
+
+    Its edges have all kinds of lengths, other than those of a lattice; hardly two neighbours of a
+    vertex are neighbours, other than among samples; and there are at most four of them, often
+    fewer. A raster of heights, with edges to four sides, looks alike where it is small.
+
+    Parameters
+    ----------
+    n_vertices : int
+    edges : ndarray of shape (E, 2), int64
+        Each once, without loops.
+    lengths : ndarray of shape (E,), float64
+        Positive.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from geodesic_toolkit.geometry.lines import is_network
+    >>> steps = np.arange(400)
+    >>> right, up = steps[steps % 20 < 19], steps[steps < 380]
+    >>> grid = np.concatenate([np.column_stack([right, right + 1]), np.column_stack([up, up + 20])])
+    >>> lengths = np.random.default_rng(0).uniform(80, 120, len(grid))
+    >>> is_network(400, grid, lengths), is_network(400, grid, np.full(len(grid), 100.0))
+    (True, False)
+    """
+    degree = np.bincount(edges.ravel(), minlength=n_vertices)
+    known = degree[degree > 0]
+    if known.mean() > 4 or np.mean(known < 4) < SMALLER_JUNCTIONS:
+        return False
+    if len(np.unique(np.round(np.log(lengths) / LIKE))) <= FEW_LENGTHS:
+        return False
+    from scipy.sparse import coo_array, csr_array
+
+    ones = np.ones(len(edges))
+    adjacency: Any = csr_array(coo_array((ones, tuple(edges.T)), shape=(n_vertices, n_vertices)))
+    adjacency = adjacency + adjacency.T
+    in_triangles = (adjacency @ adjacency).multiply(adjacency)
+    return bool(in_triangles.nnz <= TRIANGLES * adjacency.nnz)
 
 
 def _dead_ends(n_vertices: int, edges: IntArray) -> BoolArray:
