@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from geodesic_toolkit.analysis.paths import GeodesicPath, geodesic_path
     from geodesic_toolkit.analysis.residual import eikonal_residual
     from geodesic_toolkit.analysis.sampling import farthest_point_sampling, geodesic_voronoi
+    from geodesic_toolkit.analysis.thinning import Thinned, thin
     from geodesic_toolkit.api import geodesic_distance
     from geodesic_toolkit.catalog import operators, readers, solvers
     from geodesic_toolkit.conversion import as_domain
@@ -72,6 +73,7 @@ __all__ = [
     "SuperLU",
     "Supernodal",
     "SurfacePoint",
+    "Thinned",
     "TriangleMesh",
     "UniformLaplacian",
     "__version__",
@@ -90,6 +92,7 @@ __all__ = [
     "readers",
     "solvers",
     "testing",
+    "thin",
     "viz",
 ]
 
@@ -117,6 +120,7 @@ _HOMES = {
     "SuperLU": "linear.superlu",
     "Supernodal": "linear.supernodal",
     "SurfacePoint": "domains",
+    "Thinned": "analysis.thinning",
     "TriangleMesh": "domains",
     "UniformLaplacian": "laplacians.uniform",
     "as_domain": "conversion",
@@ -132,6 +136,7 @@ _HOMES = {
     "read": "io",
     "readers": "catalog",
     "solvers": "catalog",
+    "thin": "analysis.thinning",
 }
 _SUBPACKAGES = ("errors", "testing", "viz")
 

@@ -1,21 +1,25 @@
 """Distance at any points on or near a mesh or a cloud, from the distance of its vertices."""
 
 import numbers
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from geodesic_toolkit._typing import FloatArray, IntArray
 from geodesic_toolkit.discretization import Discretization
 from geodesic_toolkit.domains import Domain, TriangleMesh, known_positions
 from geodesic_toolkit.errors import InvalidOptionError, UnsupportedDomainError
-from geodesic_toolkit.geometry.closest import TriangleTree, closest_points
+from geodesic_toolkit.geometry.closest import TriangleTree
+from geodesic_toolkit.geometry.ground import Ground
 from geodesic_toolkit.geometry.triangles import proper_faces
 from geodesic_toolkit.gradient import ElementGradient
+from geodesic_toolkit.heat import Progress
 from geodesic_toolkit.source_points import SourcePoints
 
-__all__ = ["as_points", "interpolate", "positions_of"]
+__all__ = ["Surface", "as_points", "check_reach", "interpolate", "positions_of"]
 
 REACH = 2.0
 """Mean edge lengths from the surface within which a point has a distance, unless told otherwise."""
@@ -43,7 +47,8 @@ def interpolate(
     local triangles of the cloud. Inside a triangle the distance of the corners is interpolated
     linearly. The distance has a kink at a source, which no linear function has; where the sources
     are known, what is interpolated near one is by how much the distance exceeds the straight line
-    from it.
+    from it. To ask one surface many times make a :class:`Surface`, or ask a solver, which keeps
+    one.
 
     Parameters
     ----------
@@ -83,41 +88,232 @@ def interpolate(
     >>> interpolate(square, discretization, square.vertices[:, 0], [[0.3, 0.2, 0.1], [0, 9, 0]])
     array([0.3, inf])
     """
-    queries = as_points(points)
-    values = np.asarray(distance, dtype=np.float64)
-    if values.shape != (domain.n_vertices,):
-        raise InvalidOptionError(
-            f"distance must have shape ({domain.n_vertices},), one number a vertex, "
-            f"not {values.shape}"
-        )
-    limit = _limit(reach, discretization.spacing)
-    positions, faces = positions_of(domain), _triangles(domain, discretization)
-    result = np.full(len(queries), np.inf)
-    if len(faces) == 0:  # every face is degenerate, or all points are one: no surface to stand on
-        return result
-    tree = TriangleTree(positions, faces)
-    low, high = positions[faces].min(axis=(0, 1)), positions[faces].max(axis=(0, 1))
-    near = ((queries >= low - limit) & (queries <= high + limit)).all(axis=1)
-    starts = None if sources is None else sources.weights @ positions
-    candidates = np.flatnonzero(near)
-    for start in range(0, len(candidates), BATCH):
-        chosen = candidates[start : start + BATCH]
-        face, weights = tree.closest(queries[chosen])
-        corners = faces[face]
-        feet = np.einsum("qc,qcd->qd", weights, positions[corners])
-        found = _mean(weights, values[corners])
-        if starts is not None:
-            found += _kink(
-                weights, positions[corners], feet, starts, found / discretization.spacing
+    surface = Surface(domain, discretization)
+    return surface.interpolate(distance, points, reach=reach, sources=sources)
+
+
+@dataclass(frozen=True)
+class _Feet:
+    """Where some points stand on the surface.
+
+    Attributes
+    ----------
+    rows : ndarray of shape (F,), int64
+        Which of the points these are: those within reach.
+    faces : ndarray of shape (F,)
+    weights : ndarray of shape (F, 3)
+        Barycentric coordinates.
+    """
+
+    rows: IntArray
+    faces: NDArray[Any]
+    weights: FloatArray
+
+    def chosen(self, which: NDArray[Any]) -> "_Feet":
+        return _Feet(self.rows[which], self.faces[which], self.weights[which])
+
+
+class Surface:
+    """The triangles of a domain in a tree: built once, then asked for any number of points.
+
+    Safe to use from several threads.
+
+    Parameters
+    ----------
+    domain : Domain
+        A TriangleMesh or a PointCloud.
+    discretization : Discretization
+        That of `domain`: its spacing and, for a cloud, its triangles are used.
+    ground : Ground, optional
+        That of `domain`, whose tree serves where it is the same.
+
+    Raises
+    ------
+    UnsupportedDomainError
+        A domain without positions, or a cloud whose operator makes no triangles.
+    """
+
+    def __init__(
+        self, domain: Domain, discretization: Discretization, ground: Ground | None = None
+    ) -> None:
+        self._positions = positions_of(domain)
+        self._faces = _triangles(domain, discretization)
+        self._spacing = discretization.spacing
+        if len(self._faces) == 0:  # every face is degenerate, or all points are one
+            return
+        low, high = np.full(3, np.inf), np.full(3, -np.inf)
+        for some in _batches(len(self._faces)):
+            places = self._positions[self._faces[some]]
+            low = np.minimum(low, places.min(axis=(0, 1)))
+            high = np.maximum(high, places.max(axis=(0, 1)))
+        self._box = low, high
+        if ground is not None and ground.domain is domain and _every_face(domain, self._faces):
+            self._tree = ground.triangles
+        else:
+            self._tree = TriangleTree(self._positions, self._faces)
+
+    def interpolate(
+        self,
+        distance: ArrayLike,
+        points: ArrayLike,
+        *,
+        reach: float | None = None,
+        sources: SourcePoints | None = None,
+        progress: Progress | None = None,
+    ) -> FloatArray:
+        """Return the distance at points on or near the surface, batch by batch.
+
+        Parameters and errors are those of :func:`interpolate`; `progress` is called with the
+        number of points done and their total after each batch.
+        """
+        queries = as_points(points)
+        check_reach(reach)
+        values = np.asarray(distance, dtype=np.float64)
+        if values.shape != (len(self._positions),):
+            raise InvalidOptionError(
+                f"distance must have shape ({len(self._positions)},), one number a vertex, "
+                f"not {values.shape}"
             )
-        with np.errstate(over="ignore"):  # infinitely far is far enough
-            found[_length(queries[chosen] - feet) > limit] = np.inf
-        result[chosen] = found
-    return result
+        kinks = self._kinks(sources)
+        result = np.full(len(queries), np.inf)
+        for feet in self._stand(queries, reach, progress):
+            result[feet.rows] = self._values(values, feet, kinks)
+        return result
+
+    def nearest(
+        self,
+        points: ArrayLike,
+        sets: list[SourcePoints],
+        solve: Callable[[list[SourcePoints]], Iterator[FloatArray]],
+        *,
+        reach: float | None = None,
+        progress: Progress | None = None,
+    ) -> tuple[IntArray, FloatArray]:
+        """Return which of some source sets is nearest to each point, and its distance.
+
+        Parameters
+        ----------
+        points : array-like of shape (Q, 3) or (3,)
+        sets : list of SourcePoints
+        solve : callable
+            Yields the distances of the vertices, blocks of rows of shape (., N), set by set.
+        reach, progress
+            As for :meth:`interpolate`, but that sets are counted instead of points.
+
+        Returns
+        -------
+        labels : ndarray of shape (Q,), int64
+            -1 where none is.
+        distances : ndarray of shape (Q,), float64
+        """
+        queries = as_points(points)
+        check_reach(reach)
+        labels = np.full(len(queries), -1, dtype=np.int64)
+        nearest = np.full(len(queries), np.inf)
+
+        def located(*_: int) -> None:
+            if progress is not None:
+                progress(0, len(sets))
+
+        # No more than is needed of each point: there may be ten million.
+        small = np.int32 if len(self._faces) < 2**31 else np.int64
+        standing = [
+            _Feet(feet.rows, feet.faces.astype(small), feet.weights)
+            for feet in self._stand(queries, reach, located)
+        ]
+        done = 0
+        for block in solve(sets):
+            for number, values in enumerate(block, done):
+                kinks = self._kinks(sets[number])
+                for feet in standing:
+                    rows, found = self._nearer(values, feet, kinks, nearest)
+                    labels[rows], nearest[rows] = number, found
+            done += len(block)
+            if progress is not None:
+                progress(done, len(sets))
+        return labels, nearest
+
+    def _nearer(
+        self, values: FloatArray, feet: _Feet, kinks: "_Kinks | None", nearest: FloatArray
+    ) -> tuple[IntArray, FloatArray]:
+        """Return the points at which values are less than the least so far, and these values."""
+        least = values[self._faces[feet.faces]].min(axis=1)
+        # Save by rounding, or where there is a kink, no value is below the least of its corners.
+        reached = 0.0 if kinks is None else 2 * NEAR * self._spacing
+        limit = np.maximum((1 + 1e-12) * nearest[feet.rows], reached)
+        some = feet.chosen(np.flatnonzero(least < limit))
+        found = self._values(values, some, kinks)
+        nearer = found < nearest[some.rows]
+        return some.rows[nearer], found[nearer]
+
+    def _stand(
+        self, queries: NDArray[Any], reach: float | None, progress: Progress | None
+    ) -> Iterator[_Feet]:
+        """Yield the feet of the points that are within reach, batch by batch."""
+        limit = REACH * self._spacing if reach is None else float(reach)
+        for some in _batches(len(queries)) if len(self._faces) else ():
+            places = queries[some].astype(np.float64)
+            low, high = self._box
+            near = np.flatnonzero(((places >= low - limit) & (places <= high + limit)).all(axis=1))
+            places = places[near]
+            if len(near):
+                faces, weights = self._tree.closest(places)
+                feet = np.einsum("qc,qcd->qd", weights, self._positions[self._faces[faces]])
+                with np.errstate(over="ignore"):  # infinitely far is far enough
+                    stands = _length(places - feet) <= limit
+                yield _Feet(some.start + near[stands], faces[stands], weights[stands])
+            if progress is not None:
+                progress(some.stop, len(queries))
+
+    def _values(self, values: FloatArray, feet: _Feet, kinks: "_Kinks | None") -> FloatArray:
+        """Return what values of the vertices are at the feet."""
+        corners = self._faces[feet.faces]
+        found = _mean(feet.weights, values[corners])
+        if kinks is not None:
+            rings = found / self._spacing
+            near = np.flatnonzero(rings < 2 * NEAR)
+            missed = kinks.missed(feet.weights[near], self._positions[corners[near]], rings[near])
+            found[near] = np.maximum(found[near] + missed, 0.0)
+        return found
+
+    def _kinks(self, sources: SourcePoints | None) -> "_Kinks | None":
+        if sources is None or not sources.radial:
+            return None
+        return _Kinks(np.asarray(sources.weights @ self._positions))
 
 
-def as_points(points: Any) -> FloatArray:
-    """Return points in space as an array of shape (Q, 3).
+class _Kinks:
+    """What linear interpolation misses near sources, where distance is no linear function.
+
+    Parameters
+    ----------
+    starts : ndarray of shape (P, 3)
+        Where the sources are.
+    """
+
+    def __init__(self, starts: FloatArray) -> None:
+        from scipy.spatial import cKDTree
+
+        self._tree = cKDTree(starts)
+
+    def missed(self, weights: FloatArray, corners: FloatArray, rings: FloatArray) -> FloatArray:
+        """Return what is missed of the straight distance from the nearest source, of shape (Q,).
+
+        Zero at the corners, and past some `rings` around the source: a straight line would cross
+        from one sheet of a thin shape to the other.
+        """
+        straight = self._straight(np.einsum("qc,qcd->qd", weights, corners))
+        missed = straight - _mean(weights, self._straight(corners))
+        fading = np.clip(2 - rings / NEAR, 0.0, 1.0)
+        return np.asarray(missed * fading)
+
+    def _straight(self, places: FloatArray) -> FloatArray:
+        """Return how far the nearest source is, which may be another one for each corner."""
+        return np.asarray(self._tree.query(places)[0])
+
+
+def as_points(points: Any) -> NDArray[Any]:
+    """Return points in space as an array of shape (Q, 3) of real numbers, not copied.
 
     Raises
     ------
@@ -132,22 +328,28 @@ def as_points(points: Any) -> FloatArray:
         raise InvalidOptionError(f"points must hold real numbers, not dtype {array.dtype}")
     if array.shape[-1:] != (3,) or array.ndim > 2:
         raise InvalidOptionError(f"points must have shape (Q, 3) or (3,), not {array.shape}")
-    table = np.atleast_2d(array).astype(np.float64)
-    finite = np.isfinite(table).all(axis=1)
-    if not finite.all():
-        bad = int(finite.argmin())
-        raise InvalidOptionError(
-            f"point {bad} of the points is not finite: {table[bad].tolist()}; leave it out"
-        )
+    table = np.atleast_2d(array)
+    for some in _batches(len(table)):
+        finite = np.isfinite(table[some]).all(axis=1)
+        if not finite.all():
+            bad = some.start + int(finite.argmin())
+            raise InvalidOptionError(
+                f"point {bad} of the points is not finite: {table[bad].tolist()}; leave it out"
+            )
     return table
 
 
-def _limit(reach: float | None, spacing: float) -> float:
+def _batches(count: int) -> Iterator[slice]:
+    for start in range(0, count, BATCH):
+        yield slice(start, min(start + BATCH, count))
+
+
+def check_reach(reach: float | None) -> None:
+    """Raise an `InvalidOptionError` unless `reach` is a positive length, or not given."""
     if reach is None:
-        return REACH * spacing
+        return
     if isinstance(reach, bool) or not isinstance(reach, numbers.Real) or not reach > 0:
         raise InvalidOptionError(f"reach must be a positive length, not {reach!r}")
-    return float(reach)
 
 
 def positions_of(domain: Domain) -> FloatArray:
@@ -166,6 +368,10 @@ def positions_of(domain: Domain) -> FloatArray:
     return positions
 
 
+def _every_face(domain: Domain, faces: IntArray) -> bool:
+    return isinstance(domain, TriangleMesh) and len(faces) == domain.n_faces
+
+
 def _triangles(domain: Domain, discretization: Discretization) -> IntArray:
     """Return the triangles of the surface, each once."""
     if isinstance(domain, TriangleMesh):
@@ -177,11 +383,12 @@ def _triangles(domain: Domain, discretization: Discretization) -> IntArray:
             "that makes some, such as PointCloudLaplacian"
         )
     # The stars of neighbours share triangles; a link (i, j, j) between two points is a segment.
-    ordered = np.sort(gradient.elements, axis=1)
+    small = np.int32 if domain.n_vertices < 2**31 else np.int64
+    ordered = np.sort(gradient.elements.astype(small), axis=1)
     ordered = ordered[np.lexsort(ordered.T)]
     new = np.ones(len(ordered), dtype=np.bool_)
     new[1:] = (ordered[1:] != ordered[:-1]).any(axis=1)
-    triangles = ordered[new]
+    triangles = ordered[new].astype(np.int64)
     twice = triangles[:, 0] == triangles[:, 1]
     triangles[twice] = triangles[twice][:, ::-1]
     links_too: IntArray = triangles[triangles[:, 0] != triangles[:, 1]]
@@ -192,25 +399,6 @@ def _mean(weights: FloatArray, values: FloatArray) -> FloatArray:
     """Return weighted means, of shape (Q,), in which an infinite value of no weight is nothing."""
     counted = np.where(weights > 0, values, 0.0)
     return np.asarray(np.einsum("qc,qc->q", weights, counted))
-
-
-def _kink(
-    weights: FloatArray,
-    corners: FloatArray,
-    feet: FloatArray,
-    starts: FloatArray,
-    rings: FloatArray,
-) -> FloatArray:
-    """Return what linear interpolation misses of the straight distance from the nearest source.
-
-    Zero at the corners, and past some `rings` around the source: a straight line would cross from
-    one sheet of a thin shape to the other.
-    """
-    start = starts[closest_points(feet, starts)]
-    straight = _length(feet - start)
-    missed = straight - _mean(weights, _length(corners - start[:, None]))
-    fading = np.clip(2 - rings / NEAR, 0.0, 1.0)
-    return np.asarray(missed * fading)
 
 
 def _length(vectors: FloatArray) -> FloatArray:

@@ -1,20 +1,20 @@
 """The solver for one shape: domain, operator, heat method, sources of every kind."""
 
 import threading
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from typing import TYPE_CHECKING, Any, Literal, TypeAlias
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
-from geodesic_toolkit._typing import BoolArray, FloatArray
+from geodesic_toolkit._typing import BoolArray, FloatArray, IntArray
 from geodesic_toolkit._warning import warn
 from geodesic_toolkit.bounds import bounds_of
 from geodesic_toolkit.catalog import resolve_operator, resolve_solvers
 from geodesic_toolkit.coarseness import LIMIT, plain_heat_errors
 from geodesic_toolkit.conversion import as_domain, check_one_shape
 from geodesic_toolkit.discretization import Discretization
-from geodesic_toolkit.domains import Domain, TriangleMesh
+from geodesic_toolkit.domains import Domain, PointCloud, TriangleMesh
 from geodesic_toolkit.errors import (
     CoarseMeshWarning,
     InvalidOptionError,
@@ -33,6 +33,8 @@ from geodesic_toolkit.sources import locate_sources
 
 if TYPE_CHECKING:
     from geodesic_toolkit.diagnosis import Diagnosis
+    from geodesic_toolkit.geometry.ground import Ground
+    from geodesic_toolkit.queries import Surface
 
 __all__ = ["GeodesicSolver", "Refine"]
 
@@ -46,6 +48,13 @@ hundredfold 1; sweeps of spinning scanners 4 to 40, and then plain heat is 8 to 
 JUDGED = 4
 """Source sets on each part of a mesh by which plain heat is judged: from others its error is much
 the same, and to judge takes as long as to solve."""
+
+
+MOST_ROWS = 64
+"""Source sets whose distances are held at once at most."""
+
+BLOCK_ENTRIES = 2**24
+"""Distances that are held at once: 128 MB, as long as one set has fewer."""
 
 
 class GeodesicSolver:
@@ -173,6 +182,12 @@ class GeodesicSolver:
         ).prepare()
         self._diagnosis: Diagnosis | None = None
         self._judged: dict[int, list[float]] = {}  # errors of plain heat, by component
+        self._forget()
+
+    def _forget(self) -> None:
+        """Start without what is made when it is first wanted, and belongs to one process."""
+        self._ground: Ground | None = None
+        self._surface: Surface | None = None
         self._lock = threading.Lock()
 
     def distance(self, sources: Any) -> FloatArray:
@@ -237,14 +252,25 @@ class GeodesicSolver:
         self._warn_where_coarse(sets)
         return self.method.distances(sets, progress=progress)
 
-    def query(self, points: ArrayLike, sources: Any, *, reach: float | None = None) -> FloatArray:
+    def query(
+        self,
+        points: ArrayLike,
+        sources: Any,
+        *,
+        reach: float | None = None,
+        progress: Progress | None = None,
+    ) -> FloatArray:
         """Return the geodesic distance at any points on or near a mesh or a cloud.
 
         A point has the distance of the closest point of the surface: of the mesh, or of the local
         triangles of the cloud. Inside a triangle the distance of the corners is interpolated
         linearly, within a few edges of a source after the straight line from it is taken off: the
-        kink there comes out right. :func:`geodesic_toolkit.queries.interpolate` does this with
-        distances that are at hand. Millions of points are worked on in batches.
+        kink there comes out right. :meth:`interpolate` does this with distances that are at hand,
+        :meth:`nearest_source` tells sources apart.
+
+        The tree that finds triangles is built by the first call and kept. Millions of points are
+        worked on in batches, which change nothing but the memory that it takes: beside the tree,
+        the `points` and the result some 50 MB. Arrays of float32, and memory maps, are not copied.
 
         Parameters
         ----------
@@ -255,6 +281,8 @@ class GeodesicSolver:
         reach : float, optional
             How far from the surface a point may lie, in that unit; two mean edge lengths by
             default.
+        progress : callable, optional
+            Called with the number of points done and their total after each batch.
 
         Returns
         -------
@@ -277,20 +305,150 @@ class GeodesicSolver:
         >>> solver.query([[0.41, 0.0, 0.02], [0.4, 0.0, 5.0]], 0).round(2)
         array([0.41,  inf])
         """
-        from geodesic_toolkit.queries import as_points, interpolate, positions_of
-
-        positions_of(self.domain)  # refuses a graph before the work
-        queries = as_points(points)
+        surface, queries = self._asked(points, reach)
         places = self._locate(sources)
         self._warn_where_cut([places])
-        return interpolate(
-            self._passable,
-            self.method.metric,
-            self.method.distance(places),
-            queries,
-            reach=reach,
-            sources=places if places.radial else None,
+        self._warn_where_coarse([places])
+        return surface.interpolate(
+            self.method.distance(places), queries, reach=reach, sources=places, progress=progress
         )
+
+    def interpolate(
+        self,
+        distance: ArrayLike,
+        points: ArrayLike,
+        *,
+        sources: Any = None,
+        reach: float | None = None,
+        progress: Progress | None = None,
+    ) -> FloatArray:
+        """Return at any points what `distance` is there, as :meth:`query` does.
+
+        Parameters
+        ----------
+        distance : array-like of shape (N,)
+            At the vertices: what :meth:`distance` returned, or any other numbers.
+        points : array-like of shape (Q, 3) or (3,)
+        sources : optional
+            Those of the distance, as it was given them: the kink around them then comes out right.
+        reach, progress
+            As for `query`.
+
+        Returns
+        -------
+        ndarray of shape (Q,), float64
+            ``inf`` past the reach, and where a corner that counts is.
+
+        Raises
+        ------
+        UnsupportedDomainError, InvalidOptionError, InvalidSourceError
+            As for `query`; another number of distances than vertices.
+
+        Examples
+        --------
+        >>> import geodesic_toolkit as gt
+        >>> solver = gt.GeodesicSolver(gt.testing.shapes.grid(21))
+        >>> height = solver.domain.vertices @ [0.0, 1.0, 0.0]
+        >>> solver.interpolate(height, [0.41, 0.33, 0.0]).round(2)
+        array([0.33])
+        """
+        surface, queries = self._asked(points, reach)
+        places = None if sources is None else self._locate(sources)
+        return surface.interpolate(
+            distance, queries, reach=reach, sources=places, progress=progress
+        )
+
+    def nearest_source(
+        self,
+        points: ArrayLike,
+        sources: ArrayLike | Iterable[Any],
+        *,
+        reach: float | None = None,
+        progress: Progress | None = None,
+    ) -> tuple[IntArray, FloatArray]:
+        """Return which source is nearest to each of any points, and how far it is.
+
+        For the vertices themselves :func:`geodesic_voronoi` says so. The distances of one source
+        after the other are computed, so that it takes as long as as many calls of `distance`, and
+        the memory of about 45 bytes a point.
+
+        Parameters
+        ----------
+        points : array-like of shape (Q, 3) or (3,)
+            On or near the mesh or cloud, in its unit.
+        sources : array-like of int, or iterable of what `distance` takes
+            As for `distances`: a one-dimensional array of integers means that many single sources,
+            floats of shape (K, 3) that many points in space; each may also be a set.
+        reach : float, optional
+            As for `query`.
+        progress : callable, optional
+            Called with the number of sources done and their total, with none while the points are
+            located, and after each block of sources.
+
+        Returns
+        -------
+        labels : ndarray of shape (Q,), int64
+            The position of the nearest source in the list, the first of those that are equally
+            near; -1 where none connects, and past the reach.
+        distances : ndarray of shape (Q,), float64
+            What `query` gives for that source; ``inf`` where there is none.
+
+        Raises
+        ------
+        UnsupportedDomainError, InvalidOptionError
+            As for `query`.
+        InvalidSourceError
+            As for `distances`, before any work.
+
+        Examples
+        --------
+        >>> import geodesic_toolkit as gt
+        >>> solver = gt.GeodesicSolver(gt.testing.shapes.grid(21))
+        >>> corners = [[0.0, 0.0, 0.0], [1.0, 1.0, 0.0]]
+        >>> labels, distances = solver.nearest_source([[0.1, 0.0, 0.0], [0.9, 1.0, 0.0]], corners)
+        >>> labels, distances.round(3)
+        (array([0, 1]), array([0.1, 0.1]))
+        """
+        surface, queries = self._asked(points, reach)
+        sets = self._locate_sets(sources)
+        self._warn_where_cut(sets)
+        self._warn_where_coarse(sets)
+        return surface.nearest(queries, sets, self._in_blocks, reach=reach, progress=progress)
+
+    def _in_blocks(self, sets: list[SourcePoints]) -> Iterator[FloatArray]:
+        """Yield the distances from source sets by blocks of rows that do not fill the memory."""
+        size = max(1, min(MOST_ROWS, BLOCK_ENTRIES // self.domain.n_vertices))
+        for first in range(0, len(sets), size):
+            yield self.method.distances(sets[first : first + size])
+
+    def _asked(self, points: ArrayLike, reach: float | None) -> tuple["Surface", NDArray[Any]]:
+        """Return the surface and the points to find on it, all checked before any other work."""
+        from geodesic_toolkit.queries import as_points, check_reach, positions_of
+
+        positions_of(self.domain)  # refuses a graph
+        queries = as_points(points)
+        check_reach(reach)
+        return self._kept_surface(), queries
+
+    def _kept_surface(self) -> "Surface":
+        ground = self._kept_ground()
+        with self._lock:
+            if self._surface is None:
+                from geodesic_toolkit.queries import Surface
+
+                self._surface = Surface(self._passable, self.method.metric, ground)
+            return self._surface
+
+    def _kept_ground(self) -> "Ground | None":
+        """Return where points in space snap to; None where vertices have no positions."""
+        if not isinstance(self._passable, TriangleMesh | PointCloud):
+            return None
+        with self._lock:
+            if self._ground is None:
+                from geodesic_toolkit.geometry.ground import Ground
+
+                self._ground = Ground(self._passable)
+            return self._ground
 
     def heat(self, sources: Any) -> FloatArray:
         """Return the heat u of step 1 as the solver gives it, of shape (N,).
@@ -331,7 +489,9 @@ class GeodesicSolver:
         if isinstance(sources, SourcePoints):  # located before
             places = sources
         else:
-            places = locate_sources(self.domain, sources, name, passable=self._passable)
+            places = locate_sources(
+                self.domain, sources, name, passable=self._passable, ground=self._kept_ground()
+            )
         if self._mask is not None:
             from geodesic_toolkit.masking import check_unmasked
 
@@ -397,11 +557,12 @@ class GeodesicSolver:
         ]
 
     def __getstate__(self) -> dict[str, Any]:
-        return {name: value for name, value in self.__dict__.items() if name != "_lock"}
+        kept = {"_lock", "_ground", "_surface"}
+        return {name: value for name, value in self.__dict__.items() if name not in kept}
 
     def __setstate__(self, state: dict[str, Any]) -> None:
         self.__dict__.update(state)
-        self._lock = threading.Lock()
+        self._forget()
 
     def __repr__(self) -> str:
         return (

@@ -18,6 +18,7 @@ from geodesic_toolkit.domains import (
     TriangleMesh,
 )
 from geodesic_toolkit.errors import FarSourceWarning, InvalidSourceError
+from geodesic_toolkit.geometry.ground import Ground
 from geodesic_toolkit.geometry.triangles import face_edge_lengths
 from geodesic_toolkit.source_points import SourcePoints, as_vertices
 
@@ -35,7 +36,12 @@ MOST_SAMPLES = 10_000_000
 
 
 def locate_sources(
-    domain: Domain, sources: Any, name: str = "sources", *, passable: Domain | None = None
+    domain: Domain,
+    sources: Any,
+    name: str = "sources",
+    *,
+    passable: Domain | None = None,
+    ground: Ground | None = None,
 ) -> SourcePoints:
     """Return one set of sources on `domain`.
 
@@ -50,6 +56,8 @@ def locate_sources(
         What to call them in messages.
     passable : Domain, optional
         What is left of the domain where paths may go: points in space snap to that.
+    ground : Ground, optional
+        That of `passable`, or else of `domain`, where it is kept from call to call.
 
     Returns
     -------
@@ -64,14 +72,14 @@ def locate_sources(
     if isinstance(sources, int | np.integer):  # what is asked most, and soonest answered
         return _at_vertices(domain, as_vertices(sources, domain.n_vertices, name), name)
     if isinstance(sources, OffsetSources):
-        places = locate_sources(domain, sources.sources, name, passable=passable)
+        places = locate_sources(domain, sources.sources, name, passable=passable, ground=ground)
         if isinstance(sources.sources, Curve) or len(sources.offsets) != places.count:
             raise InvalidSourceError(
                 f"{name}: {len(sources.offsets)} offsets must be one for each source"
             )
         return replace(places, starts=sources.offsets)
     if isinstance(sources, Curve):
-        return _along(domain, domain if passable is None else passable, sources, name)
+        return _along(domain, ground or _ground(passable or domain, name), sources, name)
     surface_points = _as_surface_points(sources)
     if surface_points is not None:
         return _on_faces(domain, surface_points, name)
@@ -81,7 +89,8 @@ def locate_sources(
         raise InvalidSourceError(f"{name} cannot be read: {error}") from error
     if array.dtype.kind == "f" and array.size:
         _check_one_meaning(array, domain, name)
-        return _in_space(domain if passable is None else passable, _as_points(array, name), name)
+        points = _as_points(array, name)
+        return _in_space(ground or _ground(passable or domain, name), points, name)
     if array.dtype.kind == "b" and array.shape == (domain.n_vertices,):
         raise InvalidSourceError(f"{name} must be indices, not a mask: use numpy.flatnonzero(mask)")
     return _at_vertices(domain, as_vertices(sources, domain.n_vertices, name), name)
@@ -160,19 +169,24 @@ def _check_one_meaning(array: Any, domain: Domain, name: str) -> None:
         )
 
 
-def _in_space(domain: Domain, points: FloatArray, name: str) -> SourcePoints:
-    if isinstance(domain, TriangleMesh):
-        from geodesic_toolkit.geometry.closest import closest_on_triangles
+def _ground(domain: Domain, name: str) -> Ground:
+    if not isinstance(domain, TriangleMesh | PointCloud):
+        raise InvalidSourceError(
+            f"{name}: a {type(domain).__name__} has no positions; give vertex indices"
+        )
+    return Ground(domain)
 
-        faces, barycentric = closest_on_triangles(points, domain.vertices, domain.faces)
+
+def _in_space(ground: Ground, points: FloatArray, name: str) -> SourcePoints:
+    domain = ground.domain
+    if isinstance(domain, TriangleMesh):
+        faces, barycentric = ground.triangles.closest(points)
         feet = np.einsum("pc,pcd->pd", barycentric, domain.vertices[domain.faces[faces]])
         _warn_if_far(points, feet, domain.vertices[domain.used], name)
         return _barycentric(domain, faces, barycentric)
-    if isinstance(domain, PointCloud):
-        nearest = _nearest_present(domain, points)
-        _warn_if_far(points, domain.points[nearest], domain.points[domain.present], name)
-        return SourcePoints.at_vertices(nearest, domain.n_vertices)
-    raise _no_positions(domain, name)
+    nearest = ground.nearest_points(points)
+    _warn_if_far(points, domain.points[nearest], domain.points[domain.present], name)
+    return SourcePoints.at_vertices(nearest, domain.n_vertices)
 
 
 def _warn_if_far(points: FloatArray, feet: FloatArray, places: FloatArray, name: str) -> None:
@@ -188,26 +202,11 @@ def _warn_if_far(points: FloatArray, feet: FloatArray, places: FloatArray, name:
         )
 
 
-def _nearest_present(cloud: PointCloud, points: FloatArray) -> IntArray:
-    from geodesic_toolkit.geometry.closest import closest_points
-
-    present = np.flatnonzero(cloud.present)
-    nearest: IntArray = present[closest_points(points, cloud.points[present])]
-    return nearest
-
-
-def _no_positions(domain: Domain, name: str) -> InvalidSourceError:
-    return InvalidSourceError(
-        f"{name}: a {type(domain).__name__} has no positions; give vertex indices"
-    )
-
-
 # -- curves --------------------------------------------------------------------------------------
 
 
-def _along(domain: Domain, passable: Domain, curve: Curve, name: str) -> SourcePoints:
+def _along(domain: Domain, ground: Ground, curve: Curve, name: str) -> SourcePoints:
     """Return samples of a curve; the corners around one lie at their distance from the curve."""
-    from geodesic_toolkit.geometry.closest import closest_on_triangles
     from geodesic_toolkit.geometry.polylines import sample_polyline
 
     if isinstance(curve.points, tuple):
@@ -216,7 +215,8 @@ def _along(domain: Domain, passable: Domain, curve: Curve, name: str) -> SourceP
         corners = np.einsum("pc,pcd->pd", barycentric, domain.vertices[domain.faces[faces]])
     else:
         corners = curve.points
-    spacing = _spacing(passable, name)
+    passable = ground.domain
+    spacing = _spacing(passable)
     step = spacing / SAMPLES
     if curve.closed:
         corners = np.concatenate([corners, corners[:1]])
@@ -229,14 +229,13 @@ def _along(domain: Domain, passable: Domain, curve: Curve, name: str) -> SourceP
         )
     points, places = sample_polyline(corners, step)
     if isinstance(passable, PointCloud):
-        nearest = _nearest_present(passable, points)
+        nearest = ground.nearest_points(points)
         vertices, place = np.unique(nearest, return_inverse=True)
         off = np.full(len(vertices), np.inf)
         np.minimum.at(off, place, np.linalg.norm(passable.points[nearest] - points, axis=1))
         at = SourcePoints.at_vertices(vertices, domain.n_vertices)
         return replace(at, distances=off, front_curvatures=np.zeros(len(vertices)))
-    assert isinstance(passable, TriangleMesh)  # for the type checker; _spacing has raised
-    faces, barycentric = closest_on_triangles(points, passable.vertices, passable.faces)
+    faces, barycentric = ground.triangles.closest(points)
     if len(points) == 1:
         return _barycentric(passable, faces, barycentric)
     around = passable.vertices[passable.faces[faces]]
@@ -323,20 +322,18 @@ def _fronts_beside(
     return distances, curvatures
 
 
-def _spacing(domain: Domain, name: str) -> float:
+def _spacing(domain: TriangleMesh | PointCloud) -> float:
     """Return the mean edge length, or how far the points of a cloud are apart."""
     if isinstance(domain, TriangleMesh):
         return float(face_edge_lengths(domain.vertices, domain.faces).mean())
-    if isinstance(domain, PointCloud):
-        from scipy.spatial import cKDTree
+    from scipy.spatial import cKDTree
 
-        points = np.unique(domain.points[domain.present], axis=0)
-        if len(points) == 1:
-            return 1.0
-        some = points[:: max(1, len(points) // 1000)]
-        near = np.asarray(cKDTree(points).query(some, k=2)[0], dtype=np.float64)
-        return float(np.median(near[:, 1]))
-    raise _no_positions(domain, name)
+    points = np.unique(domain.points[domain.present], axis=0)
+    if len(points) == 1:
+        return 1.0
+    some = points[:: max(1, len(points) // 1000)]
+    near = np.asarray(cKDTree(points).query(some, k=2)[0], dtype=np.float64)
+    return float(np.median(near[:, 1]))
 
 
 def _barycentric(

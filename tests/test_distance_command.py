@@ -167,6 +167,70 @@ def test_distances_at_points_of_a_file(sphere_file, tmp_path, suffix):
     np.testing.assert_allclose(gt.read(out[2]).points, places, atol=1e-12)
 
 
+def test_a_file_of_the_format_of_the_input_keeps_what_is_in_it(tmp_path):
+    laspy = pytest.importorskip("laspy")
+    places = np.random.default_rng(0).uniform(0, 1, (300, 3)) * [1, 1, 0]
+    points = laspy.create(point_format=3)
+    points.header.scales = [1e-6] * 3
+    points.x, points.y, points.z = places.T
+    points.classification = np.arange(300) % 7
+    points.write(str(tmp_path / "in.laz"))
+    write_distances(tmp_path / "at.pcd", gt.PointCloud(places[:50], places[:50] + 1), np.ones(50))
+    out = tmp_path / "d.las"
+    result = run("distance", tmp_path / "in.laz", "--source", 0, "--output", out)
+    assert result.exit_code == 0, result.output
+    again = laspy.read(out)
+    np.testing.assert_array_equal(again.classification, points.classification)
+    expected = gt.geodesic_distance(gt.read(tmp_path / "in.laz"), 0)
+    np.testing.assert_array_equal(again["distance"], expected)
+    at = ("--at", tmp_path / "at.pcd", "--output", tmp_path / "asked.pcd")
+    result = run("distance", tmp_path / "in.laz", "--source", 0, *at)
+    assert result.exit_code == 0, result.output
+    asked = gt.read(tmp_path / "asked.pcd")
+    np.testing.assert_array_equal(asked.normals, gt.read(tmp_path / "at.pcd").normals)
+
+
+def test_a_cloud_is_thinned_and_all_of_its_points_have_a_distance(tmp_path):
+    rng = np.random.default_rng(0)
+    points = rng.uniform(0, 1, (4000, 3)) * [1, 1, 0]
+    np.savetxt(tmp_path / "plane.xyz", points, fmt="%.17g")
+    asked = tmp_path / "at.npy"
+    np.save(asked, points[:40])
+    thin = ("--thin", 0.1, "--json")
+    result = run(
+        "distance", tmp_path / "plane.xyz", "--source", 7, *thin, "--output", tmp_path / "d.npy"
+    )
+    assert result.exit_code == 0, result.output
+    report = json.loads(result.stdout)
+    assert report["n_vertices"] == report["reached"] == 4000
+    assert report["thin"] == 0.1
+    assert report["n_kept"] < 200
+    distance = np.load(tmp_path / "d.npy")
+    exact = np.linalg.norm(points - points[7], axis=1)
+    assert np.abs(distance - exact).max() < 0.1
+    at = ("--at", asked, "--output", tmp_path / "a.npy")
+    result = run("distance", tmp_path / "plane.xyz", "--source", 7, *thin, *at)
+    assert result.exit_code == 0, result.output
+    np.testing.assert_allclose(np.load(tmp_path / "a.npy"), distance[:40], atol=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        (["--thin", "-1"], "--thin must be positive and finite, not -1"),
+        (["--thin", "0.1"], "--thin is for point clouds, not for a TriangleMesh"),
+    ],
+)
+def test_a_thinning_that_cannot_be_is_refused(sphere_file, options, message):
+    fails(run("distance", sphere_file, "--source", 0, *options), 2, message)
+
+
+def test_a_mask_does_not_go_with_thinning(sphere_file, tmp_path):
+    np.save(tmp_path / "mask.npy", np.zeros(162, dtype=bool))
+    both = ("--mask", tmp_path / "mask.npy", "--thin", 1)
+    fails(run("distance", sphere_file, "--source", 0, *both), 2, "cannot be given together")
+
+
 def test_missing_points_of_at_stay_in_their_rows(sphere_file, tmp_path):
     np.save(tmp_path / "at.npy", [[0, 0, 1.0], [np.nan, 0, 0], [1.0, 0, 0]])
     out = tmp_path / "d.npy"

@@ -52,7 +52,7 @@ def test_a_point_on_a_graph_is_wrong_usage(graph_file):
         (["--source", "0", "--time-factor", "inf"], ["--time-factor must be positive"]),
         (["--source", "0", "--time-factor", "x"], ["--time-factor"]),
         (["--source", "0", "--time", "1", "--time-factor", "1"], ["not both"]),
-        (["--source", "0", "--output", "d.dat"], [".ply, .vtp, .vtk"]),
+        (["--source", "0", "--output", "d.dat"], [".ply, .pcd, .las, .laz, .vtp"]),
         (["--source", "0", "--output", "d"], ["no suffix"]),
         (["--source", "0", "--picture", "d.jpg"], [".png"]),
         (["--source", "0", "--html", "d.png"], [".html"]),

@@ -1,5 +1,9 @@
 """Distance at points off the vertices: on meshes, on clouds, past their reach."""
 
+import copy
+import pickle
+from concurrent.futures import ThreadPoolExecutor
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -7,13 +11,15 @@ from hypothesis import strategies as st
 
 import geodesic_toolkit as gt
 from geodesic_toolkit import queries
+from geodesic_toolkit import solver as solver_module
 from geodesic_toolkit.errors import (
     InvalidOptionError,
     InvalidSourceError,
     ReadError,
     UnsupportedDomainError,
 )
-from geodesic_toolkit.geometry.closest import closest_on_triangles
+from geodesic_toolkit.geometry import ground
+from geodesic_toolkit.geometry.closest import TriangleTree
 from geodesic_toolkit.io import read_points, write_distances
 from geodesic_toolkit.queries import interpolate
 from geodesic_toolkit.sources import locate_sources
@@ -221,7 +227,7 @@ def test_a_mesh_of_degenerate_faces_has_no_surface_to_query():
 def test_a_flat_triangle_is_interpolated_along_its_longest_edge():
     vertices = np.array([[0.0, 0, 0], [1, 0, 0], [4, 0, 0]])
     for faces in ([[0, 1, 2]], [[2, 0, 1]], [[1, 0, 2]], [[2, 0, 0]]):
-        face, barycentric = closest_on_triangles(np.array([[3.0, 1, 0]]), vertices, np.array(faces))
+        face, barycentric = TriangleTree(vertices, np.array(faces)).closest(np.array([[3.0, 1, 0]]))
         assert face[0] == 0
         np.testing.assert_allclose(barycentric[0] @ vertices[faces[0]], [3, 0, 0], atol=1e-12)
 
@@ -272,6 +278,173 @@ def test_a_cloud_discretized_by_edges_has_no_triangles(flat):
     edges = gt.UniformLaplacian(dim=2).assemble(gt.Graph(400, [[0, 1]]))
     with pytest.raises(UnsupportedDomainError, match="has no triangles to interpolate in"):
         interpolate(flat["scattered cloud"].domain, edges, np.zeros(400), [0.5, 0.5, 0])
+
+
+# -- many points, many sources ---------------------------------------------------------------------
+
+
+def test_progress_counts_points_and_ends_with_all_of_them(flat, monkeypatch):
+    monkeypatch.setattr(queries, "BATCH", 7)
+    points = np.random.default_rng(2).uniform(-2, 2, (40, 3))  # most of them out of reach
+    for solver in flat.values():
+        seen = []
+        solver.query(points, 0, progress=lambda *counts, seen=seen: seen.append(counts))
+        assert seen == [(done, 40) for done in (7, 14, 21, 28, 35, 40)]
+
+
+def test_points_of_any_real_kind_are_not_copied_whole(flat, tmp_path):
+    points = np.random.default_rng(2).uniform(0, 1, (500, 3)) * [1, 1, 0]
+    np.save(tmp_path / "points.npy", points.astype(np.float32))
+    on_disk = np.load(tmp_path / "points.npy", mmap_mode="r")
+    assert np.shares_memory(queries.as_points(on_disk), on_disk)
+    for solver in flat.values():
+        np.testing.assert_allclose(solver.query(on_disk, 0), solver.query(points, 0), atol=1e-6)
+
+
+def test_the_tree_is_built_once_for_all_threads(monkeypatch):
+    built = []
+
+    class Counted(queries.Surface):
+        def __init__(self, *arguments):
+            built.append(1)
+            super().__init__(*arguments)
+
+    monkeypatch.setattr(queries, "Surface", Counted)
+    solver = gt.GeodesicSolver(scattered_plane())
+    points = np.random.default_rng(3).uniform(0.1, 0.9, (3000, 3)) * [1, 1, 0]
+    with ThreadPoolExecutor(8) as pool:
+        answers = list(pool.map(lambda _: solver.query(points, 5), range(8)))
+    assert built == [1]
+    for answer in answers:
+        np.testing.assert_array_equal(answer, answers[0])
+
+
+def test_points_as_sources_are_snapped_with_one_tree(monkeypatch):
+    built = []
+
+    class Counted(ground.TriangleTree):
+        def __init__(self, *arguments):
+            built.append(1)
+            super().__init__(*arguments)
+
+    monkeypatch.setattr(ground, "TriangleTree", Counted)
+    monkeypatch.setattr(queries, "TriangleTree", Counted)
+    solver = gt.GeodesicSolver(GRID)
+    places = np.random.default_rng(4).uniform(0, 1, (9, 3)) * [1, 1, 0]
+    solver.distances(places)
+    solver.query(places, places[0])
+    assert built == [1]
+
+
+def test_a_solver_that_was_asked_pickles_and_answers_alike(flat):
+    points = np.random.default_rng(5).uniform(0.1, 0.9, (50, 3)) * [1, 1, 0]
+    for solver in flat.values():
+        asked = solver.query(points, [0.2, 0.3, 0.0])
+        again = pickle.loads(pickle.dumps(solver))
+        np.testing.assert_array_equal(again.query(points, [0.2, 0.3, 0.0]), asked)
+        np.testing.assert_array_equal(copy.copy(solver).query(points, [0.2, 0.3, 0.0]), asked)
+
+
+def test_a_solver_interpolates_distances_that_are_at_hand(flat):
+    points = np.random.default_rng(6).uniform(0.1, 0.9, (50, 3)) * [1, 1, 0]
+    for solver in flat.values():
+        found = solver.interpolate(solver.distance(7), points, sources=7)
+        np.testing.assert_array_equal(found, solver.query(points, 7))
+        height = positions_of(solver)[:, 1]
+        np.testing.assert_allclose(solver.interpolate(height, points), points[:, 1], atol=1e-9)
+
+
+def test_between_many_vertices_as_sources_each_corner_has_its_own():
+    solver = gt.GeodesicSolver(GRID)
+    row = np.flatnonzero(GRID.vertices[:, 1] == 0)
+    points = np.column_stack([np.linspace(0.3, 0.7, 40), np.full(40, 1.3 * H), np.zeros(40)])
+    exact = np.hypot(points[:, 0] - np.round(points[:, 0] / H) * H, points[:, 1])
+    np.testing.assert_allclose(solver.query(points, row), exact, atol=0.02 * H)
+
+
+def test_next_to_a_curve_nothing_is_taken_for_round():
+    solver = gt.GeodesicSolver(GRID)
+    points = np.column_stack([np.linspace(0.3, 0.7, 9), np.linspace(0.001, 0.1, 9), np.zeros(9)])
+    edge = gt.Curve([[0.0, 0.0, 0.0], [1.0, 0.0, 0.0]])
+    np.testing.assert_allclose(solver.query(points, edge), points[:, 1], atol=1e-3)
+
+
+@pytest.mark.parametrize("kind", ["mesh", "cloud of a grid", "scattered cloud"])
+@pytest.mark.parametrize("batch", [7, 100_000])
+def test_the_nearest_source_is_that_of_the_least_query(flat, kind, batch, monkeypatch):
+    monkeypatch.setattr(queries, "BATCH", batch)
+    monkeypatch.setattr(solver_module, "MOST_ROWS", 4)
+    solver, rng = flat[kind], np.random.default_rng(7)
+    points = rng.uniform(-0.2, 1.2, (300, 3)) * [1, 1, 0.1]
+    sources = rng.choice(200, 11, replace=False)
+    rows = np.array([solver.query(points, source) for source in sources.tolist()])
+    seen = []
+    labels, distances = solver.nearest_source(
+        points, sources, progress=lambda *counts: seen.append(counts)
+    )
+    reached = np.isfinite(rows.min(axis=0))
+    assert 0 < reached.sum() < 300
+    np.testing.assert_array_equal(distances, rows.min(axis=0))
+    np.testing.assert_array_equal(labels, np.where(reached, rows.argmin(axis=0), -1))
+    assert seen[-4:] == [(0, 11), (4, 11), (8, 11), (11, 11)]
+
+
+def test_sources_closer_than_the_vertices_are_told_apart():
+    solver = gt.GeodesicSolver(GRID)
+    middle = GRID.vertices[GRID.faces[100]].mean(axis=0)
+    sources = middle + 0.1 * H * np.array([[1.0, 0, 0], [-1, 0, 0], [0, 1, 0]])
+    labels, distances = solver.nearest_source(sources + 1e-4 * H * np.eye(3)[0], sources)
+    np.testing.assert_array_equal(labels, [0, 1, 2])
+    np.testing.assert_allclose(distances, 1e-4 * H, rtol=1e-3)
+
+
+def test_the_nearest_source_of_a_vertex_is_that_of_its_voronoi_cell(flat):
+    for solver in flat.values():
+        labels, distances = gt.geodesic_voronoi(solver, [3, 90, 150], return_distances=True)
+        there, far = solver.nearest_source(positions_of(solver), [3, 90, 150])
+        np.testing.assert_allclose(far, distances, atol=1e-9)
+        assert (there == labels).mean() > 0.97  # all but those that are equally far
+
+
+def test_sources_are_sets_and_curves_and_points(flat):
+    left = gt.Curve([[0.0, 0.0, 0.0], [0.0, 1.0, 0.0]])
+    right = np.flatnonzero(GRID.vertices[:, 0] == 1)
+    labels, distances = flat["mesh"].nearest_source([[0.2, 0.5, 0], [0.9, 0.4, 0]], [left, right])
+    np.testing.assert_array_equal(labels, [0, 1])
+    np.testing.assert_allclose(distances, [0.2, np.hypot(0.1, 0.025)], atol=0.002)
+
+
+def test_where_no_source_connects_there_is_no_nearest():
+    mesh = shapes.grid(5)
+    two = shapes.disjoint_union(mesh, gt.TriangleMesh(mesh.vertices + np.eye(3)[0] * 5, mesh.faces))
+    labels, distances = gt.GeodesicSolver(two).nearest_source(
+        [[0.3, 0.3, 0], [5.3, 0.3, 0]], [9, 3]
+    )
+    np.testing.assert_array_equal(labels >= 0, [True, False])
+    np.testing.assert_array_equal(np.isfinite(distances), [True, False])
+
+
+@pytest.mark.parametrize("ask", ["query", "nearest_source", "interpolate"])
+def test_what_is_wrong_with_points_is_said_before_the_work(flat, ask, monkeypatch):
+    monkeypatch.setattr(gt.HeatMethod, "distances", lambda *_: pytest.fail("worked"))
+    monkeypatch.setattr(gt.HeatMethod, "distance", lambda *_: pytest.fail("worked"))
+
+    def asked(points, **options):
+        if ask == "interpolate":
+            return flat["mesh"].interpolate(np.zeros(289), points, **options)
+        return getattr(flat["mesh"], ask)(points, [0], **options)
+
+    with pytest.raises(InvalidOptionError, match="point 1 of the points is not finite"):
+        asked([[0, 0, 0], [0, np.nan, 0]])
+    with pytest.raises(InvalidOptionError, match="reach must be a positive length"):
+        asked([0, 0, 0], reach=-1)
+
+
+def test_bad_sources_are_refused_with_their_number(flat):
+    with pytest.raises(InvalidSourceError, match="source set 1: vertex 900 does not exist"):
+        flat["mesh"].nearest_source([0.5, 0.5, 0], [0, 900])
+    with pytest.raises(UnsupportedDomainError, match="a Graph has no positions"):
+        gt.GeodesicSolver(gt.Graph(3, [[0, 1], [1, 2]])).nearest_source([0.0, 0, 0], [0])
 
 
 def test_points_are_read_from_tables_and_shapes(tmp_path):

@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 
 import geodesic_toolkit as gt
 from geodesic_toolkit import errors
-from geodesic_toolkit.analysis import sampling
+from geodesic_toolkit import solver as solver_module
 from geodesic_toolkit.testing import shapes
 
 SPHERE = gt.GeodesicSolver(shapes.icosphere(2))
@@ -146,7 +146,7 @@ def test_a_bad_sampling_is_refused(arguments, options, error, message):
 
 @pytest.mark.parametrize("block", [2, 64])
 def test_labels_are_the_nearest_rows_of_the_matrix(solver, monkeypatch, block):
-    monkeypatch.setattr(sampling, "BLOCK", block)
+    monkeypatch.setattr(solver_module, "MOST_ROWS", block)
     sites = gt.farthest_point_sampling(solver, 7)
     matrix = gt.distance_matrix(solver, sites)
     labels, distances = gt.geodesic_voronoi(solver, sites, return_distances=True)
@@ -179,9 +179,7 @@ def test_sites_are_of_every_kind():
 
 
 def test_of_equally_near_sites_the_first_has_the_vertex(solver, monkeypatch):
-    monkeypatch.setattr(
-        gt.GeodesicSolver, "distances", lambda self, sets: np.ones((len(sets), 648))
-    )
+    monkeypatch.setattr(gt.HeatMethod, "distances", lambda self, sets: np.ones((len(sets), 648)))
     labels, distances = gt.geodesic_voronoi(solver, range(70), return_distances=True)
     np.testing.assert_array_equal(labels, np.zeros(648))
     np.testing.assert_array_equal(distances, np.ones(648))

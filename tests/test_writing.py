@@ -219,13 +219,13 @@ def test_distances_must_be_one_a_vertex(distances, sphere, tmp_path):
 
 @pytest.mark.parametrize(("name", "says"), [("d.dat", r"cannot write \.dat"), ("d", "no suffix")])
 def test_an_unknown_suffix_is_named_with_those_that_can_be_written(name, says, sphere, tmp_path):
-    with pytest.raises(InvalidOptionError, match=rf"{says}; can be written: \.ply, \.vtp"):
+    with pytest.raises(InvalidOptionError, match=rf"{says}; can be written: \.ply, \.pcd, \.las"):
         write_distances(tmp_path / name, sphere, np.zeros(42))
 
 
 @pytest.mark.parametrize("suffix", ["obj", "OFF", "stl"])
 def test_a_format_that_holds_no_field_is_refused_with_those_that_do(suffix, sphere, tmp_path):
-    says = rf"d\.{suffix}: .* cannot hold a field of distances; can be written: \.ply, \.vtp"
+    says = rf"d\.{suffix}: .* cannot hold a field of distances; can be written: \.ply, \.pcd, \.las"
     with pytest.raises(InvalidOptionError, match=says):
         write_distances(tmp_path / f"d.{suffix}", sphere, np.zeros(42))
 

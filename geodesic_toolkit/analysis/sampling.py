@@ -14,9 +14,6 @@ from geodesic_toolkit.solver import GeodesicSolver
 
 __all__ = ["farthest_point_sampling", "geodesic_voronoi"]
 
-BLOCK = 64
-"""Sites whose distances are held at once."""
-
 
 @overload
 def farthest_point_sampling(
@@ -184,6 +181,8 @@ def geodesic_voronoi(
 ) -> IntArray | tuple[IntArray, FloatArray]:
     """Return which of some sites is nearest to each vertex: their Voronoi cells on the shape.
 
+    For any other points :meth:`GeodesicSolver.nearest_source` says so.
+
     Parameters
     ----------
     solver : GeodesicSolver
@@ -219,15 +218,18 @@ def geodesic_voronoi(
     array([0, 0, 0, 0, 0, 0, 0, 0, 0])
     """
     places = solver._locate_sets(sites)  # noqa: SLF001 - all are checked before any work
+    solver._warn_where_cut(places)  # noqa: SLF001 - as distances does
+    solver._warn_where_coarse(places)  # noqa: SLF001
     labels = np.full(solver.domain.n_vertices, -1, dtype=np.int64)
     nearest = np.full(solver.domain.n_vertices, np.inf)
-    for first in range(0, len(places), BLOCK):
-        distances = solver.distances(places[first : first + BLOCK])
+    first = 0
+    for distances in solver._in_blocks(places):  # noqa: SLF001 - rows that fit into memory
         best = distances.argmin(axis=0)
         least = np.take_along_axis(distances, best[None], axis=0)[0]
         nearer = least < nearest
         labels[nearer] = first + best[nearer]
         nearest[nearer] = least[nearer]
+        first += len(distances)
         if progress is not None:
-            progress(min(first + BLOCK, len(places)), len(places))
+            progress(first, len(places))
     return (labels, nearest) if return_distances else labels

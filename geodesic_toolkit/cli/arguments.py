@@ -29,6 +29,7 @@ __all__ = [
     "check_plugins",
     "check_positions",
     "check_reach",
+    "check_thin",
     "check_time",
     "find_marked",
     "parse_sources",
@@ -194,6 +195,16 @@ def check_reach(reach: float | None, at: Path | None) -> None:
         raise InvalidOptionError("--reach is for the points of --at")
     if reach is not None and not reach > 0:
         raise InvalidOptionError(f"--reach must be positive, not {reach:g}")
+
+
+def check_thin(thin: float | None, mask: object) -> None:
+    """Raise an `InvalidOptionError` for a spacing that is none, or beside a mask."""
+    if thin is not None and not (thin > 0 and math.isfinite(thin)):
+        raise InvalidOptionError(f"--thin must be positive and finite, not {thin:g}")
+    if thin is not None and mask is not None:
+        raise InvalidOptionError(
+            "--thin and --mask cannot be given together: thinned points do not hold a barrier"
+        )
 
 
 def check_positions(domain: "Domain") -> None:

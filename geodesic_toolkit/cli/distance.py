@@ -20,6 +20,7 @@ from geodesic_toolkit.cli.arguments import (
     check_plugins,
     check_positions,
     check_reach,
+    check_thin,
     check_time,
     find_marked,
     parse_sources,
@@ -28,10 +29,12 @@ from geodesic_toolkit.cli.output import aligned, one_line, show, show_json, vers
 from geodesic_toolkit.cli.run import Run, running
 from geodesic_toolkit.cli.targets import Targets
 from geodesic_toolkit.cli.welding import Welded, check_weld, welded
+from geodesic_toolkit.errors import InvalidOptionError
 
 if TYPE_CHECKING:  # importing NumPy takes longer than all of --help
-    from geodesic_toolkit._typing import FloatArray
-    from geodesic_toolkit.domains import PointCloud
+    from geodesic_toolkit._typing import BoolArray, FloatArray
+    from geodesic_toolkit.analysis.thinning import Thinned
+    from geodesic_toolkit.domains import Domain, PointCloud
     from geodesic_toolkit.solver import GeodesicSolver
     from geodesic_toolkit.source_points import SourcePoints
 
@@ -72,6 +75,15 @@ def distance(
             show_default=False,
         ),
     ] = None,
+    thin: Annotated[
+        float | None,
+        typer.Option(
+            metavar="SPACING",
+            help="Compute on points of the cloud that are this far apart, and carry the distances "
+            "back to all of them.",
+            show_default=False,
+        ),
+    ] = None,
     mask: Mask = None,
     weld: Weld = None,
     operator: Operator = "auto",
@@ -100,8 +112,9 @@ def distance(
         list[Path] | None,
         typer.Option(
             metavar="FILE",
-            help="Write the distances to a .ply, .vtp, .vtk, .vtu, .gii, .npy, .csv or .txt file; "
-            "may be given several times.",
+            help="Write the distances to a .ply, .pcd, .las, .laz, .vtp, .vtk, .vtu, .gii, .npy, "
+            ".csv or .txt file; may be given several times. A .ply, .pcd, .las or .laz of the "
+            "format of INPUT, or of --at, keeps all else that is in it.",
         ),
     ] = None,
     picture: Annotated[
@@ -121,15 +134,13 @@ def distance(
 
     Example: geodesic-toolkit distance bunny.off --source 500 --output d.ply --picture d.png
     """
-    from geodesic_toolkit.io import read, read_points
-    from geodesic_toolkit.masking import check_unmasked, without
     from geodesic_toolkit.solver import GeodesicSolver
-    from geodesic_toolkit.sources import locate_sources
 
     sources = parse_sources(source)
     check_time(time, time_factor)
     check_reach(reach, at)
     check_weld(weld)
+    check_thin(thin, mask)
     check_plugins(solver, operator, diffusion)
     targets = Targets(tables=tuple(output or ()), picture=picture, html=html, cmap=cmap)
     marked = [mask, *map(find_marked, source)]
@@ -141,20 +152,17 @@ def distance(
             with run.step("loading graphics"):
                 targets.load_graphics()
         with run.step("reading"):
-            shape = welded(read(path), weld)
+            shape, masked, places = _shape(path, sources, mask, weld)
             domain = shape.domain
-            masked = shape.mask(None if mask is None else mask.mask(shape.file.n_vertices))
-            passable = domain if masked is None else without(domain, masked)
-            places = locate_sources(domain, shape.sources(sources), passable=passable)
-            if masked is not None:
-                check_unmasked(places, masked)
             targets.check_domain(domain)
-            points = None if at is None else read_points(at)
-            if points is not None:
-                check_positions(domain)
+            points = _points(at, domain)
+        thinned = None
+        if thin is not None:
+            with run.step("thinning"):
+                thinned, places = _thinned(domain, thin, places)
         with run.step("factorising"):
             geodesic = GeodesicSolver(
-                domain,
+                domain if thinned is None else thinned.cloud,
                 operator=operator,
                 diffusion=diffusion,
                 time=time,
@@ -169,11 +177,19 @@ def distance(
         asked = None
         if points is not None:
             with run.step("asking"):
-                asked = points, _at(points, geodesic, distances, places, reach)
+                found = _at(run, points, geodesic, distances, places=places, reach=reach)
+                asked = points, found
+        if thinned is not None:
+            with run.step("carrying back"):
+                distances = thinned.carry_back(
+                    distances, geodesic, sources=places, progress=run.advance
+                )
         own = shape.values(distances)
-        targets.write(run, shape.file, own, sources, asked=asked)
+        targets.write(run, shape.file, own, sources, asked=asked, like=path if at is None else at)
         summed_up = own if asked is None else asked[1]
-        result = Result(path, shape, geodesic, sources, at, mask, summed_up, targets.paths, run)
+        result = Result(
+            path, shape, geodesic, sources, at, mask, thinned, summed_up, targets.paths, run
+        )
         if at is None and result.reached == len(sources):
             run.warn("the sources are connected to no other vertex: every other distance is inf")
         elif result.reached == 0:
@@ -194,6 +210,7 @@ class Result:
     sources: list[int] | list[list[float]]
     at: Path | None
     mask: MarkedVertices | None
+    thinned: "Thinned | None"
     distances: "FloatArray"
     outputs: Sequence[Path]
     run: Run
@@ -215,13 +232,15 @@ class Result:
         method, finite = self.solver.method, self.finite
         return {
             "input": str(self.path),
-            "domain": type(self.solver.domain).__name__,
+            "domain": type(self.shape.domain).__name__,
             "n_vertices": self.shape.file.n_vertices,
-            "n_merged": self.solver.domain.n_vertices,
+            "n_merged": self.shape.domain.n_vertices,
             "sources": self.sources,
             "at": None if self.at is None else str(self.at),
             "n_points": None if self.at is None else len(self.distances),
             "mask": None if self.mask is None else str(self.mask),
+            "thin": None if self.thinned is None else self.thinned.spacing,
+            "n_kept": None if self.thinned is None else self.thinned.cloud.n_vertices,
             "operator": repr(self.solver.operator),
             "diffusion": None if self.solver.diffusion is None else repr(self.solver.diffusion),
             "solver": {"heat": repr(method.heat_solver), "poisson": repr(method.poisson_solver)},
@@ -251,6 +270,7 @@ class Result:
             ("source", "; ".join(map(_place, self.sources))),
             *([] if self.at is None else [("at", f"{len(self.distances)} points of {self.at}")]),
             *([] if self.mask is None else [("mask", str(self.mask))]),
+            *([] if self.thinned is None else [("thinned", repr(self.thinned.cloud))]),
             (
                 "method",
                 f"{self.solver.operator!r}, {' and '.join(solvers)}"
@@ -278,22 +298,71 @@ class Result:
         return "\n".join(aligned(rows))
 
 
+def _shape(
+    path: Path,
+    sources: list[int] | list[list[float]],
+    mask: MarkedVertices | None,
+    weld: float | None,
+) -> "tuple[Welded, BoolArray | None, SourcePoints]":
+    """Return the shape of a file, what of it is masked, and the sources on it."""
+    from geodesic_toolkit.io import read
+    from geodesic_toolkit.masking import check_unmasked, without
+    from geodesic_toolkit.sources import locate_sources
+
+    shape = welded(read(path), weld)
+    masked = shape.mask(None if mask is None else mask.mask(shape.file.n_vertices))
+    passable = shape.domain if masked is None else without(shape.domain, masked)
+    places = locate_sources(shape.domain, shape.sources(sources), passable=passable)
+    if masked is not None:
+        check_unmasked(places, masked)
+    return shape, masked, places
+
+
+def _points(at: Path | None, domain: "Domain") -> "PointCloud | None":
+    """Return the points to ask for, if there are any."""
+    if at is None:
+        return None
+    from geodesic_toolkit.io import read_points
+
+    points = read_points(at)
+    check_positions(domain)
+    return points
+
+
+def _thinned(
+    domain: "Domain", spacing: float, places: "SourcePoints"
+) -> tuple["Thinned", "SourcePoints"]:
+    """Return a cloud thinned, and its sources, which stay."""
+    from geodesic_toolkit.analysis.thinning import thin
+    from geodesic_toolkit.domains import PointCloud
+    from geodesic_toolkit.source_points import SourcePoints
+
+    if not isinstance(domain, PointCloud):
+        raise InvalidOptionError(f"--thin is for point clouds, not for a {type(domain).__name__}")
+    thinned = thin(domain, spacing, keep=places.vertices)
+    vertices = thinned.vertices_of(places.vertices)
+    return thinned, SourcePoints.at_vertices(vertices, thinned.cloud.n_vertices)
+
+
 def _at(
+    run: Run,
     points: "PointCloud",
     solver: "GeodesicSolver",
     distances: "FloatArray",
+    *,
     places: "SourcePoints",
     reach: float | None,
 ) -> "FloatArray":
     """Return the distance at each point; infinite at those that are missing."""
     import numpy as np
 
-    from geodesic_toolkit.queries import interpolate
-
     found = np.full(points.n_vertices, np.inf)
-    present = points.points[points.present]
-    found[points.present] = interpolate(
-        solver.passable, solver.method.metric, distances, present, reach=reach, sources=places
+    found[points.present] = solver.interpolate(
+        distances,
+        points.points[points.present],
+        sources=places,
+        reach=reach,
+        progress=run.advance,
     )
     return found
 

@@ -111,6 +111,7 @@ class Targets:
         sources: Sequence[int] | Sequence[Sequence[float]],
         *,
         asked: "tuple[Domain, FloatArray] | None" = None,
+        like: Path | None = None,
     ) -> None:
         """Write everything: numbers first, so that a picture that fails costs no work.
 
@@ -122,6 +123,8 @@ class Targets:
         sources : sequence
         asked : tuple, optional
             Points and the distances there, for the tables; pictures still show the `domain`.
+        like : Path, optional
+            The file that the points of the tables came from, whose attributes are kept.
 
         Raises
         ------
@@ -136,9 +139,9 @@ class Targets:
             with run.step("writing"):
                 for path in self.tables:
                     if asked is None:
-                        write_distances(path, domain, distances, sources=sources)
+                        write_distances(path, domain, distances, sources=sources, like=like)
                     else:
-                        write_distances(path, *asked)
+                        write_distances(path, *asked, like=like)
         if self.drawn:
             from geodesic_toolkit import viz
 

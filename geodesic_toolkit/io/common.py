@@ -14,6 +14,7 @@ from geodesic_toolkit._typing import FloatArray, IntArray
 from geodesic_toolkit.domains import Domain, PointCloud, TriangleMesh
 from geodesic_toolkit.errors import (
     InvalidDomainError,
+    InvalidOptionError,
     MissingDependencyError,
     ReadError,
     ReadWarning,
@@ -22,6 +23,7 @@ from geodesic_toolkit.geometry.polygons import split_polygons
 
 __all__ = [
     "array_of",
+    "check_count",
     "cloud",
     "floats",
     "integers",
@@ -169,6 +171,14 @@ def cloud(path: Path, points: ArrayLike, normals: ArrayLike | None) -> PointClou
 def warn(path: Path, text: str) -> None:
     """Issue a ReadWarning that names the file, and the line outside this package that reads it."""
     _warning.warn(f"{path.name}: {text}", ReadWarning)
+
+
+def check_count(path: Path, count: int, expected: int) -> None:
+    """Raise an `InvalidOptionError` unless a file whose attributes are kept has as many points."""
+    if count != expected:
+        raise InvalidOptionError(
+            f"{path} has {count} points, not {expected}: what it says of them cannot be kept"
+        )
 
 
 def optional_package(name: str, suffix: str, doing: str = "reading") -> Any:

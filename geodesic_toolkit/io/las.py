@@ -1,16 +1,30 @@
 """LAS and LAZ, the formats of airborne laser scans, through laspy."""
 
+import copy
 import logging
 import os
 import struct
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any, BinaryIO
 
-from geodesic_toolkit.domains import PointCloud
-from geodesic_toolkit.errors import MissingDependencyError, ReadError
-from geodesic_toolkit.io.common import optional_package
+import numpy as np
 
-__all__ = ["read_las"]
+from geodesic_toolkit._typing import FloatArray
+from geodesic_toolkit.domains import PointCloud
+from geodesic_toolkit.errors import (
+    InvalidOptionError,
+    MissingDependencyError,
+    ReadError,
+    WriteError,
+)
+from geodesic_toolkit.io.common import check_count, optional_package
+
+__all__ = ["read_las", "require_las", "write_las"]
+
+CHUNK = 1_000_000
+"""Points that are copied at once."""
 
 RECORD = 54
 """Bytes of a variable-length record without its contents."""
@@ -27,6 +41,99 @@ DENSEST = 1000
 
 def read_las(path: Path) -> PointCloud:
     """Read the positions of a LAS file, or of a LAZ file."""
+    with _opened(path) as reader:
+        return PointCloud(reader.read().xyz)
+
+
+def require_las(path: Path) -> None:
+    """Raise a `MissingDependencyError` where a LAS or LAZ file could not be written."""
+    laspy = optional_package("laspy", path.suffix[1:].lower(), "writing")
+    if path.suffix.lower() == ".laz" and not laspy.LazBackend.detect_available():
+        raise MissingDependencyError(
+            'writing .laz files needs lazrs: pip install "geodesic-toolkit[io]"'
+        )
+
+
+def write_las(path: Path, positions: FloatArray, field: FloatArray, like: Path | None) -> None:
+    """Write points with the extra dimension ``distance``, a double.
+
+    Parameters
+    ----------
+    path : Path
+        Compressed if it is a .laz.
+    positions : ndarray of shape (N, 3)
+        Written where there is no `like`.
+    field : ndarray of shape (N,)
+    like : Path, optional
+        A LAS or LAZ file of the same points: all that it says of them is kept, and its records.
+
+    Raises
+    ------
+    InvalidOptionError
+        Missing points, for which LAS has no place; a file of another number of points.
+    """
+    import laspy
+
+    try:
+        if like is None:
+            _write_positions(path, positions, field)
+        else:
+            _write_like(path, field, like)
+    except laspy.errors.LaspyException as error:
+        raise WriteError(f"{path.suffix} cannot be written: {error}") from error
+
+
+def _write_like(path: Path, field: FloatArray, like: Path) -> None:
+    import laspy
+
+    with _opened(like) as reader:
+        check_count(like, reader.header.point_count, len(field))
+        header = copy.deepcopy(reader.header)
+        if "distance" in header.point_format.extra_dimension_names:
+            header.remove_extra_dim("distance")
+        header.add_extra_dim(_dimension())
+        with laspy.open(str(path), mode="w", header=header) as writer:
+            start = 0
+            for points in reader.chunk_iterator(CHUNK):
+                record = laspy.ScaleAwarePointRecord.zeros(len(points), header=header)
+                record.copy_fields_from(points)
+                record["distance"] = field[start : start + len(points)]
+                writer.write_points(record)
+                start += len(points)
+            if header.version.minor >= 4 and reader.evlrs:
+                writer.write_evlrs(reader.evlrs)
+
+
+def _write_positions(path: Path, positions: FloatArray, field: FloatArray) -> None:
+    import laspy
+
+    missing = ~np.isfinite(positions).all(axis=1)
+    if missing.any():
+        raise InvalidOptionError(
+            f"point {int(missing.argmax())} is missing, for which LAS has no place; write .pcd or "
+            ".ply"
+        )
+    header = laspy.LasHeader(point_format=0, version="1.4")
+    low, high = positions.min(axis=0), positions.max(axis=0)
+    size = max(float((high - low).max()), float(np.finfo(np.float64).tiny) * 1e20)
+    header.offsets = low
+    header.scales = np.full(3, 10.0 ** np.ceil(np.log10(size / 2**30)))  # of 32-bit integers
+    header.add_extra_dim(_dimension())
+    points = laspy.LasData(header)
+    points.x, points.y, points.z = positions.T
+    points["distance"] = field
+    points.write(str(path))
+
+
+def _dimension() -> Any:
+    import laspy
+
+    return laspy.ExtraBytesParams("distance", np.float64, "geodesic distance")
+
+
+@contextmanager
+def _opened(path: Path) -> Iterator[Any]:
+    """Open a file for laspy to read; what its decompressor trips over becomes a `ReadError`."""
     laspy = optional_package("laspy", path.suffix[1:].lower())
     log = logging.getLogger("laspy")
     if not log.handlers:  # else what laspy logs beside raising it is printed to standard error
@@ -43,7 +150,7 @@ def read_las(path: Path) -> PointCloud:
                 raise MissingDependencyError(
                     'reading .laz files needs lazrs: pip install "geodesic-toolkit[io]"'
                 )
-            return PointCloud(reader.read().xyz)
+            yield reader
     except BaseException as error:  # lazrs's panics are no Exception; all else goes on
         if type(error).__name__ != "PanicException":
             raise

@@ -8,34 +8,99 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from geodesic_toolkit._typing import FloatArray
-from geodesic_toolkit.domains import PointCloud
+from geodesic_toolkit.domains import Domain, PointCloud, known_positions
 from geodesic_toolkit.errors import ReadError
-from geodesic_toolkit.io.common import cloud, floats
+from geodesic_toolkit.io.common import check_count, cloud, floats
 
-__all__ = ["read_pcd"]
+__all__ = ["encode_pcd", "read_pcd"]
 
 SIZES = {"F": {4, 8}, "I": {1, 2, 4, 8}, "U": {1, 2, 4, 8}}
 LONGEST_HEADER = 1 << 16
 
+_Layout = list[tuple[str, np.dtype[Any], int]]  # name, type and number of entries of each field
+
 
 def read_pcd(path: Path) -> PointCloud:
     """Read a PCD file; points that are NaN stay, as missing ones."""
-    data = path.read_bytes()
-    header, form, start = _header(data)
-    n_points = _n_points(header)
-    layout = _layout(header)
-    if form == "ascii":
-        columns = _text(data[start:], layout, n_points)
-    elif form == "binary":
-        columns = _rows(data[start:], layout, n_points)
-    else:
-        columns = _compressed(data[start:], layout, n_points)
+    header, layout, fields = _contents(path)
+    columns = {
+        name: values[:, 0]
+        for (name, _, count), values in zip(layout, fields, strict=True)
+        if count == 1
+    }
     points = _triple(columns, ("x", "y", "z"))
     if points is None:
         raise ReadError(f"the fields are {' '.join(header['FIELDS'])[:80]}: no x, y and z")
     return cloud(path, points, _triple(columns, ("normal_x", "normal_y", "normal_z")))
+
+
+def encode_pcd(domain: Domain, field: FloatArray, like: Path | None) -> bytes:
+    """Return a binary PCD file of points with the field ``distance``, of 8 bytes.
+
+    Parameters
+    ----------
+    domain : Domain
+        Positions, and the normals of a cloud, are written where there is no `like`.
+    field : ndarray of shape (N,)
+    like : Path, optional
+        A PCD file of the same points: all of its fields are kept, and whether it is organised.
+
+    Raises
+    ------
+    InvalidOptionError
+        A file of another number of points.
+    """
+    header: dict[str, list[str]] = {}
+    layout: _Layout = []
+    fields: list[NDArray[Any]] = []
+    if like is not None:
+        header, layout, fields = _contents(like)
+        check_count(like, len(fields[0]), len(field))
+        old = [i for i, (name, _, _) in enumerate(layout) if name != "distance"]
+        layout, fields = [layout[i] for i in old], [fields[i] for i in old]
+    else:
+        positions = known_positions(domain)
+        assert positions is not None  # the caller has asked
+        names, columns = ["x", "y", "z"], [*positions.T]
+        if isinstance(domain, PointCloud) and domain.normals is not None:
+            names += ["normal_x", "normal_y", "normal_z"]
+            columns += [*domain.normals.T]
+        layout = [(name, np.dtype("<f8"), 1) for name in names]
+        fields = [column[:, None] for column in columns]
+    layout.append(("distance", np.dtype("<f8"), 1))
+    fields.append(field[:, None])
+    rows = np.empty(len(field), _row(layout))
+    with np.errstate(invalid="ignore"):  # integers that a text calls nan
+        for number, values in enumerate(fields):
+            rows[f"field{number}"] = values
+    kinds = {"f": "F", "i": "I", "u": "U"}
+    lines = {
+        "VERSION": ["0.7"],
+        "FIELDS": [name for name, _, _ in layout],
+        "SIZE": [str(kind.itemsize) for _, kind, _ in layout],
+        "TYPE": [kinds[kind.kind] for _, kind, _ in layout],
+        "COUNT": [str(count) for _, _, count in layout],
+        "WIDTH": header.get("WIDTH", [str(len(field))]),
+        "HEIGHT": header.get("HEIGHT", ["1"]),
+        "VIEWPOINT": header.get("VIEWPOINT", ["0", "0", "0", "1", "0", "0", "0"]),
+        "POINTS": [str(len(field))],
+        "DATA": ["binary"],
+    }
+    text = "".join(f"{keyword} {' '.join(words)}\n" for keyword, words in lines.items())
+    return f"# .PCD v0.7 - geodesic distance\n{text}".encode("latin-1") + rows.tobytes()
+
+
+def _contents(path: Path) -> tuple[dict[str, list[str]], _Layout, list[NDArray[Any]]]:
+    """Return the header of a file, what its fields are, and their values, of shape (N, count)."""
+    data = path.read_bytes()
+    header, form, start = _header(data)
+    n_points = _n_points(header)
+    layout = _layout(header)
+    take = {"ascii": _text, "binary": _rows, "binary_compressed": _compressed}[form]
+    return header, layout, take(data[start:], layout, n_points)
 
 
 def _triple(columns: dict[str, Any], names: tuple[str, str, str]) -> FloatArray | None:
@@ -76,7 +141,7 @@ def _n_points(header: dict[str, list[str]]) -> int:
     return n_points
 
 
-def _layout(header: dict[str, list[str]]) -> list[tuple[str, np.dtype[Any], int]]:
+def _layout(header: dict[str, list[str]]) -> _Layout:
     """Return name, type and number of entries of each field."""
     names = header["FIELDS"]
     counts = header.get("COUNT", ["1"] * len(names))
@@ -93,38 +158,30 @@ def _layout(header: dict[str, list[str]]) -> list[tuple[str, np.dtype[Any], int]
     return layout
 
 
-def _text(
-    text: bytes, layout: list[tuple[str, np.dtype[Any], int]], n_points: int
-) -> dict[str, Any]:
+def _text(text: bytes, layout: _Layout, n_points: int) -> list[NDArray[Any]]:
     width = sum(count for _, _, count in layout)
     tokens = text.split()
     if len(tokens) < n_points * width:
         raise ReadError(f"the file ends before its {n_points} points do")
     table = floats(tokens[: n_points * width], "the fields").reshape(n_points, width)
-    starts = np.cumsum([0] + [count for _, _, count in layout])
-    return {
-        name: table[:, start]
-        for (name, _, count), start in zip(layout, starts.tolist(), strict=False)
-        if count == 1
-    }
+    ends = np.cumsum([count for _, _, count in layout])[:-1]
+    return list(np.split(table, ends, axis=1))
 
 
-def _rows(
-    data: bytes, layout: list[tuple[str, np.dtype[Any], int]], n_points: int
-) -> dict[str, Any]:
+def _row(layout: _Layout) -> np.dtype[Any]:
+    return np.dtype([(f"field{i}", kind, (count,)) for i, (_, kind, count) in enumerate(layout)])
+
+
+def _rows(data: bytes, layout: _Layout, n_points: int) -> list[NDArray[Any]]:
     """Take the fields of data that hold one point after the other."""
-    row = np.dtype([(f"field{i}", kind, (count,)) for i, (_, kind, count) in enumerate(layout)])
+    row = _row(layout)
     if n_points * row.itemsize > len(data):
         raise ReadError(f"the file ends before its {n_points} points do")
     table = np.frombuffer(data, row, n_points)
-    return {
-        name: table[f"field{i}"][:, 0] for i, (name, _, count) in enumerate(layout) if count == 1
-    }
+    return [table[f"field{i}"] for i in range(len(layout))]
 
 
-def _compressed(
-    data: bytes, layout: list[tuple[str, np.dtype[Any], int]], n_points: int
-) -> dict[str, Any]:
+def _compressed(data: bytes, layout: _Layout, n_points: int) -> list[NDArray[Any]]:
     """Take the fields of compressed data, which hold one field after the other."""
     packed = int.from_bytes(data[:4], "little")
     size = int.from_bytes(data[4:8], "little")
@@ -135,12 +192,12 @@ def _compressed(
             f"the compressed data announce {size} bytes: not those of {n_points} points"
         )
     unpacked = _unpack(data[8 : 8 + packed], size)
-    columns, at = {}, 0
-    for name, kind, count in layout:
-        if count == 1:
-            columns[name] = np.frombuffer(unpacked, kind, n_points, at)
-        at += n_points * count * kind.itemsize
-    return columns
+    fields, at = [], 0
+    for _, kind, count in layout:
+        values = np.frombuffer(unpacked, kind, n_points * count, at)
+        fields.append(values.reshape(n_points, count))
+        at += values.nbytes
+    return fields
 
 
 def _unpack(packed: bytes, size: int) -> bytes:

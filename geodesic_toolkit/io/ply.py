@@ -13,9 +13,9 @@ from geodesic_toolkit._typing import FloatArray, IntArray
 from geodesic_toolkit.domains import Domain, TriangleMesh
 from geodesic_toolkit.errors import ReadError
 from geodesic_toolkit.geometry.polygons import strip_triangles
-from geodesic_toolkit.io.common import cloud, floats, triangulate, whole_numbers
+from geodesic_toolkit.io.common import check_count, cloud, floats, triangulate, whole_numbers
 
-__all__ = ["encode_ply", "read_ply"]
+__all__ = ["encode_ply", "encode_ply_like", "read_ply"]
 
 TYPES = {
     "char": "i1", "int8": "i1", "uchar": "u1", "uint8": "u1",
@@ -23,9 +23,13 @@ TYPES = {
     "int": "i4", "int32": "i4", "uint": "u4", "uint32": "u4",
     "float": "f4", "float32": "f4", "double": "f8", "float64": "f8",
 }  # fmt: skip
-NAMES = {"u1": "uchar", "i4": "int", "i8": "int", "f4": "float", "f8": "double"}
+NAMES = {
+    "i1": "char", "u1": "uchar", "i2": "short", "u2": "ushort", "i4": "int", "u4": "uint",
+    "f4": "float", "f8": "double",
+}  # fmt: skip
 COUNTS = {"i1": "b", "u1": "B", "i2": "h", "u2": "H", "i4": "i", "u4": "I"}  # for struct
 ORDERS = {"binary_little_endian": "<", "binary_big_endian": ">"}
+COLOURS = ("red", "green", "blue")
 LONGEST_HEADER = 1 << 20
 
 
@@ -56,12 +60,7 @@ class _Body(Protocol):
 
 def read_ply(path: Path) -> Domain:
     """Read a PLY file: a mesh where it has faces or triangle strips, else a cloud."""
-    data = path.read_bytes()
-    form, elements, start = _header(data)
-    body: _Body = _Text(data[start:]) if form == "ascii" else _Binary(data, start, ORDERS[form])
-    tables: dict[str, _Table] = {}
-    for element in elements:
-        tables[element.name] = body.take(element)
+    _, _, tables = _contents(path)
     vertices = _triple(tables.get("vertex", {}), ("x", "y", "z"))
     if vertices is None:
         raise ReadError("no element vertex with properties x, y and z")
@@ -75,6 +74,19 @@ def read_ply(path: Path) -> Domain:
     if not faces:
         return cloud(path, vertices, _triple(tables["vertex"], ("nx", "ny", "nz")))
     return TriangleMesh(vertices, np.concatenate(faces))
+
+
+def _contents(path: Path) -> tuple[list[str], list[_Element], dict[str, _Table]]:
+    """Return the remarks of a file, what its elements are, and their values."""
+    data = path.read_bytes()
+    form, elements, start = _header(data)
+    body: _Body = _Text(data[start:]) if form == "ascii" else _Binary(data, start, ORDERS[form])
+    remarks = [
+        line
+        for line in data[:start].decode("latin-1").splitlines()
+        if line.startswith(("comment", "obj_info"))
+    ]
+    return remarks, elements, {element.name: body.take(element) for element in elements}
 
 
 def _triple(table: _Table, names: tuple[str, str, str]) -> FloatArray | None:
@@ -339,3 +351,90 @@ def encode_ply(
         polygons["size"], polygons["corners"] = 3, faces
         parts.append(polygons.tobytes())
     return "\n".join([*lines, "end_header", ""]).encode("ascii") + b"".join(parts)
+
+
+def encode_ply_like(path: Path, fields: Mapping[str, NDArray[Any]], comment: str) -> bytes:
+    """Return a binary little-endian PLY file that is another one with more vertex properties.
+
+    All elements and their properties are kept, polygons and colours too, but for vertex properties
+    of those names.
+
+    Parameters
+    ----------
+    path : Path
+        The other one.
+    fields : mapping from property names to arrays of shape (N,)
+        uint8, float32 or float64. Colours are left out where the file has its own.
+    comment : str
+
+    Raises
+    ------
+    InvalidOptionError
+        A file of another number of vertices.
+    """
+    remarks, elements, tables = _contents(path)
+    (vertex,) = (element for element in elements if element.name == "vertex")
+    check_count(path, vertex.n, len(next(iter(fields.values()))))
+    own = tables["vertex"].keys()
+    new = {
+        name: values for name, values in fields.items() if name not in COLOURS or name not in own
+    }
+    vertex.properties = [
+        *(each for each in vertex.properties if each.name not in new),
+        *(_Property(name, values.dtype.str[1:]) for name, values in new.items()),
+    ]
+    tables["vertex"] = {**tables["vertex"], **{name: (None, new[name]) for name in new}}
+    first = comment.partition(" from ")[0]  # of a file that we have written before
+    lines = ["ply", "format binary_little_endian 1.0", f"comment {comment}"]
+    lines += [remark for remark in remarks if not remark.startswith(f"comment {first}")]
+    for element in elements:
+        lines.append(f"element {element.name} {element.n}")
+        for each in element.properties:
+            size = "" if each.count is None else f"list {NAMES[each.count]} "
+            lines.append(f"property {size}{NAMES[each.kind]} {each.name}")
+    header = "\n".join([*lines, "end_header", ""]).encode("latin-1")
+    return header + b"".join(_encoded(element, tables[element.name]) for element in elements)
+
+
+def _encoded(element: _Element, table: _Table) -> bytes:
+    """Return the rows of an element."""
+    if not element.n or not element.properties:
+        return b""
+    sizes = [table[each.name][0] for each in element.properties]
+    if any(size is not None and (size != size[0]).any() for size in sizes):
+        return _encoded_row_by_row(element, table)
+    fields: list[Any] = []
+    for number, (each, size) in enumerate(zip(element.properties, sizes, strict=True)):
+        if each.count is not None and size is not None:
+            fields.append((f"count{number}", f"<{each.count}"))
+        length = 1 if size is None else int(size[0])
+        fields.append((f"value{number}", f"<{each.kind}", (length,)))
+    rows = np.empty(element.n, fields)
+    with np.errstate(invalid="ignore"):  # integers that a text calls nan
+        for number, each in enumerate(element.properties):
+            size, values = table[each.name]
+            if size is not None:
+                rows[f"count{number}"] = size
+            rows[f"value{number}"] = values.reshape(element.n, -1)
+    return rows.tobytes()
+
+
+def _encoded_row_by_row(element: _Element, table: _Table) -> bytes:
+    """Return rows whose lists are not all as long as each other."""
+    columns = []
+    for each in element.properties:
+        size, values = table[each.name]
+        length = np.ones(element.n, dtype=np.int64) if size is None else size
+        ends = (np.cumsum(length) * int(each.kind[1])).tolist()
+        data = values.astype(f"<{each.kind}").tobytes()
+        counts = [b""] * element.n
+        if size is not None:
+            width = int(str(each.count)[1])
+            packed = size.astype(f"<{each.count}").tobytes()
+            counts = [packed[width * row : width * (row + 1)] for row in range(element.n)]
+        columns.append((counts, [0, *ends], data))
+    parts = []
+    for row in range(element.n):
+        for counts, bounds, data in columns:
+            parts += [counts[row], data[bounds[row] : bounds[row + 1]]]
+    return b"".join(parts)

@@ -1,6 +1,7 @@
 """Distances to files: shapes with a field to look at, tables to go on with."""
 
 import os
+from contextlib import nullcontext
 from pathlib import Path
 from typing import Any
 
@@ -13,17 +14,23 @@ from geodesic_toolkit.domains import Domain, PointCloud, TriangleMesh, known_pos
 from geodesic_toolkit.errors import InvalidOptionError
 from geodesic_toolkit.io.common import optional_package
 from geodesic_toolkit.io.gifti import encode_gifti
-from geodesic_toolkit.io.ply import encode_ply
+from geodesic_toolkit.io.las import require_las, write_las
+from geodesic_toolkit.io.pcd import encode_pcd
+from geodesic_toolkit.io.ply import encode_ply, encode_ply_like
+from geodesic_toolkit.io.reading import check_file, named_errors
 from geodesic_toolkit.io.vtk_library import require_vtk, write_vtk
 
 __all__ = ["WITH_SHAPE", "check_distance_output", "write_distances"]
 
-WITH_SHAPE = (".ply", ".vtp", ".vtk", ".vtu")
+WITH_SHAPE = (".ply", ".pcd", ".las", ".laz", ".vtp", ".vtk", ".vtu")
 """Formats of a shape with numbers at its vertices."""
 
 DISTANCE_SUFFIXES = (*WITH_SHAPE, ".gii", ".npy", ".csv", ".txt")
 
-SHAPE_ALONE = (".obj", ".off", ".stl", ".xyz", ".pcd", ".mesh")
+FAMILIES = ((".ply",), (".pcd",), (".las", ".laz"))
+"""Suffixes of formats that keep what a file of the same family says of its points."""
+
+SHAPE_ALONE = (".obj", ".off", ".stl", ".xyz", ".mesh")
 """Formats that people ask for and that have no place for a field."""
 
 OTHER_GIFTI = (".surf.gii", ".label.gii")
@@ -37,24 +44,19 @@ NAMED_SOURCES = 20
 
 
 def write_distances(
-    path: str | os.PathLike[str], domain: Domain, distances: ArrayLike, *, sources: Any = None
+    path: str | os.PathLike[str],
+    domain: Domain,
+    distances: ArrayLike,
+    *,
+    sources: Any = None,
+    like: str | os.PathLike[str] | None = None,
 ) -> None:
     """Write one distance field, in the format that the suffix names.
 
-    ================ ====================================================================
-    .ply             binary: vertices and faces, or points with their normals, with a
-                     vertex property ``distance`` (``inf`` where no source reaches) and
-                     colours (viridis, where matplotlib is installed; grey where no source
-                     reaches)
-    .vtp, .vtk, .vtu vertices and faces, or points, with the point data ``distance``, for
-                     ParaView (vtk)
-    .gii             the distances alone, float32, as ``.shape.gii`` or ``.func.gii`` are
-                     (nibabel)
-    .npy             the distances alone, float64
-    .csv             ``vertex,x,y,z,distance``, or ``vertex,distance`` of a graph, with all
-                     digits
-    .txt             the distances alone, one a line, with all digits
-    ================ ====================================================================
+    ================ =============================================================
+    A .ply, .pcd, .las or .laz that is written `like` the file that the shape came from is that
+    file with the distance added: it keeps all else that the file says, such as colours,
+    intensities, classes, normals, polygons, the coordinate system.
 
     Parameters
     ----------
@@ -65,13 +67,19 @@ def write_distances(
         One a vertex, in the unit of the domain.
     sources : array-like of int, optional
         Vertex indices of the sources, noted in the comment of a PLY.
+    like : path-like, optional
+        A file of the same vertices, such as the one that `domain` was read from. It is looked at
+        where its format is that of `path` (.las and .laz are one).
 
     Raises
     ------
     InvalidOptionError
-        An unknown suffix, a shape of a graph, distances of another shape.
+        An unknown suffix, a shape of a graph, distances of another shape, missing points in a .las
+        file, a file to be `like` that has another number of points.
     MissingDependencyError
         The format needs a package that is not installed.
+    ReadError
+        The file to be `like` cannot be read.
     WriteError
         The file cannot be written.
 
@@ -100,6 +108,14 @@ def write_distances(
             f"a {type(domain).__name__} has no positions to write to a {suffix} file; write .npy, "
             ".csv or .txt"
         )
+    model = _model(file, like)
+    shape = b""
+    if suffix in {".ply", ".pcd"}:
+        with nullcontext() if model is None else named_errors(model, "the file"):
+            if suffix == ".ply":
+                shape = _ply(domain, field, sources, model)
+            else:
+                shape = encode_pcd(domain, field, model)
     with replacing(file) as temporary:
         match suffix:
             case ".npy":
@@ -112,8 +128,11 @@ def write_distances(
                 temporary.write_text(text, encoding="ascii", newline="\n")
             case ".gii":
                 temporary.write_bytes(encode_gifti(field, file.name))
-            case ".ply":
-                temporary.write_bytes(_ply(domain, field, sources))
+            case ".las" | ".laz":
+                assert positions is not None  # for the type checker
+                write_las(temporary, positions, field, model)
+            case ".ply" | ".pcd":
+                temporary.write_bytes(shape)
             case _:
                 write_vtk(temporary, domain, field)
 
@@ -148,7 +167,21 @@ def check_distance_output(path: str | os.PathLike[str]) -> Path:
         require_vtk(file)
     elif suffix == ".gii":
         optional_package("nibabel.gifti", "gii", "writing")
+    elif suffix in {".las", ".laz"}:
+        require_las(file)
     return file
+
+
+def _model(file: Path, like: str | os.PathLike[str] | None) -> Path | None:
+    """Return `like`, where what it says can be kept in `file`."""
+    if like is None:
+        return None
+    model = Path(like)
+    for family in FAMILIES:
+        if file.suffix.lower() in family and model.suffix.lower() in family:
+            check_file(model)
+            return model
+    return None
 
 
 def _checked(distances: ArrayLike, domain: Domain) -> FloatArray:
@@ -170,18 +203,21 @@ def _write_csv(path: Path, positions: FloatArray | None, field: FloatArray) -> N
             file.write(f"{vertex},{','.join(map(repr, row))}\n")
 
 
-def _ply(domain: Domain, field: FloatArray, sources: Any) -> bytes:
+def _ply(domain: Domain, field: FloatArray, sources: Any, model: Path | None) -> bytes:
+    fields: dict[str, NDArray[Any]] = {"distance": field}
+    colours = _colours(field)
+    if colours is not None:
+        fields.update(zip(("red", "green", "blue"), colours.T, strict=True))
+    comment = "geodesic distance" + _from(sources)
+    if model is not None:
+        return encode_ply_like(model, fields, comment)
     positions = known_positions(domain)
     assert positions is not None
     vertices: dict[str, NDArray[Any]] = dict(zip("xyz", positions.T, strict=True))
     if isinstance(domain, PointCloud) and domain.normals is not None:
         vertices.update(zip(("nx", "ny", "nz"), domain.normals.T, strict=True))
-    vertices["distance"] = field
-    colours = _colours(field)
-    if colours is not None:
-        vertices.update(zip(("red", "green", "blue"), colours.T, strict=True))
     faces = domain.faces if isinstance(domain, TriangleMesh) else None
-    return encode_ply(vertices, faces, ["geodesic distance" + _from(sources)])
+    return encode_ply({**vertices, **fields}, faces, [comment])
 
 
 def _from(sources: Any) -> str:

@@ -1,0 +1,337 @@
+"""`thin`: fewer points of a cloud, and distances from these carried back to all of it."""
+
+import numbers
+import threading
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any, final
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from geodesic_toolkit._typing import FloatArray, IntArray
+from geodesic_toolkit.conversion import as_domain
+from geodesic_toolkit.domains import PointCloud
+from geodesic_toolkit.errors import (
+    InvalidOptionError,
+    InvalidSourceError,
+    UnsupportedDomainError,
+)
+from geodesic_toolkit.heat import Progress
+from geodesic_toolkit.queries import Surface
+from geodesic_toolkit.solver import GeodesicSolver
+from geodesic_toolkit.source_points import as_vertices
+
+if TYPE_CHECKING:
+    from scipy.spatial import cKDTree
+
+__all__ = ["Thinned", "thin"]
+
+FINEST = 2.0**-40
+"""Share of a cloud's size below which a spacing is in another unit."""
+
+BATCH = 1_000_000
+"""Points that are looked up at once."""
+
+
+@final
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Thinned:
+    """A cloud with fewer points, and the way back: what :func:`thin` returns.
+
+    Attributes
+    ----------
+    cloud : PointCloud
+        The M points that were kept, with their normals where there are any.
+    index : ndarray of shape (M,), int64, read-only
+        Which of the N points of `full` these are, ascending: ``cloud.points`` equals
+        ``full.points[index]``.
+    full : PointCloud
+        What was thinned.
+    spacing : float
+    """
+
+    cloud: PointCloud
+    index: IntArray
+    full: PointCloud
+    spacing: float
+    _made: dict[str, Surface] = field(init=False, default_factory=dict, repr=False)
+    _lock: Any = field(init=False, default_factory=threading.Lock, repr=False)
+
+    def vertices_of(self, points: ArrayLike) -> IntArray:
+        """Return which points of `cloud` some points of `full` have become.
+
+        Parameters
+        ----------
+        points : int or array-like of int
+            Indices of the full cloud.
+
+        Returns
+        -------
+        ndarray of shape (P,), int64
+
+        Raises
+        ------
+        InvalidSourceError
+            An index out of range, or a point that was not kept.
+        """
+        wanted = as_vertices(points, self.full.n_vertices, "points")
+        places = np.searchsorted(self.index, wanted)
+        kept = self.index[np.minimum(places, len(self.index) - 1)] == wanted
+        if not kept.all():
+            lost = int(wanted[~kept][0])
+            raise InvalidSourceError(
+                f"point {lost} was not kept: thin with keep=[{lost}], or give its position instead"
+            )
+        return places
+
+    def carry_back(
+        self,
+        distance: ArrayLike,
+        solver: GeodesicSolver | None = None,
+        *,
+        sources: Any = None,
+        progress: Progress | None = None,
+    ) -> FloatArray:
+        """Return distances at all points, from those at the points that were kept.
+
+        A point that was kept has its own. Any other has what :meth:`GeodesicSolver.interpolate`
+        gives at its foot on the triangles of the thinned cloud, within the spacing.
+
+        Parameters
+        ----------
+        distance : array-like of shape (M,) or (K, M)
+            At the points of `cloud`.
+        solver : GeodesicSolver, optional
+            One of `cloud`, whose triangles and tree then serve. Else those of
+            :class:`PointCloudLaplacian` are made, once.
+        sources : optional
+            What the solver measured from, if one field is given: close to it distances then come
+            out round.
+        progress : callable, optional
+            Called with the number of points done and their total after each batch, for each field.
+
+        Returns
+        -------
+        ndarray of shape (N,) or (K, N), float64
+            ``inf`` where a point is missing, where no triangle is within the spacing, and where
+            the triangle has no distance.
+
+        Raises
+        ------
+        InvalidOptionError
+            Distances of another shape, a solver of another cloud, sources without their solver.
+        InvalidSourceError
+            As for :meth:`GeodesicSolver.distance`.
+        """
+        values = np.asarray(distance, dtype=np.float64)
+        if values.ndim not in {1, 2} or values.shape[-1] != self.cloud.n_vertices:
+            raise InvalidOptionError(
+                f"distance must have shape ({self.cloud.n_vertices},), one number for each point "
+                f"that was kept, or rows of these, not {values.shape}"
+            )
+        surface = self._surface(solver)
+        places = None
+        if sources is not None:
+            if solver is None:
+                raise InvalidOptionError("give the solver, too, that the sources were given to")
+            places = solver._locate(sources)  # noqa: SLF001 - as it did for the distance
+        other = self.full.present.copy()
+        other[self.index] = False
+        rest = np.flatnonzero(other)
+        points = self.full.points[rest]
+        result = np.full((*values.shape[:-1], self.full.n_vertices), np.inf)
+        for row, whole in zip(np.atleast_2d(values), np.atleast_2d(result), strict=True):
+            whole[rest] = surface.interpolate(
+                row, points, reach=self.spacing, sources=places, progress=progress
+            )
+            whole[self.index] = row
+        return result
+
+    def _surface(self, solver: GeodesicSolver | None) -> Surface:
+        if solver is not None:
+            if solver.domain is not self.cloud:
+                raise InvalidOptionError(
+                    f"the solver is of another shape, {solver.domain!r}, than the thinned cloud, "
+                    f"{self.cloud!r}: make it with GeodesicSolver(thinned.cloud)"
+                )
+            return solver._kept_surface()  # noqa: SLF001 - what it keeps for its queries
+        with self._lock:
+            if "surface" not in self._made:
+                from geodesic_toolkit.laplacians.pointcloud import PointCloudLaplacian
+
+                metric = PointCloudLaplacian().assemble(self.cloud)
+                self._made["surface"] = Surface(self.cloud, metric)
+            return self._made["surface"]
+
+    def __getstate__(self) -> dict[str, Any]:
+        return {name: value for name, value in self.__dict__.items() if name[0] != "_"}
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        self.__dict__.update(state, _made={}, _lock=threading.Lock())
+
+
+def thin(cloud: Any, spacing: float, *, keep: ArrayLike | None = None) -> Thinned:
+    """Return a cloud with points `spacing` apart, and the way back to all of them.
+
+    Points are chosen as Poisson disks are: no two are closer than the spacing, and every point of
+    the cloud has one of them within it. What was chosen keeps its place: nothing is averaged. The
+    same cloud always gives the same points.
+
+    A cloud that is denser than the distances need takes its time and memory for nothing: half the
+    spacing is four times the points. Sheets of a shape that are closer than the spacing, or two,
+    cannot be told apart any more.
+
+    Parameters
+    ----------
+    cloud : PointCloud or object
+        Or whatever :func:`as_domain` takes for one. Points that are missing are not chosen.
+    spacing : float
+        In the unit of the cloud.
+    keep : int or array-like of int, optional
+        Points that stay, such as sources, however close to each other.
+
+    Returns
+    -------
+    Thinned
+
+    Raises
+    ------
+    UnsupportedDomainError
+        Something else than a cloud.
+    InvalidOptionError
+        A spacing that is not positive, not finite, larger than the cloud, or vanishingly small.
+    InvalidSourceError
+        A point to keep that does not exist or is missing.
+
+    References
+    ----------
+    R. L. Cook, *Stochastic sampling in computer graphics*, 1986,
+    https://doi.org/10.1145/7529.8927
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> import geodesic_toolkit as gt
+    >>> points = np.random.default_rng(0).uniform(size=(20_000, 3)) * [1, 1, 0]
+    >>> thinned = gt.thin(gt.PointCloud(points), 0.05, keep=0)
+    >>> thinned.cloud.n_vertices < 400
+    True
+    >>> solver = gt.GeodesicSolver(thinned.cloud)
+    >>> source = thinned.vertices_of(0)
+    >>> distance = thinned.carry_back(solver.distance(source), solver, sources=source)
+    >>> error = np.abs(distance - np.linalg.norm(points - points[0], axis=1))
+    >>> bool(error.mean() < 0.003), bool(error.max() < 0.05)  # the largest are at the rim
+    (True, True)
+    """
+    full = as_domain(cloud)
+    if not isinstance(full, PointCloud):
+        raise UnsupportedDomainError(
+            f"thin takes a PointCloud, not a {type(full).__name__}: of a mesh, decimate the faces "
+            "with the library that made it"
+        )
+    points = full.points[full.present]
+    step = _checked(spacing, points)
+    stay = _kept(full, keep)
+    place = np.cumsum(full.present) - 1  # of each point among those that are there
+    index = np.flatnonzero(full.present)[_disks(points, step, place[stay])]
+    index.sort()
+    index.flags.writeable = False
+    normals = None if full.normals is None else full.normals[index]
+    kept = PointCloud(full.points[index], normals)
+    return Thinned(cloud=kept, index=index, full=full, spacing=step)
+
+
+def _checked(spacing: object, points: FloatArray) -> float:
+    """Return the spacing as a number, or raise where nothing comes of it."""
+    if isinstance(spacing, bool) or not isinstance(spacing, numbers.Real):
+        raise InvalidOptionError(f"spacing must be a length, not {spacing!r}")
+    step = float(spacing)
+    if not (np.isfinite(step) and step > 0):
+        raise InvalidOptionError(f"spacing must be positive and finite, not {step}")
+    size = float((points.max(axis=0) - points.min(axis=0)).max())
+    if size > 0 and not FINEST * size < step < size:
+        raise InvalidOptionError(
+            f"spacing {step:g} of a cloud whose size is {size:g} leaves "
+            f"{'nothing of its shape' if step >= size else 'all points'}; are the units the same?"
+        )
+    return step
+
+
+def _kept(full: PointCloud, keep: ArrayLike | None) -> IntArray:
+    if keep is None:
+        return np.empty(0, dtype=np.int64)
+    stay = np.unique(as_vertices(keep, full.n_vertices, "keep"))
+    if not full.present[stay].all():
+        missing = int(stay[~full.present[stay]][0])
+        raise InvalidSourceError(f"keep: point {missing} of the cloud is missing (not finite)")
+    return stay
+
+
+def _disks(points: FloatArray, spacing: float, stay: IntArray) -> IntArray:
+    """Return points no two of which, but for those that stay, are closer than the spacing.
+
+    As many as there is room for.
+    """
+    from scipy.spatial import cKDTree
+
+    rng = np.random.default_rng(0)
+    low = points.min(axis=0)
+    chosen = [stay]
+    left = np.arange(len(points))
+    if len(stay):
+        left = left[_free(points, left, cKDTree(points[stay]), spacing)]
+    while len(left):
+        # Of many points in a small cell one will do: else there are too many pairs. What that
+        # leaves room for is found in the next rounds, of which there are few.
+        some = left[_one_a_cell(points[left] - low, spacing / 2, rng)]
+        some = some[_apart(points[some], spacing, rng)]
+        chosen.append(some)
+        left = left[_free(points, left, cKDTree(points[some]), spacing)]
+    return np.concatenate(chosen)
+
+
+def _free(points: FloatArray, rows: IntArray, taken: "cKDTree", spacing: float) -> IntArray:
+    """Return the positions of the rows whose points have none of `taken` within the spacing."""
+    found = []
+    for start in range(0, len(rows), BATCH):
+        some = points[rows[start : start + BATCH]]
+        far = np.isinf(taken.query(some, distance_upper_bound=spacing)[0])
+        found.append(start + np.flatnonzero(far))
+    return np.concatenate(found)
+
+
+def _one_a_cell(points: FloatArray, size: float, rng: np.random.Generator) -> IntArray:
+    """Return the position of one point, drawn by lot, in each cell of a grid."""
+    cells = np.floor(points / size).astype(np.int64)
+    drawn = rng.permutation(len(points))
+    order = drawn[np.lexsort(cells[drawn].T)]
+    ordered = cells[order]
+    new = np.ones(len(order), dtype=np.bool_)
+    new[1:] = (ordered[1:] != ordered[:-1]).any(axis=1)
+    return np.asarray(order[new])
+
+
+def _apart(points: FloatArray, spacing: float, rng: np.random.Generator) -> IntArray:
+    """Return the positions of points no two of which are closer than the spacing: Luby's rounds.
+
+    In each round a point that comes by lot before all that are too close to it is chosen, and they
+    are out.
+    """
+    from scipy.spatial import cKDTree
+
+    pairs = cKDTree(points).query_pairs(np.nextafter(spacing, 0), output_type="ndarray")
+    lot = rng.permutation(len(points))
+    undecided = np.ones(len(points), dtype=np.bool_)
+    chosen = np.zeros(len(points), dtype=np.bool_)
+    while len(pairs):
+        first = lot[pairs[:, 0]] < lot[pairs[:, 1]]
+        beaten = np.zeros(len(points), dtype=np.bool_)
+        beaten[np.where(first, pairs[:, 1], pairs[:, 0])] = True
+        won = undecided & ~beaten
+        out = np.zeros(len(points), dtype=np.bool_)
+        out[pairs[won[pairs[:, 0]], 1]] = True
+        out[pairs[won[pairs[:, 1]], 0]] = True
+        chosen |= won
+        undecided &= ~won & ~out
+        pairs = pairs[undecided[pairs].all(axis=1)]
+    return np.flatnonzero(chosen | undecided)
