@@ -19,6 +19,7 @@ __all__ = ["CloudPath", "path_on_cloud"]
 SAME = 1e-12
 """Share of the size of the cloud within which two points are one."""
 
+
 @dataclass(frozen=True, eq=False)
 class CloudPath:
     """A polyline through the local triangles of a point cloud, from source to target.

@@ -127,7 +127,7 @@ class _Part:
         )
         return cls(discretization, vertices, rim)
 
-    def path(  # noqa: PLR0917 - what it needs, in the order of its doing
+    def path(
         self,
         points: FloatArray,
         heat: FloatArray,
@@ -149,9 +149,7 @@ class _Part:
         back = sweeper.distance(behind[self.vertices], SourcePoints.at_vertices(first, count))
         if not np.isfinite(distance[first[0]]):
             return None
-        path = path_down(
-            self.metric, points[self.vertices], distance, back, ends, int(first[0])
-        )
+        path = path_down(self.metric, points[self.vertices], distance, back, ends, int(first[0]))
         return None if path is None else (self.vertices[path[0]], path[1])
 
 
