@@ -276,3 +276,11 @@ def test_large_clouds_lead_around_masks_and_refuse_what_is_not_connected(swept):
     closed = solver_of(LARGE.domain.points, mask=np.abs(SQUARE[:, 0] - 0.5) < 0.05)
     with pytest.raises(UnreachableError, match=f"connects point {target} with a source"):
         gt.geodesic_path(closed, source, target)
+
+
+def test_between_opposite_places_of_a_large_sphere_any_way_round_will_do(swept):
+    points, _ = random_sphere(5000)
+    points[:2] = [0, 0, 1], [0, 0, -1]
+    path = gt.geodesic_path(solver_of(points), 0, 1)
+    assert path.length == pytest.approx(np.pi, rel=0.003)
+    assert len(swept) <= reach.MOVES + 1

@@ -8,7 +8,7 @@ from geodesic_toolkit.analysis.ways import Way, best_way
 from geodesic_toolkit.discretization import Discretization
 from geodesic_toolkit.gradient import ElementGradient
 
-__all__ = ["path_down"]
+__all__ = ["length_of", "path_down"]
 
 BRIDGED = 0.99
 """Share of the refined distance below which a path has taken a bridge: a triangle of one star
@@ -51,7 +51,7 @@ def path_down(  # noqa: PLR0917 - what it needs, in the order of its doing
     links = np.unique(np.sort(elements[linked], axis=1)[:, [0, 2]], axis=0)
     places = np.where(reached[:, None], points, 0.0)
     path = _through(triangles, links, places, distance, back, ends, start)
-    if path is not None and _length(places, *path) < BRIDGED * distance[start]:
+    if path is not None and length_of(places, *path) < BRIDGED * distance[start]:
         agreed = triangles[stars > 1]
         around = _through(agreed, links, places, distance, back, ends, start)
         return path if around is None else around
@@ -93,6 +93,7 @@ def _between_points(way: Way, links: IntArray, count: int) -> tuple[IntArray, Fl
     return np.array(corners), np.array(weights)
 
 
-def _length(points: FloatArray, corners: IntArray, weights: FloatArray) -> float:
+def length_of(points: FloatArray, corners: IntArray, weights: FloatArray) -> float:
+    """Return the length of a path as `path_down` returns it."""
     places = np.einsum("pc,pcd->pd", weights, points[corners])
     return float(np.linalg.norm(np.diff(places, axis=0), axis=1).sum())
