@@ -198,6 +198,7 @@ def nearest(x, y):
 def swept(monkeypatch):
     """Take clouds of 600 points for large, and count the regions that fronts are swept over."""
     monkeypatch.setattr(reach, "REGION", 600)
+    monkeypatch.setattr(reach, "AT_ENDS", 50)
     regions = []
     part_of = reach._Part.of
 

@@ -92,7 +92,8 @@ class _Search:
         """The sources that may be the nearest one."""
         falls = -self.behind[self.sources.vertices]
         least = falls.min()
-        return self.sources.vertices[falls <= DOUBT[0] * least + DOUBT[1]]
+        near: IntArray = self.sources.vertices[falls <= DOUBT[0] * least + DOUBT[1]]
+        return near
 
     def first_region(self) -> BoolArray | None:
         """Return whether heat is greatest at each vertex; None where it does not tell enough."""

@@ -272,7 +272,8 @@ Way shortest_way(const Surface& surface, const Strip& strip, Index start, Index 
   for (Index i = 0; i < kMaxTurns; ++i) {
     const std::vector<Turn> turns = turns_of(surface, way, tried);
     if (turns.empty()) break;
-    if (std::optional<Way> shorter = shortened(surface, way, turns, tried)) way = std::move(*shorter);
+    if (std::optional<Way> shorter = shortened(surface, way, turns, tried))
+      way = std::move(*shorter);
   }
   return way;
 }

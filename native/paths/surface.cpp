@@ -81,7 +81,8 @@ std::vector<Index> Surface::chain(Index first, Index last, Index vertex) const {
     const auto [p, q] = others(came[at].first, vertex);
     for (const Index corner : {p, q}) {
       for (const Index beside : at_edge(vertex, corner)) {
-        const bool known = std::ranges::any_of(came, [&](auto& one) { return one.first == beside; });
+        const bool known =
+            std::ranges::any_of(came, [&](auto& one) { return one.first == beside; });
         if (!known && came.back().first != last) came.push_back({beside, at});
       }
     }

@@ -48,8 +48,7 @@ class Surface {
   std::vector<Index> ring(Index vertex, Index first) const;
   // How weights on the corners change along minus the gradient of a linear function of them; false
   // where it has none.
-  bool descent(const Index (&corners)[3], std::span<const double> height,
-               double (&rates)[3]) const;
+  bool descent(const Index (&corners)[3], std::span<const double> height, double (&rates)[3]) const;
 
  private:
   std::span<const double> places_;

@@ -40,8 +40,8 @@ void bind_paths(nb::module_& module) {
           return best_way(surface, span(height), span(back), start, span(ends));
         }));
       },
-      "vertices"_a.noconvert(), "faces"_a.noconvert(), "height"_a.noconvert(),
-      "back"_a.noconvert(), "start"_a, "ends"_a.noconvert());
+      "vertices"_a.noconvert(), "faces"_a.noconvert(), "height"_a.noconvert(), "back"_a.noconvert(),
+      "start"_a, "ends"_a.noconvert());
   module.def(
       "distinct_triangles",
       [](In<Index, 2> elements) {

@@ -1,4 +1,5 @@
-// Shortest paths over triangles: a plane, a fold of three sheets at an edge, parts that do not meet.
+// Shortest paths over triangles: a plane, a fold of three sheets at an edge, parts that do not
+// meet.
 #include <cmath>
 
 #include "paths/ways.hpp"
