@@ -8,6 +8,7 @@ from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 import geodesic_toolkit as gt
+from geodesic_toolkit.analysis import reach
 from geodesic_toolkit.errors import InvalidSourceError, UnreachableError
 from geodesic_toolkit.testing import shapes
 
@@ -161,3 +162,126 @@ def test_a_path_on_a_cloud_needs_points_that_are_there():
         gt.geodesic_path(solver, 0, 25)
     with pytest.raises(InvalidSourceError, match="a SurfacePoint lies on a TriangleMesh"):
         gt.geodesic_path(solver, 0, gt.SurfacePoint(0, (1.0, 0.0, 0.0)))
+
+
+# -- bands, thousands of points long ---------------------------------------------------------------
+
+
+@pytest.mark.parametrize(("height", "kind"), [(0.05, "cylinder"), (0.3, "sphere")])
+def test_a_path_along_a_narrow_band_is_the_arc_and_stays_on_the_points(height, kind):
+    rng = np.random.default_rng(0)
+    angle, z = rng.uniform(0, 2 * np.pi, 6000), rng.uniform(-height / 2, height / 2, 6000)
+    radius = np.sqrt(1 - z**2) if kind == "sphere" else np.ones(6000)
+    angle[:2], z[:2], radius[:2] = (0, np.pi), 0.0, 1.0
+    points = np.column_stack([radius * np.cos(angle), radius * np.sin(angle), z])
+    path = gt.geodesic_path(solver_of(points), 0, 1)
+    assert path.length == pytest.approx(np.pi, rel=2e-3)
+    np.testing.assert_array_equal(path.points[[0, -1]], points[:2])
+    assert np.abs(np.linalg.norm(path.points, axis=1) - 1).max() < height**2 / 8 + 1e-3
+    spacing = np.sqrt(2 * np.pi * height / len(points))
+    gap = np.linalg.norm(path.points[:, None] - points[path.corners], axis=2).min(axis=1).max()
+    assert gap < 1.5 * spacing
+
+
+# -- large clouds: what lies away from the path is left alone --------------------------------------
+
+SQUARE = np.random.default_rng(3).uniform(size=(6000, 2))
+LARGE = solver_of(np.column_stack([SQUARE, np.zeros(6000)]))
+
+
+def nearest(x, y):
+    """Return the point of the square nearest to a place."""
+    return int(np.argmin(np.linalg.norm(SQUARE - [x, y], axis=1)))
+
+
+@pytest.fixture
+def swept(monkeypatch):
+    """Take clouds of 600 points for large, and count the regions that fronts are swept over."""
+    monkeypatch.setattr(reach, "REGION", 600)
+    monkeypatch.setattr(reach, "AT_ENDS", 50)
+    regions = []
+    part_of = reach._Part.of
+
+    def counted(metric, within):
+        regions.append(within)
+        return part_of(metric, within)
+
+    monkeypatch.setattr(reach._Part, "of", counted)
+    return regions
+
+
+def test_a_path_on_a_large_plane_is_straight_and_looks_at_a_part_of_it(swept):
+    for source, target in np.random.default_rng(1).choice(6000, size=(12, 2), replace=False):
+        path = gt.geodesic_path(LARGE, source, target)
+        straight = np.linalg.norm(SQUARE[source] - SQUARE[target])
+        assert straight * (1 - 1e-9) <= path.length <= straight * 1.002
+        np.testing.assert_array_equal(path.points[[0, -1], :2], SQUARE[[source, target]])
+        assert runs_through_triangles(LARGE, path)
+    assert len(swept) >= 12
+    assert all(within.sum() < 1200 for within in swept)
+
+
+def test_a_path_on_a_large_sphere_is_the_great_circle(swept):
+    points, _ = random_sphere(5000)
+    solver = solver_of(points)
+    antipode = int(np.argmin(points @ points[0]))
+    for target in (17, 800, antipode):
+        arc = np.arccos(np.clip(points[0] @ points[target], -1, 1))
+        assert gt.geodesic_path(solver, 0, target).length == pytest.approx(arc, rel=0.003)
+    assert swept
+
+
+def test_where_heat_misleads_the_region_moves_to_the_path(swept, monkeypatch):
+    """Heat that decays with the distance from a corner to the side draws the region off."""
+    method = LARGE.method
+    source, target = nearest(0.1, 0.5), nearest(0.9, 0.5)
+    detour = np.abs(SQUARE[:, 1] - 0.55)
+    true_heat = type(method).log_heat
+    monkeypatch.setattr(
+        type(method), "log_heat", lambda self, places: true_heat(self, places) - 20 * detour
+    )
+    path = gt.geodesic_path(LARGE, source, target)
+    assert path.length == pytest.approx(np.linalg.norm(SQUARE[source] - SQUARE[target]), rel=1e-3)
+    assert swept
+
+
+def test_the_nearest_of_many_sources_is_found_on_a_large_cloud(swept):
+    rng = np.random.default_rng(8)
+    for sources in (rng.choice(6000, 2), rng.choice(6000, 20), rng.choice(6000, 300)):
+        target = int(rng.integers(6000))
+        straight = np.linalg.norm(SQUARE[sources] - SQUARE[target], axis=1).min()
+        path = gt.geodesic_path(LARGE, sources, target)
+        assert path.length == pytest.approx(straight, rel=0.005)
+
+
+def test_a_path_leads_to_a_curve_and_from_late_sources_on_a_large_cloud(swept):
+    curve = gt.Curve(np.array([[0.2, 0.1, 0.0], [0.2, 0.9, 0.0]]))
+    target = nearest(0.8, 0.5)
+    path = gt.geodesic_path(LARGE, curve, target)
+    assert path.length == pytest.approx(SQUARE[target, 0] - 0.2, abs=0.02)
+    late = gt.OffsetSources([0, 1], [0.0, 9.0])
+    assert gt.geodesic_path(LARGE, late, target).length == pytest.approx(
+        np.linalg.norm(SQUARE[0] - SQUARE[target]), rel=0.005
+    )
+
+
+def test_large_clouds_lead_around_masks_and_refuse_what_is_not_connected(swept):
+    wall = (np.abs(SQUARE[:, 0] - 0.5) < 0.05) & (SQUARE[:, 1] < 0.9)
+    masked = solver_of(LARGE.domain.points, mask=wall)
+    source, target = nearest(0.1, 0.2), nearest(0.9, 0.2)
+    corners = [SQUARE[source], [0.45, 0.9], [0.55, 0.9], SQUARE[target]]
+    around = np.linalg.norm(np.diff(corners, axis=0), axis=1).sum()
+    path = gt.geodesic_path(masked, source, target)
+    assert path.length == pytest.approx(around, rel=0.03)
+    assert not wall[path.corners[path.weights > 0]].any()
+    closed = solver_of(LARGE.domain.points, mask=np.abs(SQUARE[:, 0] - 0.5) < 0.05)
+    with pytest.raises(UnreachableError, match=f"connects point {target} with a source"):
+        gt.geodesic_path(closed, source, target)
+
+
+def test_between_opposite_places_of_a_large_sphere_any_way_round_will_do(swept):
+    points, _ = random_sphere(5000)
+    points[:2] = [0, 0, 1], [0, 0, -1]
+    path = gt.geodesic_path(solver_of(points), 0, 1)
+    assert path.length == pytest.approx(np.pi, rel=0.003)
+    assert len(swept) <= reach.MOVES + 1

@@ -325,3 +325,26 @@ def thinned(points: Numbers, neighbours: Indices, radii: Numbers) -> Bools:
 
 def pole_normals(points: Numbers, neighbours: Indices, normals: Numbers, n_threads: int) -> Numbers:
     """Return normals in which those that are in doubt point to the emptiest side."""
+
+# -- shortest paths --------------------------------------------------------------------------------
+
+def best_way(
+    vertices: Numbers,
+    faces: Indices,
+    height: Numbers,
+    back: Numbers,
+    start: int,
+    ends: Indices,
+) -> tuple[Indices, Indices, Numbers]:
+    """Return a geodesic from a vertex to one of several ends over triangles (F, 3).
+
+    Each has three different vertices; `height` and `back` are the distances (N,) from the ends and
+    from the start. What comes back are the faces (P,) that the points of the way are in, the
+    vertices (P, 2) that they are between, and the share (P,) of the second; nothing where no
+    triangle connects.
+    """
+
+def distinct_triangles(elements: Indices) -> tuple[Indices, Indices]:
+    """Return each triangle of elements (E, 3) once, (T, 3), its corners sorted, and how often it is
+    there, (T,). Elements (i, j, j) are left out.
+    """

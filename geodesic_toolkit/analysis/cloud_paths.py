@@ -6,24 +6,18 @@ from functools import cached_property
 import numpy as np
 
 from geodesic_toolkit._typing import FloatArray, IntArray
-from geodesic_toolkit.analysis.ways import best_way
-from geodesic_toolkit.discretization import Discretization
+from geodesic_toolkit.analysis.fronts import first_to_arrive, refined_distance
+from geodesic_toolkit.analysis.reach import path_within_reach
+from geodesic_toolkit.analysis.star_ways import path_down
 from geodesic_toolkit.domains import PointCloud
 from geodesic_toolkit.errors import UnreachableError
-from geodesic_toolkit.geometry.components import connected_by_edges
-from geodesic_toolkit.geometry.fans import Fans
-from geodesic_toolkit.gradient import ElementGradient
+from geodesic_toolkit.solver import GeodesicSolver
 from geodesic_toolkit.source_points import SourcePoints
 
 __all__ = ["CloudPath", "path_on_cloud"]
 
 SAME = 1e-12
 """Share of the size of the cloud within which two points are one."""
-
-BRIDGED = 0.99
-"""Share of the refined distance below which a path has taken a bridge: a triangle of one star
-alone, over a gap or across a bend, which the other stars have seen better. Such are left out then.
-(They are not always: in noise stars differ all over, and a path around would be longer.)"""
 
 
 @dataclass(frozen=True, eq=False)
@@ -74,25 +68,13 @@ class CloudPath:
         return f"CloudPath({len(self.corners)} points, length {self.length:.6g})"
 
 
-def path_on_cloud(  # noqa: PLR0917 - what it needs, in the order of its doing
-    cloud: PointCloud,
-    metric: Discretization,
-    distance: FloatArray,
-    back: FloatArray,
-    sources: SourcePoints,
-    goal: SourcePoints,
-) -> CloudPath:
+def path_on_cloud(solver: GeodesicSolver, sources: SourcePoints, goal: SourcePoints) -> CloudPath:
     """Return the path that descends the refined distance from one point of a cloud to sources.
 
     Parameters
     ----------
-    cloud : PointCloud
-    metric : Discretization
-        Whose elements are triangles (i, j, k) and links (i, j, j).
-    distance : ndarray of shape (N,)
-        The refined distance from the sources.
-    back : ndarray of shape (N,)
-        That from the goal.
+    solver : GeodesicSolver
+        Of a cloud.
     sources, goal : SourcePoints
         At vertices; one is the goal.
 
@@ -102,86 +84,30 @@ def path_on_cloud(  # noqa: PLR0917 - what it needs, in the order of its doing
 
     Raises
     ------
+    UnsupportedDomainError
+        The metric has no triangles.
     UnreachableError
         No triangle connects the goal with a source.
     """
+    cloud, metric = solver.domain, solver.method.metric
+    assert isinstance(cloud, PointCloud)  # for the type checker
     start = int(goal.vertices[0])
-    ends = set(sources.vertices.tolist())
-    if start in ends:
+    if sources.delayed:
+        sources = first_to_arrive(sources, refined_distance(solver, metric, goal))
+    if start in sources.vertices:
         return CloudPath(cloud, np.full((1, 3), start), np.array([[1.0, 0.0, 0.0]]))
-    if not np.isfinite(distance[start]):
+    path = path_within_reach(solver, sources, goal)
+    if path is None:
+        distance = refined_distance(solver, metric, sources)
+        if np.isfinite(distance[start]):
+            back = refined_distance(solver, metric, goal)
+            path = path_down(metric, cloud.points, distance, back, sources.vertices, start)
+    if path is None:
         raise UnreachableError(
             f"no triangle of the cloud connects point {start} with a source; one of them is "
             "masked, or they lie in different parts of the cloud"
         )
-    path = _through(_elements(metric), cloud, distance, back, start, ends)
-    if path.length < BRIDGED * distance[start]:
-        agreed = _elements(metric, agreed=True)
-        if _connects(agreed, distance, start, ends):
-            path = _through(agreed, cloud, distance, back, start, ends)
-    return path
-
-
-def _through(  # noqa: PLR0917 - what it needs, in the order of its doing
-    elements: tuple[IntArray, IntArray],
-    cloud: PointCloud,
-    distance: FloatArray,
-    back: FloatArray,
-    start: int,
-    ends: set[int],
-) -> CloudPath:
-    """Return the path through triangles (T, 3) and links (L, 2)."""
-    conducting = np.isfinite(distance) & np.isfinite(back)
-    triangles, links = (some[conducting[some].all(axis=1)] for some in elements)
-    # A link becomes a triangle without area, whose third corner is its middle.
-    count = len(distance)
-    middles = count + np.arange(len(links))
-    places = np.where(conducting[:, None], cloud.points, 0.0)
-    fans = Fans(
-        np.concatenate([places, places[links].mean(axis=1)]),
-        np.concatenate([triangles, np.column_stack([links, middles])]),
-    )
-    height, behind = (np.concatenate([d, d[links].mean(axis=1)]) for d in (distance, back))
-    height[list(ends)] = 0.0
-    corners, weights = [], []
-    for _, shares in best_way(fans, height, behind, start, ends)[::-1]:
-        spread = _on_the_cloud(shares, links, count)
-        corners.append([*spread, *[next(iter(spread))] * (3 - len(spread))])
-        weights.append([*spread.values(), *[0.0] * (3 - len(spread))])
-    return _without_repeats(CloudPath(cloud, np.array(corners), np.array(weights)))
-
-
-def _elements(metric: Discretization, *, agreed: bool = False) -> tuple[IntArray, IntArray]:
-    """Return the triangles (T, 3) and the links (L, 2) of a soup, each once.
-
-    On request without triangles that are in one star alone.
-    """
-    assert isinstance(metric.gradient, ElementGradient)  # for the type checker; it was refined on
-    elements, stars = np.unique(
-        np.sort(metric.gradient.elements, axis=1), axis=0, return_counts=True
-    )
-    linked = (elements[:, :2] == elements[:, 1:]).any(axis=1)
-    return elements[~linked & (stars > agreed)], elements[linked][:, [0, 2]]
-
-
-def _connects(
-    elements: tuple[IntArray, IntArray], distance: FloatArray, start: int, ends: set[int]
-) -> bool:
-    """Return whether a way leads from the start to an end."""
-    triangles, links = (some[np.isfinite(distance)[some].all(axis=1)] for some in elements)
-    pairs = np.concatenate([triangles[:, :2], triangles[:, 1:], links])
-    part = connected_by_edges(pairs, len(distance))
-    return bool(part[start] in part[list(ends)])
-
-
-def _on_the_cloud(shares: dict[int, float], links: IntArray, count: int) -> dict[int, float]:
-    """Return the weights of a point on points of the cloud alone: half a link's middle each."""
-    spread: dict[int, float] = {}
-    for vertex, share in shares.items():
-        ends = [vertex] if vertex < count else links[vertex - count].tolist()
-        for end in ends:
-            spread[end] = spread.get(end, 0.0) + share / len(ends)
-    return spread
+    return _without_repeats(CloudPath(cloud, *path))
 
 
 def _without_repeats(path: CloudPath) -> CloudPath:

@@ -5,10 +5,11 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
-from scipy.sparse import coo_array, csr_array, vstack
+from scipy.sparse import csr_array, vstack
 
 from geodesic_toolkit._typing import FloatArray, IntArray
 from geodesic_toolkit.analysis.cloud_paths import CloudPath, path_on_cloud
+from geodesic_toolkit.analysis.fronts import first_to_arrive, refined_distance
 from geodesic_toolkit.analysis.ways import best_way
 from geodesic_toolkit.discretization import Discretization
 from geodesic_toolkit.domains import OffsetSources, PointCloud, SurfacePoint, TriangleMesh
@@ -18,12 +19,10 @@ from geodesic_toolkit.errors import (
     UnreachableError,
     UnsupportedDomainError,
 )
-from geodesic_toolkit.geometry.fans import Fans
 from geodesic_toolkit.geometry.insertion import Insertion, insert_points
-from geodesic_toolkit.geometry.triangles import edges_of_faces, proper_faces
+from geodesic_toolkit.geometry.triangles import proper_faces
 from geodesic_toolkit.gradient import ElementGradient
 from geodesic_toolkit.laplacians.cotan import CotanLaplacian
-from geodesic_toolkit.refine import WavefrontSweeper
 from geodesic_toolkit.solver import GeodesicSolver
 from geodesic_toolkit.source_points import SourcePoints
 from geodesic_toolkit.sources import locate_sources
@@ -32,9 +31,6 @@ __all__ = ["GeodesicPath", "geodesic_path"]
 
 SAME = 1e-12
 """Share of the size of the mesh within which two points are one."""
-
-TINY = 1e-300
-"""Length of an edge that has none."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -156,28 +152,14 @@ def geodesic_path(solver: GeodesicSolver, source: Any, target: Any) -> GeodesicP
         raise InvalidSourceError(
             f"target: a path leads to one place, not to {goal.count}; ask for a path to each"
         )
-    metric = _with_triangles(solver)
-    back = _from_goal(metric, _positions(domain), goal)
-    if sources.delayed:
-        sources = _first_to_arrive(sources, back)
-    distance = _refined(solver, metric, sources)
     if isinstance(domain, PointCloud):
-        return path_on_cloud(domain, solver.method.metric, distance, back, sources, goal)
+        return path_on_cloud(solver, sources, goal)
+    metric = _with_triangles(solver)
+    back = refined_distance(solver, metric, goal)
+    if sources.delayed:
+        sources = first_to_arrive(sources, back)
+    distance = refined_distance(solver, metric, sources)
     return _path_on_mesh(domain, distance, back, sources, goal, f"target {target!r}")
-
-
-def _first_to_arrive(sources: SourcePoints, back: FloatArray) -> SourcePoints:
-    """Return the source whose offset and way to the goal are least together, without its offset."""
-    first = int(np.argmin(sources.starts + sources.weights @ back))
-    around = slice(sources.begins[first], sources.begins[first + 1])
-    return SourcePoints(
-        vertices=sources.vertices[around],
-        shares=sources.shares[around],
-        begins=sources.begins[first : first + 2] - sources.begins[first],
-        n_vertices=sources.n_vertices,
-        distances=sources.distances[around],
-        front_curvatures=sources.curvatures[around],
-    )
 
 
 def _path_on_mesh(  # noqa: PLR0917 - what it needs, in the order of its doing
@@ -198,20 +180,20 @@ def _path_on_mesh(  # noqa: PLR0917 - what it needs, in the order of its doing
     height, behind = np.concatenate([distance, added]), np.concatenate([back, added])
     height[start], behind[ends] = (goal.weights @ distance)[0], sources.weights @ back
     height[ends], behind[start] = 0.0, 0.0
-    fans = Fans(split.vertices, split.faces)
-    if start in ends and fans.around(start):
+    beside = np.flatnonzero((split.faces == start).any(axis=1))
+    if start in ends and len(beside):
         return GeodesicPath(
-            mesh, (_surface_point(mesh, original, split, fans.around(start)[0], {start: 1.0}),)
+            mesh, (_surface_point(mesh, original, split, int(beside[0]), [start], np.ones(1)),)
         )
-    if start in ends or not np.isfinite(height[start]):
+    unreached = start in ends or not np.isfinite(height[start])
+    way = None if unreached else best_way(split.vertices, split.faces, height, behind, start, ends)
+    if way is None:
         raise UnreachableError(
             f"no face connects the {name} with a source; they lie in different components of the "
             "mesh, in no face, or behind masked vertices"
         )
-    crossings = best_way(fans, height, behind, start, set(ends.tolist()))
-    points = [
-        _surface_point(mesh, original, split, face, weights) for face, weights in crossings[::-1]
-    ]
+    passed = zip(way.faces[::-1].tolist(), way.ends[::-1].tolist(), way.weights[::-1], strict=True)
+    points = [_surface_point(mesh, original, split, *at) for at in passed]
     return GeodesicPath(mesh, tuple(_without_repeats(mesh, points)))
 
 
@@ -225,45 +207,18 @@ def _with_triangles(solver: GeodesicSolver) -> Discretization:
     return metric
 
 
-def _positions(domain: TriangleMesh | PointCloud) -> FloatArray:
-    return domain.points if isinstance(domain, PointCloud) else domain.vertices
-
-
-def _refined(solver: GeodesicSolver, metric: Discretization, sources: SourcePoints) -> FloatArray:
-    """Return the refined distance, whether the solver refines or not."""
-    method = solver.method
-    if method.refine:
-        return method.distance(sources)
-    return WavefrontSweeper(metric).distance(method.log_heat(sources, only_order=True), sources)
-
-
-def _from_goal(metric: Discretization, positions: FloatArray, goal: SourcePoints) -> FloatArray:
-    """Return the refined distance from the goal, in the order of the ways along edges.
-
-    It only tells where else to look, and is not worth another diffusion.
-    """
-    from scipy.sparse.csgraph import dijkstra  # a tenth of a second
-
-    sweeper = WavefrontSweeper(metric)  # which refuses what has no triangles
-    gradient = metric.on_surface
-    assert isinstance(gradient, ElementGradient)  # for the type checker
-    count = len(positions)
-    edges, _ = edges_of_faces(gradient.elements, count)
-    steps = positions[edges[:, 0]] - positions[edges[:, 1]]
-    lengths = np.linalg.norm(steps, axis=1)
-    lengths = np.maximum(lengths, SAME * lengths.max(initial=0.0) + TINY)  # 0 would be no edge
-    graph = csr_array(coo_array((lengths, tuple(edges.T)), shape=(count, count)))
-    along = dijkstra(graph, directed=False, indices=goal.vertices, min_only=True)
-    return sweeper.distance(-along, goal)
-
-
-def _surface_point(
-    mesh: TriangleMesh, original: IntArray, split: Insertion, face: int, at: dict[int, float]
+def _surface_point(  # noqa: PLR0917 - what it needs, in the order of its doing
+    mesh: TriangleMesh,
+    original: IntArray,
+    split: Insertion,
+    face: int,
+    vertices: list[int],
+    shares: FloatArray,
 ) -> SurfacePoint:
-    """Return a point of a part of a face as one of the face."""
+    """Return a point of a part of a face, between some of its vertices, as one of the face."""
     whole = int(original[split.parents[face]])
     weights = np.zeros(3)
-    for vertex, share in at.items():
+    for vertex, share in zip(vertices, shares.tolist(), strict=True):
         weights += share * split.weights_on(mesh.faces[whole], vertex)
     a, b, c = weights.tolist()
     return SurfacePoint(whole, (a, b, c))

@@ -1,143 +1,67 @@
 """The best of the ways down from a vertex, straightened; what paths on meshes and clouds share."""
 
-from collections.abc import Iterator
-from itertools import pairwise
+from dataclasses import dataclass
 
 import numpy as np
-from scipy.sparse import coo_array, csr_array
 
-from geodesic_toolkit._typing import FloatArray
-from geodesic_toolkit.analysis.descent import descend
-from geodesic_toolkit.geometry.fans import Fans
-from geodesic_toolkit.geometry.strips import Way, beside_cones, shortest_way
-from geodesic_toolkit.geometry.triangles import edges_of_faces
+from geodesic_toolkit import _native
+from geodesic_toolkit._typing import FloatArray, IntArray
 
-__all__ = ["best_way"]
+__all__ = ["Way", "best_way"]
 
 
-NEARLY = 1.05
-"""Ways over a vertex up to so many times as long as the shortest are straightened and compared:
-refined distances err by some per cent on coarse meshes."""
+@dataclass(frozen=True, eq=False)
+class Way:
+    """The P points of a way over triangles, each on an edge of one.
 
-MOST = 12
-"""Such vertices that are tried, those of the shortest ways."""
+    Attributes
+    ----------
+    faces : ndarray of shape (P,), int64
+    ends : ndarray of shape (P, 2), int64
+        The vertices of the edge; twice the same at a vertex.
+    weights : ndarray of shape (P, 2), float64
+        Their weights, non-negative with sum 1.
+    """
+
+    faces: IntArray
+    ends: IntArray
+    weights: FloatArray
 
 
-def best_way(
-    fans: Fans, height: FloatArray, back: FloatArray, start: int, ends: set[int]
-) -> list[tuple[int, dict[int, float]]]:
-    """Return the points of a geodesic from a vertex to one of several, each in a face.
+def best_way(  # noqa: PLR0917 - what it needs, in the order of its doing
+    vertices: FloatArray,
+    faces: IntArray,
+    height: FloatArray,
+    back: FloatArray,
+    start: int,
+    ends: IntArray,
+) -> Way | None:
+    """Return a geodesic over triangles from a vertex to one of several; None if none leads there.
 
-    Near a place where ways of equal length meet, steepest descent may take the wrong one. So it
-    also sets out to every neighbour of the start that is lower, back from the ends, and to both
-    from vertices over which a way is hardly longer than over any other and shorter than over their
-    neighbours; the shortest of what comes out is taken.
+    Steepest descent gives the strip of triangles that it runs through, and is also begun beside the
+    start and in between (native/paths/ways.hpp). The shortest way through the strip is led around
+    the other side of every vertex where that is shorter, of all such vertices at once.
 
     Parameters
     ----------
-    fans : Fans
+    vertices : ndarray of shape (N, 3), float64
+    faces : ndarray of shape (F, 3), int64
+        Each with three different vertices; any number may meet at an edge.
     height : ndarray of shape (N,), float64
         The distance from the ends, 0 there.
     back : ndarray of shape (N,), float64
         The distance from the start, 0 there.
     start : int
-    ends : set of int
+        A vertex that is none of the ends.
+    ends : ndarray of shape (K,), int64
 
     Returns
     -------
-    list of (face, mapping of vertex to weight)
+    Way or None
     """
-    best: list[tuple[Way, int, int]] = []
-    for stops, strips in _descents(fans, height, back, start, ends):
-        ways = [
-            (shortest_way(fans, strip, first, last), first, last)
-            for strip, first, last in _joined(fans, stops, strips)
-        ]
-        if not best or _length(ways) < _length(best):
-            best = ways
-    crossings: list[tuple[int, dict[int, float]]] = []
-    for way, first, last in best:
-        crossings += beside_cones(fans, way, first, last).crossings
-    return crossings
-
-
-def _length(ways: list[tuple[Way, int, int]]) -> float:
-    return sum(way.length for way, _, _ in ways)
-
-
-def _descents(
-    fans: Fans, height: FloatArray, back: FloatArray, start: int, ends: set[int]
-) -> Iterator[tuple[list[int], list[list[int]]]]:
-    """Go down from a vertex in every way; where none leads to an end, along edges."""
-    arrived = False
-    seen: set[int] = set()
-    stops, strips = descend(fans, height, start)
-    if stops[-1] in ends:
-        arrived = True
-        yield stops, strips
-    for face in fans.around(start):
-        for neighbour in fans.others(face, start):
-            if neighbour in seen or not height[neighbour] < height[start]:
-                continue
-            seen.add(neighbour)
-            stops, strips = descend(fans, height, neighbour)
-            if stops[-1] in ends:
-                arrived = True
-                yield [start, *stops], [[face], *strips]
-    for vertex in _between(fans, height + back, start):
-        stops, strips = descend(fans, height, vertex)
-        came, behind = descend(fans, back, vertex)
-        if stops[-1] in ends and came[-1] == start:
-            arrived = True
-            reverse = [strip[::-1] for strip in behind[::-1]]
-            yield [*came[::-1], *stops[1:]], [*reverse, *strips]
-    if not arrived:  # into hollows that are none of the sources
-        yield _along_edges(fans, start, ends)
-
-
-def _between(fans: Fans, total: FloatArray, start: int) -> list[int]:
-    """Return vertices over which a way is nearly the shortest, and shorter than beside them."""
-    edges, _ = edges_of_faces(fans.faces, len(fans.vertices))
-    beside = np.full(len(total), np.inf)
-    np.minimum.at(beside, edges.ravel(), total[edges[:, ::-1]].ravel())
-    near = np.flatnonzero((total <= beside) & (total <= NEARLY * total.min()))
-    found: list[int] = near[np.argsort(total[near], kind="stable")][:MOST].tolist()
-    return [vertex for vertex in found if vertex != start]
-
-
-def _along_edges(fans: Fans, start: int, ends: set[int]) -> tuple[list[int], list[list[int]]]:
-    """Return the shortest way along edges, as `descend` does."""
-    from scipy.sparse.csgraph import dijkstra  # a tenth of a second
-
-    count = len(fans.vertices)
-    edges, _ = edges_of_faces(fans.faces, count)
-    lengths = np.linalg.norm(np.diff(fans.vertices[edges], axis=1)[:, 0], axis=1)
-    graph = csr_array(coo_array((lengths, tuple(edges.T)), shape=(count, count)))
-    distance, before = dijkstra(  # the stubs know only sparse matrices
-        graph,  # type: ignore[call-overload]
-        directed=False,
-        indices=start,
-        return_predecessors=True,
+    passed, beside, shares = _native.best_way(
+        np.ascontiguousarray(vertices), np.ascontiguousarray(faces), height, back, start, ends
     )
-    stops = [min(ends, key=lambda end: distance[end])]
-    while stops[-1] != start:
-        stops.append(int(before[stops[-1]]))
-    stops.reverse()
-    return stops, [[fans.at_edge(a, b)[0]] for a, b in pairwise(stops)]
-
-
-def _joined(
-    fans: Fans, stops: list[int], strips: list[list[int]]
-) -> list[tuple[list[int], int, int]]:
-    """Join strips around the vertices between them: (strip, first vertex, last vertex).
-
-    More than one where the surface hangs together at a vertex only.
-    """
-    legs = [(list(strips[0]), stops[0], stops[1])]
-    for strip, first, last in zip(strips[1:], stops[1:-1], stops[2:], strict=True):
-        chain = fans.chain(legs[-1][0][-1], strip[0], first)
-        if chain is None:
-            legs.append((list(strip), first, last))
-        else:
-            legs[-1] = (legs[-1][0] + chain[1:] + strip[1:], legs[-1][1], last)
-    return legs
+    if len(passed) == 0:
+        return None
+    return Way(passed, beside, np.column_stack([1 - shares, shares]))

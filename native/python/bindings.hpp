@@ -97,6 +97,7 @@ void bind_errors(nb::module_& module);
 void bind_heat(nb::module_& module);
 void bind_linear(nb::module_& module);
 void bind_matrix(nb::module_& module);
+void bind_paths(nb::module_& module);
 void bind_triangles(nb::module_& module);
 void bind_wavefront(nb::module_& module);
 

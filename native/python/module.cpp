@@ -15,4 +15,5 @@ NB_MODULE(GT_MODULE, module) {
   geodesic::bind_wavefront(module);
   geodesic::bind_bounds(module);
   geodesic::bind_clouds(module);
+  geodesic::bind_paths(module);
 }

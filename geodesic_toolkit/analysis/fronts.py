@@ -1,0 +1,36 @@
+"""The refined distances that paths descend."""
+
+import numpy as np
+
+from geodesic_toolkit._typing import FloatArray
+from geodesic_toolkit.discretization import Discretization
+from geodesic_toolkit.refine import WavefrontSweeper
+from geodesic_toolkit.solver import GeodesicSolver
+from geodesic_toolkit.source_points import SourcePoints
+
+__all__ = ["first_to_arrive", "refined_distance"]
+
+
+def refined_distance(
+    solver: GeodesicSolver, metric: Discretization, places: SourcePoints
+) -> FloatArray:
+    """Return the refined distance (N,) over a metric, whether the solver refines or not."""
+    method = solver.method
+    if method.refine:
+        return method.distance(places)
+    sweeper = WavefrontSweeper(metric)  # which refuses what has no triangles
+    return sweeper.distance(method.log_heat(places, only_order=True), places)
+
+
+def first_to_arrive(sources: SourcePoints, back: FloatArray) -> SourcePoints:
+    """Return the source whose offset and way to the goal are least together, without its offset."""
+    first = int(np.argmin(sources.starts + sources.weights @ back))
+    around = slice(sources.begins[first], sources.begins[first + 1])
+    return SourcePoints(
+        vertices=sources.vertices[around],
+        shares=sources.shares[around],
+        begins=sources.begins[first : first + 2] - sources.begins[first],
+        n_vertices=sources.n_vertices,
+        distances=sources.distances[around],
+        front_curvatures=sources.curvatures[around],
+    )

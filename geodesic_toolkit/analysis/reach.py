@@ -1,0 +1,235 @@
+"""Paths on large clouds, by distances near the path alone."""
+
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+
+from geodesic_toolkit._typing import BoolArray, FloatArray, IntArray
+from geodesic_toolkit.analysis.star_ways import length_of, path_down
+from geodesic_toolkit.discretization import Discretization
+from geodesic_toolkit.domains import PointCloud
+from geodesic_toolkit.gradient import ElementGradient
+from geodesic_toolkit.refine import WavefrontSweeper, made_of_triangles
+from geodesic_toolkit.solver import GeodesicSolver
+from geodesic_toolkit.source_points import SourcePoints
+
+__all__ = ["path_within_reach"]
+
+REGION = 30_000
+"""Points of the cloud that fronts are swept over; clouds of no more are taken whole. From source to
+target 1,000 spacings away it is a band of 30."""
+
+AT_ENDS = 2_000
+"""Points around both ends that are part of the region too: where heat is greatest is a lens, which
+ends in a tip at either end."""
+
+MOVES = 8
+"""Times that the region is moved to where the path has come to its rim; after that the whole cloud
+is swept over."""
+
+SETTLED = 1e-4
+"""Share of its length by which a path must have become shorter for the region to be moved again.
+Between places that are almost opposite to each other on a sphere, ways are as long all around."""
+
+DOUBT = (1.1, 5.0)
+"""Factor and summand, in powers of e, within which heat does not tell which source is nearest: its
+decay depends on the direction and on the spacing."""
+
+
+def path_within_reach(
+    solver: GeodesicSolver, sources: SourcePoints, goal: SourcePoints
+) -> tuple[IntArray, FloatArray] | None:
+    """Return corners and weights of a path, as `path_down` does, from a part of a large cloud.
+
+    The product of the heats of both ends is greatest along the shortest path. Where it is greatest
+    fronts are swept from both, and the path found; while that comes to the rim of this region, the
+    region is moved along.
+
+    Parameters
+    ----------
+    solver : GeodesicSolver
+        Of a cloud.
+    sources, goal : SourcePoints
+        At vertices; one is the goal, and none of the sources.
+
+    Returns
+    -------
+    (corners, weights) or None
+        None where the whole cloud is to be looked at: it is not large, heat does not connect, the
+        nearest source is in doubt, or the region does not hold the path.
+    """
+    cloud, method = solver.domain, solver.method
+    assert isinstance(cloud, PointCloud)  # for the type checker
+    if cloud.n_vertices <= REGION or not made_of_triangles(method.metric):
+        return None
+    start = int(goal.vertices[0])
+    search = _Search(
+        method.metric,
+        cloud.points,
+        method.log_heat(sources),
+        method.log_heat(goal),
+        sources,
+        start,
+    )
+    within = search.first_region()
+    return None if within is None else search.follow(within)
+
+
+@dataclass(frozen=True, eq=False)
+class _Search:
+    """A search near the path; `heat` and `behind` are log u (N,) of the sources and the start."""
+
+    metric: Discretization
+    points: FloatArray
+    heat: FloatArray
+    behind: FloatArray
+    sources: SourcePoints
+    start: int
+
+    @cached_property
+    def near(self) -> IntArray:
+        """The sources that may be the nearest one."""
+        falls = -self.behind[self.sources.vertices]
+        least = falls.min()
+        near: IntArray = self.sources.vertices[falls <= DOUBT[0] * least + DOUBT[1]]
+        return near
+
+    def first_region(self) -> BoolArray | None:
+        """Return whether heat is greatest at each vertex; None where it does not tell enough."""
+        both = self.heat + self.behind
+        if not np.isfinite(both[self.start]):
+            return None
+        within = np.zeros(len(both), dtype=np.bool_)
+        within[np.argpartition(-both, REGION)[:REGION]] = True
+        within &= both > -np.inf
+        if not within[self.start] or not within[self.near].all():
+            return None
+        hottest = self.sources.vertices[np.argmax(self.behind[self.sources.vertices])]
+        return within | _around(self.metric, np.array([self.start, hottest]), AT_ENDS)
+
+    def follow(self, within: BoolArray) -> tuple[IntArray, FloatArray] | None:
+        """Return the path from a region, which is moved while that makes the path shorter.
+
+        None where it still does after so many moves, and where nothing connects.
+        """
+        best, shortest = None, np.inf
+        for move in range(MOVES):
+            part = _Part.of(self.metric, within)
+            path = self.path(part)
+            if path is None and move == 0:  # heat is great in several places that do not meet
+                within = self.around(self.up())
+                continue
+            if path is None:
+                return None
+            length = length_of(self.points, *path)
+            settled = length >= (1 - SETTLED) * shortest
+            if length < shortest:
+                best, shortest = path, length
+            passed = path[0][path[1] > 0]
+            if settled or not part.rim[passed].any():
+                return best
+            within = self.around(passed)
+        return None
+
+    def path(self, part: "_Part") -> tuple[IntArray, FloatArray] | None:
+        """Return the path within a part, in numbers of the whole."""
+        here = np.flatnonzero(np.isin(self.sources.vertices, part.vertices))
+        ends = np.searchsorted(part.vertices, self.sources.vertices[here])
+        first = np.searchsorted(part.vertices, [self.start])
+        sweeper, count = WavefrontSweeper(part.metric), len(part.vertices)
+        places = replace(
+            SourcePoints.at_vertices(ends, count),
+            distances=self.sources.distances[here],
+            front_curvatures=self.sources.curvatures[here],
+        )
+        distance = sweeper.distance(self.heat[part.vertices], places)
+        if not np.isfinite(distance[first[0]]):
+            return None
+        goal = SourcePoints.at_vertices(first, count)
+        back = sweeper.distance(self.behind[part.vertices], goal)
+        points = self.points[part.vertices]
+        path = path_down(part.metric, points, distance, back, ends, int(first[0]))
+        return None if path is None else (part.vertices[path[0]], path[1])
+
+    def up(self) -> IntArray:
+        """Return the vertices along edges from the start to where nothing beside is hotter."""
+        starts, neighbours, _ = self.metric.rows.arrays
+        chain = [self.start]
+        while True:
+            beside = neighbours[starts[chain[-1]] : starts[chain[-1] + 1]]
+            hottest = int(beside[np.argmax(self.heat[beside])]) if len(beside) else chain[-1]
+            if not self.heat[hottest] > self.heat[chain[-1]]:
+                return np.array(chain)
+            chain.append(hottest)
+
+    def around(self, vertices: IntArray) -> BoolArray:
+        """Return a region around vertices and the sources that may be the nearest one."""
+        within = _around(self.metric, vertices, REGION)
+        within[self.near] = True
+        return within
+
+
+@dataclass(frozen=True, eq=False)
+class _Part:
+    """A part of a metric of stars.
+
+    Attributes
+    ----------
+    metric : Discretization
+        On the vertices of the part.
+    vertices : ndarray of shape (n,), int64
+        These by their numbers in the whole.
+    rim : ndarray of shape (N,), bool
+        Vertices of the whole that have lost a triangle.
+    """
+
+    metric: Discretization
+    vertices: IntArray
+    rim: BoolArray
+
+    @classmethod
+    def of(cls, metric: Discretization, within: BoolArray) -> "_Part":
+        """Return the part on some (N,) vertices."""
+        gradient = metric.gradient
+        assert isinstance(gradient, ElementGradient)  # for the type checker
+        inside = within[gradient.elements]
+        whole = inside.all(axis=1)
+        rim = np.zeros(len(within), dtype=np.bool_)
+        rim[gradient.elements[inside.any(axis=1) & ~whole]] = True
+        vertices = np.flatnonzero(within)
+        number = np.full(len(within), -1)
+        number[vertices] = np.arange(len(vertices))
+        part = ElementGradient(
+            number[gradient.elements[whole]],
+            gradient.coefficients[whole],
+            gradient.measure[whole],
+            len(vertices),
+            stars=gradient.stars,
+        )
+        frames = metric.surface_frames
+        discretization = Discretization(
+            mass=metric.mass[vertices],
+            stiffness=part.stiffness(),
+            gradient=part,
+            spacing=metric.spacing,
+            boundary=metric.boundary[vertices] | rim[vertices],  # angles there are incomplete
+            surface_frames=frames[whole] if len(frames) else frames,
+        )
+        return cls(discretization, vertices, rim)
+
+
+def _around(metric: Discretization, vertices: IntArray, size: int) -> BoolArray:
+    """Return at least so many vertices around some, ring by ring, as far as there are any."""
+    starts, neighbours, _ = metric.rows.arrays
+    within = np.zeros(metric.n_vertices, dtype=np.bool_)
+    front = np.unique(vertices)
+    count = 0
+    while len(front) and count < size:
+        within[front] = True
+        count += len(front)
+        lengths = starts[front + 1] - starts[front]
+        places = np.repeat(starts[front] - np.cumsum(lengths) + lengths, lengths)
+        beside = np.unique(neighbours[places + np.arange(len(places))]).astype(np.int64)
+        front = beside[~within[beside]]
+    return within

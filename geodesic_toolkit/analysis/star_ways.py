@@ -1,0 +1,99 @@
+"""Ways through the triangles and links of a cloud's stars."""
+
+import numpy as np
+
+from geodesic_toolkit import _native
+from geodesic_toolkit._typing import FloatArray, IntArray
+from geodesic_toolkit.analysis.ways import Way, best_way
+from geodesic_toolkit.discretization import Discretization
+from geodesic_toolkit.gradient import ElementGradient
+
+__all__ = ["length_of", "path_down"]
+
+BRIDGED = 0.99
+"""Share of the refined distance below which a path has taken a bridge: a triangle of one star
+alone, over a gap or across a bend, which the other stars have seen better. Such are left out then.
+(They are not always: in noise stars differ all over, and a path around would be longer.)"""
+
+
+def path_down(  # noqa: PLR0917 - what it needs, in the order of its doing
+    metric: Discretization,
+    points: FloatArray,
+    distance: FloatArray,
+    back: FloatArray,
+    ends: IntArray,
+    start: int,
+) -> tuple[IntArray, FloatArray] | None:
+    """Return the path that descends a distance: corners and weights, both (P, 3), from an end.
+
+    Parameters
+    ----------
+    metric : Discretization
+        Whose elements are triangles (i, j, k) and links (i, j, j).
+    points : ndarray of shape (N, 3), float64
+    distance, back : ndarray of shape (N,), float64
+        The refined distances from the ends and from the start.
+    ends : ndarray of shape (K,), int64
+    start : int
+        None of the ends.
+
+    Returns
+    -------
+    (corners, weights) or None
+        None where no triangle leads from the start to an end.
+    """
+    assert isinstance(metric.gradient, ElementGradient)  # for the type checker; it was refined on
+    elements = metric.gradient.elements
+    reached = np.isfinite(distance) & np.isfinite(back)
+    elements = np.ascontiguousarray(elements[reached[elements].all(axis=1)])
+    triangles, stars = _native.distinct_triangles(elements)
+    linked = (elements[:, :2] == elements[:, 1:]).any(axis=1)
+    links = np.unique(np.sort(elements[linked], axis=1)[:, [0, 2]], axis=0)
+    places = np.where(reached[:, None], points, 0.0)
+    path = _through(triangles, links, places, distance, back, ends, start)
+    if path is not None and length_of(places, *path) < BRIDGED * distance[start]:
+        agreed = triangles[stars > 1]
+        around = _through(agreed, links, places, distance, back, ends, start)
+        return path if around is None else around
+    return path
+
+
+def _through(  # noqa: PLR0917 - what it needs, in the order of its doing
+    triangles: IntArray,
+    links: IntArray,
+    points: FloatArray,
+    distance: FloatArray,
+    back: FloatArray,
+    ends: IntArray,
+    start: int,
+) -> tuple[IntArray, FloatArray] | None:
+    """Return the path through triangles (T, 3) and links (L, 2)."""
+    # A link becomes a triangle without area, whose third corner is its middle.
+    middles = len(points) + np.arange(len(links))
+    places = np.concatenate([points, points[links].mean(axis=1)])
+    faces = np.concatenate([triangles, np.column_stack([links, middles])])
+    height, behind = (np.concatenate([d, d[links].mean(axis=1)]) for d in (distance, back))
+    height[ends] = 0.0
+    way = best_way(places, faces, height, behind, start, ends)
+    return None if way is None else _between_points(way, links, len(points))
+
+
+def _between_points(way: Way, links: IntArray, count: int) -> tuple[IntArray, FloatArray]:
+    """Return a way from its end to its start, its points between three of the cloud each."""
+    corners, weights = [], []
+    for pair, shares in zip(way.ends[::-1].tolist(), way.weights[::-1].tolist(), strict=True):
+        spread: dict[int, float] = {}
+        for vertex, share in zip(pair, shares, strict=True):
+            own = [vertex] if vertex < count else links[vertex - count].tolist()
+            for end in own:
+                spread[end] = spread.get(end, 0.0) + share / len(own)
+        missing = 3 - len(spread)
+        corners.append([*spread, *[next(iter(spread))] * missing])
+        weights.append([*spread.values(), *[0.0] * missing])
+    return np.array(corners), np.array(weights)
+
+
+def length_of(points: FloatArray, corners: IntArray, weights: FloatArray) -> float:
+    """Return the length of a path as `path_down` returns it."""
+    places = np.einsum("pc,pcd->pd", weights, points[corners])
+    return float(np.linalg.norm(np.diff(places, axis=0), axis=1).sum())

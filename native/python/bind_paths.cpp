@@ -1,0 +1,55 @@
+// Shortest paths over triangles in Python.
+#include "paths/ways.hpp"
+#include "python/bindings.hpp"
+
+namespace geodesic {
+namespace {
+
+Array<Index> array_of(const std::vector<Index>& numbers) {
+  Array<Index> result(static_cast<Index>(numbers.size()));
+  std::ranges::copy(numbers, result.begin());
+  return result;
+}
+
+nb::tuple give(const std::vector<Crossing>& points) {
+  const auto n = static_cast<Index>(points.size());
+  Array<Index> faces(n), ends(2 * n);
+  Array<double> shares(n);
+  for (Index i = 0; i < n; ++i) {
+    const Crossing& at = points[static_cast<std::size_t>(i)];
+    faces[i] = at.face, ends[2 * i] = at.left, ends[2 * i + 1] = at.right, shares[i] = at.share;
+  }
+  return nb::make_tuple(give(std::move(faces)), give(std::move(ends), 2), give(std::move(shares)));
+}
+
+}  // namespace
+
+void bind_paths(nb::module_& module) {
+  module.def(
+      "best_way",
+      [](In<double, 2> vertices, In<Index, 2> faces, In<double> height, In<double> back,
+         Index start, In<Index> ends) {
+        const Index n = n_rows(vertices);
+        require(vertices.shape(1) == 3 && faces.shape(1) == 3, "three numbers in each row");
+        require(n_rows(height) == n && n_rows(back) == n, "two distances for each vertex");
+        const auto is_vertex = [n](Index v) { return 0 <= v && v < n; };
+        require(is_vertex(start) && std::ranges::all_of(span(ends), is_vertex),
+                "a start and ends below the number of vertices");
+        return give(unlocked([&] {
+          const Surface surface(span(vertices), span(faces));
+          return best_way(surface, span(height), span(back), start, span(ends));
+        }));
+      },
+      "vertices"_a.noconvert(), "faces"_a.noconvert(), "height"_a.noconvert(), "back"_a.noconvert(),
+      "start"_a, "ends"_a.noconvert());
+  module.def(
+      "distinct_triangles",
+      [](In<Index, 2> elements) {
+        require(elements.shape(1) == 3, "three vertices for each element");
+        const Distinct found = unlocked([&] { return distinct_triangles(span(elements)); });
+        return nb::make_tuple(give(array_of(found.triangles), 3), give(array_of(found.stars)));
+      },
+      "elements"_a.noconvert());
+}
+
+}  // namespace geodesic

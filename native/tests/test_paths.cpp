@@ -1,0 +1,100 @@
+// Shortest paths over triangles: a plane, a fold of three sheets at an edge, parts that do not
+// meet.
+#include <cmath>
+
+#include "paths/ways.hpp"
+#include "tests/check.hpp"
+#include "tests/examples.hpp"
+
+using namespace geodesic;
+using namespace geodesic::testing;
+
+namespace {
+
+constexpr Index kSide = 20;
+
+struct Sheet {
+  std::vector<double> places;
+  std::vector<Index> faces;
+};
+
+// A square of unit cells, cut along one diagonal, its inner vertices shaken.
+Sheet square() {
+  Sheet sheet;
+  const std::vector<double> shaken = random_numbers(2 * (kSide + 1) * (kSide + 1), 3, -0.3);
+  for (Index y = 0; y <= kSide; ++y) {
+    for (Index x = 0; x <= kSide; ++x) {
+      const bool inner = x % kSide != 0 && y % kSide != 0;
+      const double* const shift = &shaken[2 * (y * (kSide + 1) + x)];
+      sheet.places.insert(sheet.places.end(),
+                          {static_cast<double>(x) + (inner ? 0.2 * shift[0] : 0.0),
+                           static_cast<double>(y) + (inner ? 0.2 * shift[1] : 0.0), 0.0});
+    }
+  }
+  for (Index y = 0; y < kSide; ++y) {
+    for (Index x = 0; x < kSide; ++x) {
+      const Index v = y * (kSide + 1) + x, w = v + kSide + 1;
+      sheet.faces.insert(sheet.faces.end(), {v, v + 1, w + 1, v, w + 1, w});
+    }
+  }
+  return sheet;
+}
+
+// Distances along x and y together: descent by them leads far from the straight line.
+std::vector<double> taxicab(const Sheet& sheet, Index from) {
+  std::vector<double> distances;
+  for (Index v = 0; v < count(std::span(sheet.places)) / 3; ++v)
+    distances.push_back(std::abs(sheet.places[3 * v] - sheet.places[3 * from]) +
+                        std::abs(sheet.places[3 * v + 1] - sheet.places[3 * from + 1]));
+  return distances;
+}
+
+double length_of(const Sheet& sheet, const std::vector<Crossing>& points) {
+  double length = 0, before[3];
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    double squared = 0;
+    for (Index c = 0; c < 3; ++c) {
+      const double at = (1 - points[i].share) * sheet.places[3 * points[i].left + c] +
+                        points[i].share * sheet.places[3 * points[i].right + c];
+      if (i > 0) squared += (at - before[c]) * (at - before[c]);
+      before[c] = at;
+    }
+    length += std::sqrt(squared);
+  }
+  return length;
+}
+
+}  // namespace
+
+TEST(a_way_over_a_plane_is_straight_however_it_was_begun) {
+  const Sheet sheet = square();
+  const Surface surface(sheet.places, sheet.faces);
+  const Index start = 0, end = 13 * (kSide + 1) + kSide;
+  const std::vector<Crossing> way =
+      best_way(surface, taxicab(sheet, end), taxicab(sheet, start), start, std::vector{end});
+  CHECK(way.front().left == start && way.back().left == end);
+  CHECK(std::abs(length_of(sheet, way) - std::hypot(kSide, 13)) < 1e-9);
+}
+
+TEST(a_way_through_a_hollow_goes_along_edges_first) {
+  const Sheet sheet = square();
+  const Surface surface(sheet.places, sheet.faces);
+  const std::vector<double> nothing(sheet.places.size() / 3, 0.0);
+  const Index end = (kSide + 1) * (kSide + 1) - 1;
+  const std::vector<Crossing> way = best_way(surface, nothing, nothing, 0, std::vector{end});
+  CHECK(std::abs(length_of(sheet, way) - kSide * std::sqrt(2.0)) < 1e-9);
+}
+
+TEST(where_no_triangle_leads_there_is_no_way) {
+  const std::vector<double> places{0, 0, 0, 1, 0, 0, 0, 1, 0, 5, 0, 0, 6, 0, 0, 5, 1, 0};
+  const std::vector<Index> faces{0, 1, 2, 3, 4, 5};
+  const std::vector<double> nothing(6, 0.0);
+  CHECK(best_way(Surface(places, faces), nothing, nothing, 0, std::vector<Index>{4}).empty());
+}
+
+TEST(triangles_of_several_stars_are_counted_once) {
+  const std::vector<Index> elements{2, 0, 1, 1, 2, 0, 3, 1, 2, 4, 5, 5};
+  const Distinct found = distinct_triangles(elements);
+  CHECK((found.triangles == std::vector<Index>{0, 1, 2, 1, 2, 3}));
+  CHECK((found.stars == std::vector<Index>{2, 1}));
+}
