@@ -15,6 +15,7 @@ import numpy as np
 
 from geodesic_toolkit import _native
 from geodesic_toolkit._typing import BoolArray, FloatArray, IntArray
+from geodesic_toolkit.geometry.components import connected_by_edges
 from geodesic_toolkit.geometry.neighbours import nearest_among, nearest_neighbours
 from geodesic_toolkit.geometry.threads import threads_for
 
@@ -35,6 +36,10 @@ than their points, heaps one or two."""
 SETTLED = 0.05
 """Share of the crowded points up to which a round may take some away and be the last one."""
 
+BY_CHANCE = 0.01
+"""Share of points up to which they are taken for crowded by chance, and left: it is 0 to 0.9 % on
+clouds that sample surfaces evenly or at random."""
+
 SCATTERED = 0.001
 """The same of all points: on clouds without crowds a few points are taken for crowded by chance."""
 
@@ -48,6 +53,16 @@ GREAT = 6.0
 """Ratio of the distances to two neighbours among that part, one of four times the other's rank,
 from which on they do not lie on one surface about a point: more than in the kernel, because a
 random part has heaps of its own."""
+
+SURELY = 25.0
+"""The same ratio from which on there is a heap even if the next ones lie in one direction."""
+
+SIDEWAYS = 0.05
+"""Share of the variance along a band that there is across it, below which it is one: a band of a
+fifth of the length of the neighbourhood has 0.04, a surface about 1."""
+
+BESIDE = 20
+"""Neighbours among which the next line must be, of a point that is left of a line."""
 
 SEEN = 0.05
 """Share of the probes that have to see one for all points to be asked."""
@@ -119,7 +134,7 @@ def representatives(points: FloatArray, k: int) -> Representatives:
         local = np.ascontiguousarray(near[:, : len(some) // LOCAL])
         found = _native.crowd_reaches(some, local, n_threads=threads_for(len(some)))
         found = np.maximum(found, _reaches_of_great_heaps(some, near))
-        if not found.any():
+        if np.count_nonzero(found) <= BY_CHANCE * len(some):
             break
         reaches[kept] = np.maximum(reaches[kept], found)
         stays = _native.thinned(some, near, THINNED * found)
@@ -137,7 +152,25 @@ def representatives(points: FloatArray, k: int) -> Representatives:
         gone = np.ones(len(points), dtype=np.bool_)
         gone[kept] = False
         reaches[gone] = np.maximum(reaches[gone], reaches[everywhere[gone, 0]])
-    return Representatives(kept, reaches, everywhere)
+    thin = Representatives(kept, reaches, everywhere)
+    alone = _alone(points[kept], near)[thin.nearest] & (reaches > 0) if reaches.any() else reaches
+    return restored(points, thin, alone > 0) if alone.any() else thin
+
+
+def _alone(points: FloatArray, near: IntArray) -> BoolArray:
+    """Return which (P,) points that are left have others in one direction only.
+
+    Next to a line of a scan there is another, and what is left of both covers a surface. A narrow
+    band that is sampled evenly looks like a line, too, but has no other next to it, and must not be
+    thinned: on one of 3,000 points, three of their spacings wide, distances were up to 200 % off.
+    """
+    found = ~_to_all_sides(points[near[:, :BESIDE]])
+    found |= found[near[:, : AROUND - 1]].any(axis=1)  # all that is about a gap
+    ends = near[:, : AROUND - 1]
+    edges = np.column_stack([np.repeat(np.arange(len(near)), ends.shape[1]), ends.ravel()])
+    part = connected_by_edges(edges, len(points))
+    share = np.bincount(part, found) / np.bincount(part)
+    return np.asarray(found | (share > 0.5)[part])
 
 
 def restored(points: FloatArray, thin: Representatives, again: BoolArray) -> Representatives:
@@ -182,6 +215,17 @@ def _reaches_of_great_heaps(points: FloatArray, near: IntArray) -> FloatArray:
     return _in_great_heaps(points, near, everything, around)
 
 
+def _to_all_sides(groups: FloatArray) -> BoolArray:
+    """Return which of K groups of points, (K, n, 3), lie in more than one direction.
+
+    The next heaps of a surface do. A narrow band of random points is uneven from afar as heaps are,
+    and goes on in one.
+    """
+    offsets = groups - groups.mean(axis=1, keepdims=True)
+    spread = np.linalg.eigvalsh(np.einsum("kni,knj->kij", offsets, offsets))
+    return np.asarray(spread[:, 1] > SIDEWAYS * spread[:, 2])
+
+
 def _in_great_heaps(
     points: FloatArray, near: IntArray, asked: IntArray, around: IntArray
 ) -> FloatArray:
@@ -194,6 +238,8 @@ def _in_great_heaps(
             np.linalg.norm(points[near[:, r - 1]] - points[asked], axis=1) for r in (rank, 4 * rank)
         )
         signs = np.asarray(farther > GREAT * nearer)
+        surely = farther[signs] > SURELY * nearer[signs]
+        signs[signs] = surely | _to_all_sides(points[near[signs]])
         found = np.asarray(2 * np.count_nonzero(signs[row[around]], axis=1) > AROUND)
         reaches[found] = farther[row[around[found, 0]]]
     return reaches
