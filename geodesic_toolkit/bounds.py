@@ -77,7 +77,17 @@ def bounds_of(domain: Domain) -> DistanceBounds | None:
         vertices = domain.vertices
         if not np.isfinite(vertices).all():  # where no face is; as a source each still reads 0
             vertices = np.where(np.isfinite(vertices), vertices, 0.0)
-        return DistanceBounds(vertices, domain.faces)
+        return DistanceBounds(vertices, _without_repeats(domain.faces))
     if isinstance(domain, PointCloud):
         return DistanceBounds(domain.points, np.empty((0, 3), dtype=np.int64))
     return None
+
+
+def _without_repeats(faces: IntArray) -> IntArray:
+    """Leave out faces with a repeated vertex, as operators do: no front gets across.
+
+    The line that is left of such a face may lead straight through a solid.
+    """
+    a, b, c = faces.T
+    repeats = (a == b) | (b == c) | (c == a)
+    return faces[~repeats] if repeats.any() else faces

@@ -192,7 +192,8 @@ def _in_space(ground: Ground, points: FloatArray, name: str) -> SourcePoints:
 def _warn_if_far(points: FloatArray, feet: FloatArray, places: FloatArray, name: str) -> None:
     """Warn of points that lie farther from the shape than its size."""
     size = float(np.linalg.norm(places.max(axis=0) - places.min(axis=0)))
-    moved = np.linalg.norm(points - feet, axis=1)
+    with np.errstate(over="ignore"):  # far in any case
+        moved = np.linalg.norm(points - feet, axis=1)
     worst = int(moved.argmax())
     if moved[worst] > size:
         warn(

@@ -205,3 +205,13 @@ def test_arrays_that_do_not_fit_are_refused(change, message):
     }
     with pytest.raises(ValueError, match=message):
         _native.hold_within_bounds(**given | change)
+
+
+@pytest.mark.parametrize("face", [(0, 0, 3), (0, 3, 3), (0, 3, 0)])
+def test_a_face_with_a_repeated_vertex_is_no_way_through_a_solid(face):
+    sphere = shapes.icosphere(3)
+    assert np.linalg.norm(sphere.vertices[0] + sphere.vertices[3]) < 1e-12  # opposite
+    with_line = gt.TriangleMesh(sphere.vertices, np.concatenate([sphere.faces, [face]]))
+    np.testing.assert_array_equal(
+        gt.geodesic_distance(with_line, 0), gt.geodesic_distance(sphere, 0)
+    )

@@ -626,7 +626,6 @@ def test_a_matrix_market_file_without_entries_is_a_graph_without_edges(tmp_path)
         ("coordinate real general", "2 2 1\n1 3 1\n", "entry 0 lies outside a matrix of 2 x 2"),
         ("coordinate real general", "2 2 1\n0 1 1\n", "entry 0 lies outside"),
         ("coordinate real general", "2 2 1\n1 2 -4\n", "edge 0 has length -4"),
-        ("coordinate real general", "2 2 1\n1 2 0\n", "edge 0 has length 0.0"),
         ("coordinate real general", "2 2 1\n1.5 2 1\n", "must be whole numbers"),
         ("array real general", "2 2\n1\n1\n1\n", "2 x 2 entries are announced, 3 follow"),
         ("array real general", "1 1\n1 1\n", "entries have 2 columns, not 1"),
@@ -636,6 +635,12 @@ def test_a_matrix_market_file_without_entries_is_a_graph_without_edges(tmp_path)
 def test_a_matrix_market_file_that_is_no_graph_is_refused(kind, body, says, tmp_path):
     with pytest.raises(ReadError, match=says):
         gt.read(place(tmp_path, "g.mtx", banner(kind) + body))
+
+
+def test_an_explicit_zero_of_a_matrix_market_file_is_an_edge_of_length_0(tmp_path):
+    body = banner("coordinate real general") + "3 3 2\n1 2 0\n2 3 4\n"
+    graph = gt.read(place(tmp_path, "g.mtx", body))
+    np.testing.assert_array_equal(gt.geodesic_distance(graph, 0), [0.0, 0.0, 4.0])
 
 
 @pytest.mark.parametrize(

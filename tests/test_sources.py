@@ -457,7 +457,15 @@ def test_the_cures_for_three_whole_floats_are_taken():
 
 
 @pytest.mark.parametrize(
-    "point", [[0.0, 0.0, 1.0], [0.0, 0.0, 0.0], [1.0, 2.0, -1.0], [1.0, 2.0, 121.0], [0, 1.5, 2]]
+    "point",
+    [
+        [0.0, 0.0, 1.0],
+        [0.0, 0.0, 0.0],
+        [1.0, 2.0, -1.0],
+        [1.0, 2.0, 121.0],
+        [0, 1.5, 2],
+        [1e300, 0.0, 0.0],
+    ],
 )
 def test_floats_that_cannot_be_three_vertices_are_a_point(point):
     square = large_square()

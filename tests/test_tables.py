@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import geodesic_toolkit as gt
-from geodesic_toolkit.errors import ReadError
+from geodesic_toolkit.errors import ReadError, ReadWarning
 from geodesic_toolkit.io import read_mask, read_points, read_vertices
 
 POINTS = np.round(np.random.default_rng(0).normal(size=(40, 3)), 4)
@@ -99,6 +99,18 @@ def test_normals_are_found_by_their_names(tmp_path):
     cloud = gt.read(path)
     assert cloud.points.tolist() == [[5.5, 6, 7]]
     assert cloud.normals.tolist() == [[0, 0, 1]]
+
+
+def test_a_first_column_that_numbers_the_rows_is_not_taken_for_x_in_silence(tmp_path):
+    points = np.random.default_rng(3).normal(size=(20, 3))
+    path = tmp_path / "survey.csv"
+    for first in (0, 1):
+        rows = [f"{first + k},{x},{y},{z}\n" for k, (x, y, z) in enumerate(points)]
+        path.write_text("".join(rows))
+        with pytest.warns(ReadWarning, match="number the rows, was taken for x"):
+            gt.read(path)
+        path.write_text("id,x,y,z\n" + "".join(rows))
+        np.testing.assert_array_equal(gt.read(path).points, points)
 
 
 def test_edges_may_have_decimal_commas_where_that_is_clear(tmp_path):

@@ -14,7 +14,10 @@ from geodesic_toolkit._typing import FloatArray
 if TYPE_CHECKING:
     from scipy.sparse import csr_array
 
-__all__ = ["Gradient", "as_columns"]
+__all__ = ["ROUNDING", "Gradient", "as_columns"]
+
+ROUNDING = 1e-11
+"""Share of itself by which heat must differ to have a direction; poisson_load.cpp says why."""
 
 
 class Gradient(FrozenArrays, abc.ABC):

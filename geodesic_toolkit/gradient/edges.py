@@ -11,7 +11,7 @@ from geodesic_toolkit._checks import check_finite, check_range, coerce
 from geodesic_toolkit._frozen import freeze
 from geodesic_toolkit._typing import FloatArray, IntArray
 from geodesic_toolkit.errors import InvalidDiscretizationError
-from geodesic_toolkit.gradient.base import Gradient, as_columns
+from geodesic_toolkit.gradient.base import ROUNDING, Gradient, as_columns
 from geodesic_toolkit.gradient.graph_laplacian import graph_laplacian
 
 if TYPE_CHECKING:
@@ -90,7 +90,7 @@ class EdgeGradient(Gradient):
         start, end = self.edges.T
         with np.errstate(invalid="ignore"):
             slope = log_heat[end] - log_heat[start]
-        slope[~np.isfinite(slope)] = 0.0
+        slope[~np.isfinite(slope) | (np.abs(slope) < ROUNDING)] = 0.0
         length = self._length(slope)
         pooled = (length[start] + length[end]) / 2
         direction: FloatArray = np.zeros_like(slope)

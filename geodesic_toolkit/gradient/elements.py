@@ -14,7 +14,7 @@ from geodesic_toolkit._frozen import freeze
 from geodesic_toolkit._typing import FloatArray, IntArray
 from geodesic_toolkit.errors import InvalidDiscretizationError
 from geodesic_toolkit.geometry.triangles import hat_gradients_from_inverse
-from geodesic_toolkit.gradient.base import Gradient, as_columns
+from geodesic_toolkit.gradient.base import ROUNDING, Gradient, as_columns
 from geodesic_toolkit.gradient.graph_laplacian import graph_laplacian
 from geodesic_toolkit.gradient.triangle_sums import TriangleSums, sums_of_triangles
 
@@ -176,6 +176,7 @@ class ElementGradient(Gradient):
         corner_log -= largest
         scaled = np.exp(corner_log, out=corner_log)
         gradient = self._apply(scaled)
+        gradient *= (np.ptp(scaled, axis=1) >= ROUNDING)[:, None]
         length = np.sqrt(np.einsum("ed...,ed...->e...", gradient, gradient))[:, None]
         np.divide(gradient, length, out=gradient, where=length > 0)
         return gradient

@@ -76,6 +76,12 @@ def _points(path: Path) -> FloatArray:
     rows = table.numbers()
     if rows.shape[1] < 3:
         raise ReadError(f"points have at least three columns, not {rows.shape[1]}")
+    if rows.shape[1] > 3 and len(rows) > 3 and (np.diff(rows[:, 0]) == 1).all():
+        warn(
+            path,
+            "the first column, which seems to number the rows, was taken for x; if it does, "
+            "leave it out, or name the columns",
+        )
     return rows
 
 

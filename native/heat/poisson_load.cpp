@@ -8,6 +8,10 @@ namespace {
 
 constexpr double kLog2 = 0.693147180559945309417232121458;
 constexpr double kTiny = 1e-300;      // differences of heat below it are no slope at all
+// Heat that differs by less than this share of itself over a triangle has no direction: what solves
+// leave there is rounding, and not the same in a block as alone. Rounding is 1e-16, and 1e-11 where
+// the logarithm of heat is -1e5; slopes are 1e-1, and 1e-5 with a million times the time step.
+constexpr double kRounding = 1e-11;
 constexpr Row kNothing = -(1 << 30);  // power of two that stands for no heat at all,
 constexpr Row kMost = 1 << 30;        // and the largest; their difference is still a Row
 constexpr Index kAtOnce = 64;  // triangles whose differences stay in the first level of cache
@@ -57,17 +61,22 @@ struct Heat {
   const double* values;
   const Row* powers;  // or null
 
-  // Differences to the first corner at the places i, j, k of a table.
+  // Differences to the first corner at the places i, j, k of a table; 0 where they are rounding.
   void differences(Index i, Index j, Index k, double& du, double& dv) const {
+    double origin = values[i];
     if (powers) {
       const Row top = std::max({powers[i], powers[j], powers[k]});
-      const double origin = values[i] * two_to(powers[i] - top);
+      origin *= two_to(powers[i] - top);
       du = values[j] * two_to(powers[j] - top) - origin;
       dv = values[k] * two_to(powers[k] - top) - origin;
     } else {
-      du = values[j] - values[i];
-      dv = values[k] - values[i];
+      du = values[j] - origin;
+      dv = values[k] - origin;
     }
+    const double least = kRounding * std::abs(origin);
+    const double slope = std::max(std::abs(du), std::abs(dv)) > least ? 1.0 : 0.0;
+    du *= slope;
+    dv *= slope;
   }
 };
 

@@ -87,6 +87,24 @@ TEST(heat_without_a_slope_is_no_load) {
     CHECK(value == 0.0);
 }
 
+TEST(a_slope_of_rounding_is_no_load) {
+  const Mesh mesh = sheared_grid(5, 0.0);
+  const Measures its = measure_triangles(mesh.vertices, mesh.faces).triangles;
+  for (const Index n_columns : {1, 5}) {
+    for (const double size : {1e-290, 0.5, 1e4}) {
+      std::vector<double> heat = random_numbers(mesh.n_vertices() * n_columns, 3, -1e-14);
+      for (double& value : heat) value = size * (1 + 1e-14 * value);
+      for (const double value :
+           poisson_load({mesh.faces, its.frames, its.areas}, heat, n_columns, false))
+        CHECK(value == 0.0);
+      for (double& value : heat) value = std::log(value);
+      for (const double value :
+           poisson_load({mesh.faces, its.frames, its.areas}, heat, n_columns, true))
+        CHECK(value == 0.0);
+    }
+  }
+}
+
 TEST(missing_heat_is_filled_from_its_neighbours) {
   for (const Index stride : {1, 3}) {
     const Row side = 9;
