@@ -291,7 +291,7 @@ def test_between_opposite_places_of_a_large_sphere_any_way_round_will_do(swept):
 
 def test_a_triangle_of_one_star_alone_connects_nothing_that_a_region_could_rely_on():
     grid = shapes.grid(12).vertices
-    metric = solver_of(np.concatenate([grid, grid + [7.0, 0, 0]])).method.metric
+    metric = solver_of(np.concatenate([grid, grid + np.array([7.0, 0, 0])])).method.metric
     gradient = metric.gradient
     for bridges, connects in (
         ([[143, 142, 150]], False),
