@@ -9,7 +9,9 @@ from hypothesis import strategies as st
 
 import geodesic_toolkit as gt
 from geodesic_toolkit.analysis import reach
+from geodesic_toolkit.analysis.star_ways import stars_connect
 from geodesic_toolkit.errors import InvalidSourceError, UnreachableError
+from geodesic_toolkit.gradient import ElementGradient
 from geodesic_toolkit.testing import shapes
 
 PCA = gt.PointCloudLaplacian(normals="pca")
@@ -285,3 +287,29 @@ def test_between_opposite_places_of_a_large_sphere_any_way_round_will_do(swept):
     path = gt.geodesic_path(solver_of(points), 0, 1)
     assert path.length == pytest.approx(np.pi, rel=0.003)
     assert len(swept) <= reach.MOVES + 1
+
+
+def test_a_triangle_of_one_star_alone_connects_nothing_that_a_region_could_rely_on():
+    grid = shapes.grid(12).vertices
+    metric = solver_of(np.concatenate([grid, grid + np.array([7.0, 0, 0])])).method.metric
+    gradient = metric.gradient
+    for bridges, connects in (
+        ([[143, 142, 150]], False),
+        ([[143, 142, 150], [142, 143, 150]], True),
+    ):
+        joined = ElementGradient(
+            np.concatenate([gradient.elements, bridges]),
+            np.concatenate([gradient.coefficients, gradient.coefficients[: len(bridges)]]),
+            np.concatenate([gradient.measure, gradient.measure[: len(bridges)]]),
+            gradient.n_vertices,
+            stars=True,
+        )
+        bridged = gt.Discretization(
+            mass=metric.mass,
+            stiffness=joined.stiffness(),
+            gradient=joined,
+            spacing=metric.spacing,
+            boundary=metric.boundary,
+        )
+        assert stars_connect(bridged, np.array([0]), 140)
+        assert stars_connect(bridged, np.array([0, 1]), 200) is connects

@@ -6,7 +6,7 @@ from functools import cached_property
 import numpy as np
 
 from geodesic_toolkit._typing import BoolArray, FloatArray, IntArray
-from geodesic_toolkit.analysis.star_ways import length_of, path_down
+from geodesic_toolkit.analysis.star_ways import length_of, path_down, stars_connect
 from geodesic_toolkit.discretization import Discretization
 from geodesic_toolkit.domains import PointCloud
 from geodesic_toolkit.gradient import ElementGradient
@@ -144,7 +144,11 @@ class _Search:
             front_curvatures=self.sources.curvatures[here],
         )
         distance = sweeper.distance(self.heat[part.vertices], places)
-        if not np.isfinite(distance[first[0]]):
+        # Heat flows over a bridge, a triangle of one star alone between sheets; the region then
+        # holds no other way.
+        if not np.isfinite(distance[first[0]]) or not stars_connect(
+            part.metric, ends, int(first[0])
+        ):
             return None
         goal = SourcePoints.at_vertices(first, count)
         back = sweeper.distance(self.behind[part.vertices], goal)

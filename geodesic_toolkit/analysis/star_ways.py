@@ -6,9 +6,10 @@ from geodesic_toolkit import _native
 from geodesic_toolkit._typing import FloatArray, IntArray
 from geodesic_toolkit.analysis.ways import Way, best_way
 from geodesic_toolkit.discretization import Discretization
+from geodesic_toolkit.geometry.components import connected_by_edges
 from geodesic_toolkit.gradient import ElementGradient
 
-__all__ = ["length_of", "path_down"]
+__all__ = ["length_of", "path_down", "stars_connect"]
 
 BRIDGED = 0.99
 """Share of the refined distance below which a path has taken a bridge: a triangle of one star
@@ -45,10 +46,7 @@ def path_down(  # noqa: PLR0917 - what it needs, in the order of its doing
     assert isinstance(metric.gradient, ElementGradient)  # for the type checker; it was refined on
     elements = metric.gradient.elements
     reached = np.isfinite(distance) & np.isfinite(back)
-    elements = np.ascontiguousarray(elements[reached[elements].all(axis=1)])
-    triangles, stars = _native.distinct_triangles(elements)
-    linked = (elements[:, :2] == elements[:, 1:]).any(axis=1)
-    links = np.unique(np.sort(elements[linked], axis=1)[:, [0, 2]], axis=0)
+    triangles, stars, links = _apart(elements[reached[elements].all(axis=1)])
     places = np.where(reached[:, None], points, 0.0)
     path = _through(triangles, links, places, distance, back, ends, start)
     if path is not None and length_of(places, *path) < BRIDGED * distance[start]:
@@ -56,6 +54,24 @@ def path_down(  # noqa: PLR0917 - what it needs, in the order of its doing
         around = _through(agreed, links, places, distance, back, ends, start)
         return path if around is None else around
     return path
+
+
+def stars_connect(metric: Discretization, ends: IntArray, start: int) -> bool:
+    """Return whether triangles in more than one star, and links, lead from a start to an end."""
+    assert isinstance(metric.gradient, ElementGradient)  # for the type checker; it was refined on
+    triangles, stars, links = _apart(metric.gradient.elements)
+    agreed = triangles[stars > 1]
+    pairs = np.concatenate([agreed[:, :2], agreed[:, 1:], links])
+    part = connected_by_edges(pairs, metric.n_vertices)
+    return bool(part[start] in part[ends])
+
+
+def _apart(elements: IntArray) -> tuple[IntArray, IntArray, IntArray]:
+    """Return triangles (T, 3), in how many stars each is (T,), and links (L, 2), each once."""
+    triangles, stars = _native.distinct_triangles(np.ascontiguousarray(elements))
+    linked = (elements[:, :2] == elements[:, 1:]).any(axis=1)
+    links = np.unique(np.sort(elements[linked], axis=1)[:, [0, 2]], axis=0)
+    return triangles, stars, links
 
 
 def _through(  # noqa: PLR0917 - what it needs, in the order of its doing
