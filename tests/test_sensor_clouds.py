@@ -256,3 +256,16 @@ def test_separate_clouds_are_parts_and_nothing_is_said():
         warnings.simplefilter("error")
         notes = solver_of(np.concatenate([points, points + 5.0])).diagnosis.notes
     assert (notes["parts"], notes["torn_off"]) == (2, 0)
+
+
+@pytest.mark.parametrize("seed", range(3))
+@pytest.mark.parametrize("width", [0.02, 0.05, 0.1])  # 3 to 7 spacings
+def test_a_narrow_band_is_no_line_of_a_scan(width, seed):
+    rng = np.random.default_rng(seed)
+    turn, height = rng.uniform(0, 2 * np.pi, 3000), rng.uniform(-width / 2, width / 2, 3000)
+    points = np.column_stack([np.cos(turn), np.sin(turn), height])
+    away = np.abs((turn - turn[0] + np.pi) % (2 * np.pi) - np.pi)
+    true = np.hypot(away, height - height[0])
+    off = errors(solver_of(points).distance(0), true, least=0.2)
+    assert off.mean() < 0.01
+    assert off.max() < 0.03

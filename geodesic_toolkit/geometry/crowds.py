@@ -57,11 +57,15 @@ random part has heaps of its own."""
 SURELY = 25.0
 """The same ratio from which on there is a heap even if the next ones lie in one direction."""
 
-SIDEWAYS = 0.05
+SIDEWAYS = 0.1
 """Share of the variance along a band that there is across it, below which it is one: a band of a
-fifth of the length of the neighbourhood has 0.04, a surface about 1."""
+fifth of the length of the neighbourhood has 0.04, a quarter of a circle 0.03, a surface 0.5 or
+more."""
 
-BESIDE = 20
+BANDS = 0.25
+"""Share of a part that has to go in one direction; among heaps a twentieth does by chance."""
+
+BESIDE = 16
 """Neighbours among which the next line must be, of a point that is left of a line."""
 
 SEEN = 0.05
@@ -164,13 +168,18 @@ def _alone(points: FloatArray, near: IntArray) -> BoolArray:
     band that is sampled evenly looks like a line, too, but has no other next to it, and must not be
     thinned: on one of 3,000 points, three of their spacings wide, distances were up to 200 % off.
     """
-    found = ~_to_all_sides(points[near[:, :BESIDE]])
+    if near.shape[1] < BESIDE:
+        return np.ones(len(points), dtype=np.bool_)  # too few are left to tell
+    nearer, farther = (
+        np.linalg.norm(points[near[:, r - 1]] - points, axis=1) for r in (BESIDE // 4, BESIDE)
+    )
+    found = ~_to_all_sides(points[near[:, :BESIDE]]) & (farther < GREAT * nearer)  # no heap
     found |= found[near[:, : AROUND - 1]].any(axis=1)  # all that is about a gap
     ends = near[:, : AROUND - 1]
     edges = np.column_stack([np.repeat(np.arange(len(near)), ends.shape[1]), ends.ravel()])
     part = connected_by_edges(edges, len(points))
     share = np.bincount(part, found) / np.bincount(part)
-    return np.asarray(found | (share > 0.5)[part])
+    return np.asarray((found & (share > BANDS)[part]) | (share > 2 * BANDS)[part])
 
 
 def restored(points: FloatArray, thin: Representatives, again: BoolArray) -> Representatives:
@@ -200,7 +209,7 @@ def _reaches_of_great_heaps(points: FloatArray, near: IntArray) -> FloatArray:
     """
     count, k = near.shape
     none = np.zeros(count)
-    if count < PART * k:
+    if count // PART <= k:
         return none
     part = np.sort(np.random.default_rng(0).permutation(count)[: count // PART])
     probes = np.linspace(0, count - 1, min(PROBES, count)).astype(np.int64)
