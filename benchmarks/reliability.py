@@ -210,6 +210,7 @@ class Outcome:
     fault: str | None
     error: float | None = None
     infinite_elsewhere: bool | None = None
+    below: bool | None = None
     warnings: tuple[str, ...] = ()
     size: int = 0
 
@@ -236,6 +237,15 @@ def judge(shape: Shape, members: np.ndarray, distance: np.ndarray, walk: np.ndar
     if share > 0.01:
         return Outcome(f"{share:.0%} out of bounds ({low.mean():.0%} low)", None, infinite)
     return Outcome(None, None, infinite)
+
+
+def below_straight(shape: Shape, members: np.ndarray, distance: np.ndarray) -> bool | None:
+    """Return whether a vertex is nearer than the straight line, by more than rounding."""
+    if distance.shape != (len(shape.vertices),) or not np.isfinite(distance[members]).all():
+        return None
+    source = members[len(members) // 2]
+    straight = np.linalg.norm(shape.vertices[members] - shape.vertices[source], axis=1)
+    return bool((distance[members] < straight - 1e-9 * straight.max()).any())
 
 
 # -- running the calls -----------------------------------------------------------------------------
@@ -298,6 +308,7 @@ def examine(path: Path, limit: float, folder: Path, jobs: int) -> dict[str, list
                 outcome = Outcome(trouble)
             else:
                 outcome = judge(shape, members, distance, walk)
+                outcome.below = below_straight(shape, members, distance)
                 if known is not None and distance.shape == known.shape:
                     away = members[known[members] > 0]
                     relative = np.abs(distance[away] - known[away]) / known[away]
@@ -352,6 +363,9 @@ def table(results: dict[str, dict[str, list[Outcome]]]) -> str:
         "`inf` where no source connects": lambda o: (
             f"{sum(x.infinite_elsewhere is True for x in o)} of "
             f"{sum(x.infinite_elsewhere is not None for x in o)}"
+        ),
+        "nothing below the straight line": lambda o: (
+            f"{sum(x.below is False for x in o)} of {sum(x.below is not None for x in o)}"
         ),
         f"error, components of {LARGE} vertices or more: median": lambda o: quantile(o, 0.5),
         "... 90th percentile": lambda o: quantile(o, 0.9),
