@@ -15,7 +15,6 @@ import numpy as np
 
 from geodesic_toolkit import _native
 from geodesic_toolkit._typing import BoolArray, FloatArray, IntArray
-from geodesic_toolkit.geometry.components import connected_by_edges
 from geodesic_toolkit.geometry.neighbours import nearest_among, nearest_neighbours
 from geodesic_toolkit.geometry.threads import threads_for
 
@@ -63,7 +62,8 @@ fifth of the length of the neighbourhood has 0.04, a quarter of a circle 0.03, a
 more."""
 
 BANDS = 0.25
-"""Share of a part that has to go in one direction; among heaps a twentieth does by chance."""
+"""Share of crowded points that stand alone from which on none is taken for crowded; a tenth does by
+chance among heaps."""
 
 BESIDE = 16
 """Neighbours among which the next line must be, of a point that is left of a line."""
@@ -157,8 +157,10 @@ def representatives(points: FloatArray, k: int) -> Representatives:
         gone[kept] = False
         reaches[gone] = np.maximum(reaches[gone], reaches[everywhere[gone, 0]])
     thin = Representatives(kept, reaches, everywhere)
-    alone = _alone(points[kept], near)[thin.nearest] & (reaches > 0) if reaches.any() else reaches
-    return restored(points, thin, alone > 0) if alone.any() else thin
+    if not reaches.any():
+        return thin
+    alone = _alone(points[kept], near)[thin.nearest]
+    return restored(points, thin, reaches > 0) if _are_many(alone, thin) else thin
 
 
 def _alone(points: FloatArray, near: IntArray) -> BoolArray:
@@ -175,15 +177,22 @@ def _alone(points: FloatArray, near: IntArray) -> BoolArray:
     )
     found = ~_to_all_sides(points[near[:, :BESIDE]]) & (farther < GREAT * nearer)  # no heap
     found |= found[near[:, : AROUND - 1]].any(axis=1)  # all that is about a gap
-    ends = near[:, : AROUND - 1]
-    edges = np.column_stack([np.repeat(np.arange(len(near)), ends.shape[1]), ends.ravel()])
-    part = connected_by_edges(edges, len(points))
-    share = np.bincount(part, found) / np.bincount(part)
-    return np.asarray((found & (share > BANDS)[part]) | (share > 2 * BANDS)[part])
+    return np.asarray(found)
+
+
+def _are_many(chosen: BoolArray, thin: Representatives) -> bool:
+    crowded = thin.reaches > 0
+    return bool(np.count_nonzero(chosen & crowded) > BANDS * np.count_nonzero(crowded))
 
 
 def restored(points: FloatArray, thin: Representatives, again: BoolArray) -> Representatives:
-    """Return the representatives with those points, (N,), that stand for themselves after all."""
+    """Return the representatives with those points, (N,), that stand for themselves after all.
+
+    If they are many of the crowded ones, these were not crowds, and all of them do: half of a band
+    that is thinned is worse than all of it.
+    """
+    if _are_many(again, thin):
+        again = again | (thin.reaches > 0)
     kept = np.flatnonzero(thin.stands | again)
     everything = np.arange(len(points))
     near = nearest_among(points, kept, everything, thin.neighbours.shape[1])
