@@ -64,7 +64,7 @@ class Discretization(FrozenArrays):
         which one has entries in the stiffness.
     local_scale : bool, optional
         Whether the gradient's measure is right but for a factor about each vertex, which is to be
-        read off potentials (:mod:`geodesic_toolkit.geometry.local_scale`). For edge gradients that
+        read off potentials (``geometry.local_scale``). For edge gradients that
         come with `along_edges`.
     notes : mapping, optional
         What the operator found or decided on the way, by name, for people to read: a number of

@@ -7,7 +7,7 @@ namespace geodesic {
 namespace {
 
 constexpr double kLog2 = 0.693147180559945309417232121458;
-constexpr double kTiny = 1e-300;      // differences of heat below it are no slope at all
+constexpr double kTiny = 1e-300;  // differences of heat below it are no slope at all
 // Heat that differs by less than this share of itself over a triangle has no direction: what solves
 // leave there is rounding, and not the same in a block as alone. Rounding is 1e-16, and 1e-11 where
 // the logarithm of heat is -1e5; slopes are 1e-1, and 1e-5 with a million times the time step.

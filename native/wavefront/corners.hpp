@@ -31,7 +31,8 @@ struct Corners {
 Corners gather_corners(std::span<const Index> elements, std::span<const double> frames, bool stars,
                        Index n_vertices);
 
-// Make the edges less than zero that one triangle alone has, both of whose ends are at the boundary.
+// Make the edges less than zero that one triangle alone has, both of whose ends are at the
+// boundary.
 void close_rims(Corners& corners, std::span<const bool> boundary);
 
 // Let vertices listen to triangles that both others have in their stars, but they have not.

@@ -19,8 +19,8 @@ constexpr Index kAhead = 12;
 // an edge does both, and rounding must not say which, as the radius differs.
 constexpr double kTie = 1 + 1e-12;
 
-// Up to this many times its length the distances at the ends of an edge are together where the front
-// begins on it; rounding makes them more than the length.
+// Up to this many times its length the distances at the ends of an edge are together where the
+// front begins on it; rounding makes them more than the length.
 constexpr double kOnEdge = 1 + 1e-9;
 
 // More than any distance that is finite.
@@ -191,10 +191,10 @@ class Sweep {
     const Vertex &a = vertices_[fan.neighbour[i]], &b = vertices_[fan.neighbour[j]];
     const double edge = -fan.edge[i];
     if (!(a.front.distance + b.front.distance <= edge * kOnEdge)) return;
-    const auto arrivals = across<Lane>(
-        {Lane::spread(a.front.distance), Lane::spread(b.front.distance),
-         Lane::spread(a.front.radius), Lane::spread(b.front.radius), Lane::spread(edge),
-         Lane::spread(fan.to[i]), Lane::spread(fan.to[j])});
+    const auto arrivals =
+        across<Lane>({Lane::spread(a.front.distance), Lane::spread(b.front.distance),
+                      Lane::spread(a.front.radius), Lane::spread(b.front.radius),
+                      Lane::spread(edge), Lane::spread(fan.to[i]), Lane::spread(fan.to[j])});
     if (!(arrivals.distance[0] < opposite.front.distance)) return;
     const double bend = (opposite.curvature + a.curvature + b.curvature) / 3;
     opposite.front = {arrivals.distance[0], bent(arrivals.radius[0], arrivals.step[0], bend)};
