@@ -626,7 +626,7 @@ def test_a_matrix_market_file_without_entries_is_a_graph_without_edges(tmp_path)
         ("coordinate real general", "2 2 1\n1 3 1\n", "entry 0 lies outside a matrix of 2 x 2"),
         ("coordinate real general", "2 2 1\n0 1 1\n", "entry 0 lies outside"),
         ("coordinate real general", "2 2 1\n1 2 -4\n", "edge 0 has length -4"),
-        ("coordinate real general", "2 2 1\n1 2 0\n", "edge 0 has length 0.0"),
+        ("coordinate real general", "2 2 1\n1 2 -1\n", "edge 0 has length -1.0"),
         ("coordinate real general", "2 2 1\n1.5 2 1\n", "must be whole numbers"),
         ("array real general", "2 2\n1\n1\n1\n", "2 x 2 entries are announced, 3 follow"),
         ("array real general", "1 1\n1 1\n", "entries have 2 columns, not 1"),
@@ -897,7 +897,7 @@ BAD = {
     "half.edges": ("0 1.5\n", "vertex numbers must be whole numbers .found 1.5"),
     "negative.edges": ("0 -1\n", "edge 0 refers to vertex -1"),
     "identifiers.edges": ("0 123456789012\n", "numbered from 0 without large gaps"),
-    "length.edges": ("0 1 0\n", "edge 0 has length 0.0"),
+    "length.edges": ("0 1 -2\n", "edge 0 has length -2.0"),
     "cut.stl": (stl()[:-1], "cut off: 8 faces take 484 bytes, there are 483"),
     "text.stl": (
         "solid x\nfacet normal 0 0 0\nvertex 0 0 0\n",
