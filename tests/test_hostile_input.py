@@ -188,13 +188,6 @@ BAD = {
     ),
     "cg for heat": ((V, F), 0, {"solver": {"heat": "cg"}}, InvalidOptionError, "small values"),
     "unknown diffusion": ((V, F), 0, {"diffusion": "nope"}, UnknownPluginError, "nope"),
-    "refined graph": (
-        gt.Graph(3, [[0, 1], [1, 2]]),
-        0,
-        {"refine": True},
-        UnsupportedDomainError,
-        "refinement needs triangles",
-    ),
     "a mask of 3": ((V, F), 0, {"mask": [True] * 3}, InvalidOptionError, "one boolean for each"),
     "a mask of integers": ((V, F), 0, {"mask": [0] * N}, InvalidOptionError, "one boolean for"),
     "a mask of all": ((V, F), 0, {"mask": [True] * N}, InvalidOptionError, "leaves no face"),
@@ -204,13 +197,6 @@ BAD = {
     "no shape at all": (7, 0, {}, UnsupportedDomainError, "is no shape"),
     "a matrix 2 x 3": (csr_array(np.ones((2, 3))), 0, {}, InvalidDomainError, "square"),
     "a length of -1": (-TWO, 0, {}, InvalidDomainError, "edge 0 has length -1"),
-    "a length of 0": (
-        csr_array((np.zeros(1), ([0], [1])), shape=(2, 2)),
-        0,
-        {},
-        InvalidDomainError,
-        "edge 0 has length 0",
-    ),
     "a length of NaN": (np.nan * TWO, 0, {}, InvalidDomainError, "edge 0 has length nan"),
     "a length of inf": (np.inf * TWO, 0, {}, InvalidDomainError, "edge 0 has length inf"),
     "k larger than n": (

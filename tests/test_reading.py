@@ -902,7 +902,7 @@ BAD = {
     "half.edges": ("0 1.5\n", "vertex numbers must be whole numbers .found 1.5"),
     "negative.edges": ("0 -1\n", "edge 0 refers to vertex -1"),
     "identifiers.edges": ("0 123456789012\n", "numbered from 0 without large gaps"),
-    "length.edges": ("0 1 0\n", "edge 0 has length 0.0"),
+    "length.edges": ("0 1 -2\n", "edge 0 has length -2.0"),
     "cut.stl": (stl()[:-1], "cut off: 8 faces take 484 bytes, there are 483"),
     "text.stl": (
         "solid x\nfacet normal 0 0 0\nvertex 0 0 0\n",

@@ -146,7 +146,7 @@ def test_no_poisson_system_is_factorised():
 
 def test_what_has_no_triangles_is_refused():
     with pytest.raises(UnsupportedDomainError, match="refinement needs triangles"):
-        gt.GeodesicSolver(gt.Graph(3, [[0, 1], [1, 2]]), refine=True)
+        gt.GeodesicSolver(shapes.grid(3), operator="uniform", refine=True)
 
 
 def test_many_sources_threads_and_copies_give_the_same_bits():
