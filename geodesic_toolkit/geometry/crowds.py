@@ -35,12 +35,12 @@ than their points, heaps one or two."""
 SETTLED = 0.05
 """Share of the crowded points up to which a round may take some away and be the last one."""
 
+SCATTERED = 0.001
+"""The same of all points: on clouds without crowds a few points are taken for crowded by chance."""
+
 BY_CHANCE = 0.01
 """Share of points up to which they are taken for crowded by chance, and left: it is 0 to 0.9 % on
 clouds that sample surfaces evenly or at random."""
-
-SCATTERED = 0.001
-"""The same of all points: on clouds without crowds a few points are taken for crowded by chance."""
 
 PART = 8
 """One of so many points is kept to look for heaps of more points than there are neighbours."""
@@ -168,7 +168,8 @@ def _alone(points: FloatArray, near: IntArray) -> BoolArray:
 
     Next to a line of a scan there is another, and what is left of both covers a surface. A narrow
     band that is sampled evenly looks like a line, too, but has no other next to it, and must not be
-    thinned: on one of 3,000 points, three of their spacings wide, distances were up to 200 % off.
+    thinned: on one of 3,000 points, three of their spacings wide, distances were off by twice
+    their length in the mean.
     """
     if near.shape[1] < BESIDE:
         return np.ones(len(points), dtype=np.bool_)  # too few are left to tell
