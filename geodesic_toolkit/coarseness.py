@@ -14,6 +14,7 @@ from geodesic_toolkit.errors import NonPositiveHeatWarning
 from geodesic_toolkit.heat import HeatMethod
 from geodesic_toolkit.laplacians.cotan import CotanLaplacian
 from geodesic_toolkit.linear.supernodal import Supernodal
+from geodesic_toolkit.polyhedra import small_parts_of
 from geodesic_toolkit.refine import WavefrontSweeper
 from geodesic_toolkit.source_points import SourcePoints
 
@@ -79,6 +80,9 @@ def _errors(mesh: TriangleMesh, sources: IntArray) -> FloatArray:
         warnings.simplefilter("ignore", NonPositiveHeatWarning)  # what comes of it is measured here
         plain = method.distance(places)
     refined = WavefrontSweeper(metric).distance(-plain, places)
+    small_parts = small_parts_of(mesh, metric.components)
+    if small_parts is not None:
+        small_parts.fill(refined[None], [places])
     error = np.full(len(plain), np.nan)
     away = np.isfinite(plain) & np.isfinite(refined) & (refined > 0)
     error[away] = np.abs(plain[away] / refined[away] - 1)

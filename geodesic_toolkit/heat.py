@@ -29,6 +29,7 @@ from geodesic_toolkit.linear.base import LinearSolver
 from geodesic_toolkit.linear.memory import array_bytes, require_memory
 from geodesic_toolkit.linear.patterns import SharedAnalysis
 from geodesic_toolkit.poisson import PoissonStep
+from geodesic_toolkit.polyhedra import SmallParts
 from geodesic_toolkit.positivity import has_wrong_signs, positive_part
 from geodesic_toolkit.refine import WavefrontSweeper, made_of_triangles
 from geodesic_toolkit.source_points import SourcePoints, as_vertices
@@ -81,6 +82,8 @@ class HeatMethod:
         the ways along its edges, take the shortest of those instead, without any heat.
     bounds : DistanceBounds, optional
         What refined distances are held to.
+    small_parts : SmallParts, optional
+        Parts of a mesh on which exact distances take the place of refined ones.
 
     Raises
     ------
@@ -126,6 +129,7 @@ class HeatMethod:
         poisson_solver: LinearSolver,
         refine: bool = False,
         bounds: DistanceBounds | None = None,
+        small_parts: SmallParts | None = None,
     ) -> None:
         self.metric = metric
         self.diffusion = metric if diffusion is None else diffusion
@@ -151,7 +155,7 @@ class HeatMethod:
         if not isinstance(refine, bool | np.bool_):
             raise InvalidOptionError(f"refine must be True or False, not {refine!r}")
         self.refine = bool(refine)
-        self.bounds = bounds
+        self.bounds, self.small_parts = bounds, small_parts
         ways = metric.along_edges
         if ways is not None and ways.instead_of_heat and not self.refine:
             raise UnsupportedDomainError(f"{ways.instead_of_heat}; use refine=True")
@@ -370,6 +374,8 @@ class HeatMethod:
             logarithmic=heat.logarithmic,
             n_threads=n_threads,
         )
+        if self.small_parts is not None:
+            self.small_parts.fill(distances, block)
         if self.bounds is not None:
             self.bounds.hold(distances, block, n_threads=n_threads)
 

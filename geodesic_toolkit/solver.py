@@ -26,6 +26,7 @@ from geodesic_toolkit.geometry.seams import find_seams
 from geodesic_toolkit.heat import Boundary, HeatMethod, Progress
 from geodesic_toolkit.laplacians.base import LaplaceOperator
 from geodesic_toolkit.linear.base import LinearSolver
+from geodesic_toolkit.polyhedra import MOST_FACES, small_parts_of
 from geodesic_toolkit.refine import made_of_triangles
 from geodesic_toolkit.refine_by_default import refinement_of
 from geodesic_toolkit.source_points import SourcePoints
@@ -165,6 +166,9 @@ class GeodesicSolver:
             if isinstance(domain, TriangleMesh)
             else None
         )
+        small_parts = small_parts_of(domain, metric.components) if refine else None
+        if small_parts is not None:
+            self._reason += f"; exact on parts of up to {MOST_FACES} faces"
         self.method = HeatMethod(
             metric,
             diffusion=(
@@ -179,6 +183,7 @@ class GeodesicSolver:
             poisson_solver=poisson_solver,
             refine=refine,
             bounds=bounds_of(domain) if refine else None,
+            small_parts=small_parts,
         ).prepare()
         self._diagnosis: Diagnosis | None = None
         self._judged: dict[int, list[float]] = {}  # errors of plain heat, by component

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from closed_forms import mean_relative_error, on_plane
+from scipy.spatial import ConvexHull
 
 import geodesic_toolkit as gt
 from geodesic_toolkit.errors import InvalidSourceError, SolverError, UnsupportedDomainError
@@ -100,6 +101,14 @@ def test_exact_distance_is_a_metric():
     assert (rows[0] <= between[0, 1] + rows[1] + 1e-9).all()
 
 
+def hull(points):
+    """Return the convex hull as a mesh without other vertices."""
+    found = ConvexHull(points)
+    numbers = np.full(len(points), -1)
+    numbers[found.vertices] = np.arange(len(found.vertices))
+    return gt.TriangleMesh(points[found.vertices], numbers[found.simplices])
+
+
 def fan(start, turn, spokes=4):
     """Vertices on an arc of radius 1 about the origin, each at its angle."""
     angles = start + turn * np.linspace(0, 1, spokes)
@@ -171,26 +180,73 @@ def test_exact_distance_on_models_whose_sheets_meet_in_vertices(shared_data, nam
     assert mean_relative_error(refined, there) < 0.01
 
 
-@pytest.mark.parametrize(
-    ("answer", "message"),
-    [([0.0, np.nan, 1.0, 1.0], "degenerate"), ([0.0, 9.0, 1.0, 1.0], "more than the edge is long")],
-)
-def test_exact_distance_does_not_pass_on_what_is_no_distance(monkeypatch, answer, message):
-    monkeypatch.setattr("igl.exact_geodesic", lambda *_: np.array(answer))
-    with pytest.raises(SolverError, match=message):
-        gt.exact_distance(shapes.grid(2), 0)
+def test_exact_distance_crosses_edges_of_three_faces():
+    # Three pages about a spine from (0, 0, 0) to (0, 0, 1): what is on another page is unfolded.
+    vertices = [[0, 0, 0], [0, 0, 1], [1, 0, 0.5], [0, 2, 0.5], [-3, 0, 0.5]]
+    book = gt.TriangleMesh(vertices, [[0, 1, 2], [0, 1, 3], [0, 1, 4]])
+    edge = np.hypot(1, 0.5)
+    np.testing.assert_allclose(gt.exact_distance(book, 2), [edge, edge, 0, 3, 4], atol=1e-12)
+
+
+def test_exact_distance_is_that_of_libigl_on_hulls_of_random_points():
+    igl = pytest.importorskip("igl")
+    rng = np.random.default_rng(0)
+    nothing = np.zeros(0, dtype=np.int64)
+    for count in (4, 5, 9, 30, 200):
+        mesh = hull(rng.normal(size=(count, 3)) * [1, 2, 3])
+        sources = rng.choice(mesh.n_vertices, 2, replace=False)
+        everywhere = np.arange(mesh.n_vertices)
+        expected = igl.exact_geodesic(
+            mesh.vertices, mesh.faces, sources, nothing, everywhere, nothing
+        )
+        np.testing.assert_allclose(gt.exact_distance(mesh, sources), expected, atol=1e-12)
+
+
+def test_exact_distance_begins_with_offsets():
+    mesh = shapes.torus(20, 8)
+    one, other = gt.exact_distance(mesh, 3), gt.exact_distance(mesh, 70)
+    expected = np.minimum(one + 0.5, other)
+    found = gt.exact_distance(mesh, gt.OffsetSources([3, 70], [0.5, 0.0]))
+    np.testing.assert_allclose(found, expected, atol=1e-12)
+
+
+def test_exact_distance_takes_vertices_at_one_place_and_faces_without_area():
+    square = shapes.grid(4)
+    source, doubled = 5, 10
+    vertices = np.vstack([square.vertices, square.vertices[doubled]])
+    # A slit along an edge, closed by two faces without area that share its ends.
+    across = np.isin(square.faces, [doubled]).any(axis=1)
+    right = across & (square.vertices[square.faces].mean(axis=1)[:, 0] > vertices[doubled, 0])
+    faces = np.array(square.faces)
+    faces[right] = np.where(faces[right] == doubled, 16, faces[right])
+    above, below = 6, 14
+    assert {above, below} <= set(faces[right].ravel())
+    mesh = gt.TriangleMesh(vertices, [*faces, [doubled, 16, above], [16, doubled, below]])
+    np.testing.assert_allclose(gt.exact_distance(mesh, source), on_plane(mesh, source), atol=1e-12)
+
+
+@pytest.mark.parametrize("unit", [1e-100, 1e-9, 1e9, 1e100])
+def test_exact_distance_has_any_unit(unit):
+    mesh = shapes.torus(12, 6)
+    point = gt.SurfacePoint(5, (0.2, 0.3, 0.5))
+    scaled = gt.TriangleMesh(unit * mesh.vertices, mesh.faces)
+    np.testing.assert_allclose(
+        gt.exact_distance(scaled, point), unit * gt.exact_distance(mesh, point), rtol=1e-9
+    )
+
+
+def test_exact_distance_gives_a_search_up_that_does_not_end(monkeypatch):
+    monkeypatch.setattr("geodesic_toolkit.exact.MOST_WINDOWS", 1)
+    with pytest.raises(SolverError, match="not found among 1280 windows; refine=True"):
+        gt.exact_distance(shapes.icosphere(3), 0)
 
 
 def test_exact_distance_refuses_what_it_cannot_measure():
-    vertices = [[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1], [0, -1, 0]]
-    crowded = gt.TriangleMesh(vertices, [[0, 1, 2], [0, 1, 3], [0, 1, 4]])
-    with pytest.raises(UnsupportedDomainError, match=r"edge \[0, 1\] has more than two faces"):
-        gt.exact_distance(crowded, 0)
     with pytest.raises(UnsupportedDomainError, match="not a Graph"):
         gt.exact_distance(gt.Graph(2, [[0, 1]]), 0)
     with pytest.raises(InvalidSourceError):
         gt.exact_distance(shapes.grid(3), 9)
     with pytest.raises(InvalidSourceError, match="lies on face 8; there are 8"):
         gt.exact_distance(shapes.grid(3), gt.SurfacePoint(8, (1.0, 0.0, 0.0)))
-    with pytest.raises(InvalidSourceError, match="not from OffsetSources"):
-        gt.exact_distance(shapes.grid(3), gt.OffsetSources([0], [1.0]))
+    with pytest.raises(InvalidSourceError, match="not from a Curve; give points along it"):
+        gt.exact_distance(shapes.grid(3), gt.Curve([[0, 0, 0], [1, 0, 0]]))

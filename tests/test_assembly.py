@@ -310,7 +310,12 @@ def test_the_right_hand_side_is_minus_the_adjoint_of_the_direction(use, name, co
 
 @settings(suppress_health_check=[HealthCheck.function_scoped_fixture], max_examples=60)
 @given(
-    st.lists(st.floats(-2000, 2000) | st.just(-np.inf), min_size=12, max_size=12),
+    # Where corners differ by rounding alone, a gradient has no direction.
+    st.lists(
+        st.floats(-2000, 2000).map(lambda value: round(value, 6)) | st.just(-np.inf),
+        min_size=12,
+        max_size=12,
+    ),
     st.floats(1e-150, 1e150),
 )
 def test_any_logarithm_gives_the_same_right_hand_side(use, log_heat, size):

@@ -205,7 +205,7 @@ def test_a_curve_must_be_in_the_unit_of_the_shape_and_have_somewhere_to_lie():
     beyond = gt.Curve([gt.SurfacePoint(0, (1, 0, 0)), gt.SurfacePoint(9999, (1, 0, 0))])
     with pytest.raises(InvalidSourceError, match="there are 3200"):
         gt.geodesic_distance(GRID, beyond)
-    with pytest.raises(InvalidSourceError, match="from vertices and points, not from Curve"):
+    with pytest.raises(InvalidSourceError, match="from vertices and points, not from a Curve"):
         gt.exact_distance(GRID, gt.Curve([[0, 0, 0], [1, 0, 0]]))
 
 
@@ -261,10 +261,6 @@ def test_there_is_one_offset_for_each_source():
     curve = gt.Curve([[1, 0, 0], [0, 1, 0]])
     with pytest.raises(InvalidSourceError, match="one for each source"):
         gt.geodesic_distance(SPHERE, gt.OffsetSources(curve, [1.0]))
-    with pytest.raises(
-        InvalidSourceError, match="from vertices and points, not from OffsetSources"
-    ):
-        gt.exact_distance(SPHERE, gt.OffsetSources([0], [1.0]))
 
 
 def test_queries_know_curves_and_head_starts():

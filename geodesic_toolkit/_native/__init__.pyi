@@ -36,6 +36,28 @@ def hold_within_bounds(
     Infinite distances stay.
     """
 
+@final
+class Polyhedron:
+    """Different faces (E, 3), of three different vertices each; both ranges are checked."""
+
+    def __init__(self, vertices: Numbers, faces: Indices) -> None: ...
+    @property
+    def n_vertices(self) -> int: ...
+    def distances(
+        self,
+        begins: Indices,
+        vertices: Indices,
+        shares: Numbers,
+        known: Numbers,
+        starts: Numbers,
+        most: int,
+    ) -> Numbers | None:
+        """Return exact distances (N,) from points, None after more than `most` windows.
+
+        The vertices around point p are ``begins[p] <= i < begins[p + 1]``, of a face that they
+        share, and ``known`` is how far they are from it.
+        """
+
 # -- sparse matrices in compressed rows ----------------------------------------------------------
 
 def components(indptr: Rows, indices: Rows) -> Indices:

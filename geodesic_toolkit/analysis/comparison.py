@@ -17,7 +17,6 @@ from geodesic_toolkit.errors import (
     GeodesicWarning,
     InvalidOptionError,
     SolverError,
-    UnsupportedDomainError,
 )
 from geodesic_toolkit.exact import exact_distance
 from geodesic_toolkit.solver import GeodesicSolver
@@ -202,8 +201,8 @@ def _reference(domain: Domain, sources: IntArray, affordable: int) -> tuple[str,
     if isinstance(domain, TriangleMesh) and domain.n_faces <= affordable:
         try:
             return "exact polyhedral distance", exact_distance(domain, sources)
-        except (UnsupportedDomainError, SolverError):
-            pass  # edges of three faces, slivers: what is refined will do
+        except SolverError:
+            pass  # the search was given up: what is refined will do
     if isinstance(domain, TriangleMesh | PointCloud):
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", GeodesicWarning)  # its row has them

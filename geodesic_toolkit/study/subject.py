@@ -9,7 +9,7 @@ import numpy as np
 from geodesic_toolkit._typing import BoolArray, FloatArray, IntArray
 from geodesic_toolkit.discretization import Discretization
 from geodesic_toolkit.domains import TriangleMesh
-from geodesic_toolkit.errors import SolverError, UnsupportedDomainError
+from geodesic_toolkit.errors import SolverError
 from geodesic_toolkit.exact import exact_distance
 from geodesic_toolkit.heat import HeatMethod
 from geodesic_toolkit.laplacians.cotan import CotanLaplacian
@@ -99,13 +99,13 @@ def reference_distance(
 ) -> tuple[FloatArray, str]:
     """Return the distance to measure errors against, and whether it is "exact" or "refined".
 
-    Exact along the polyhedron where that is quick and the mesh allows it (edges of at most two
-    faces); else the refined distance, whose own error is a few times smaller than that of heat.
+    Exact along the polyhedron where that is quick; else the refined distance, whose own error is a
+    few times smaller than that of heat.
     """
     if mesh.n_vertices <= LARGEST_EXACT:
         try:
             return exact_distance(mesh, source), "exact"
-        except (UnsupportedDomainError, SolverError):
+        except SolverError:
             pass  # the second-best is below, and says so by its name
     direct = SuperLU()
     method = HeatMethod(metric, heat_solver=direct, poisson_solver=direct, refine=True)

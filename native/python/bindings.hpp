@@ -100,5 +100,6 @@ void bind_matrix(nb::module_& module);
 void bind_paths(nb::module_& module);
 void bind_triangles(nb::module_& module);
 void bind_wavefront(nb::module_& module);
+void bind_windows(nb::module_& module);
 
 }  // namespace geodesic

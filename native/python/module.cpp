@@ -14,6 +14,7 @@ NB_MODULE(GT_MODULE, module) {
   geodesic::bind_heat(module);
   geodesic::bind_wavefront(module);
   geodesic::bind_bounds(module);
+  geodesic::bind_windows(module);
   geodesic::bind_clouds(module);
   geodesic::bind_paths(module);
 }

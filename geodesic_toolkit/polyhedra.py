@@ -1,0 +1,147 @@
+"""Exact distances on triangles in space: all of a mesh, or the small parts of one.
+
+Fronts that are swept over triangles know the distance and the curvature of one front at each
+vertex. On a cube of twelve triangles two fronts, which came over different faces, meet within every
+face, and no vertex lies between them. There windows are exact, and take no longer.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from geodesic_toolkit import _native
+from geodesic_toolkit._typing import FloatArray, IntArray
+from geodesic_toolkit.domains import Domain, TriangleMesh
+from geodesic_toolkit.errors import SolverError
+from geodesic_toolkit.geometry.triangles import proper_faces
+from geodesic_toolkit.source_points import SourcePoints
+
+__all__ = ["MOST_FACES", "SmallParts", "exact_distances", "small_parts_of"]
+
+MOST_FACES = 500
+"""Faces of a connected part up to which its distances are exact by default.
+
+A source takes 0.04 ms of windows at 12 faces, 0.3 at 200, 0.5 to 1 at 500 and 2 to 3 at 1,500;
+refined distances take 0.2 to 0.5. Those of boxes, cylinders, the regular polyhedra and hulls of
+random points are up to 14 % of the largest distance off at 12 to 50 faces, up to 4.4 % at 50 to
+200, and beyond 500 up to 2 %; in the mean up to 1.8, 1.0 and 0.3 %.
+"""
+
+MOST_WINDOWS = 1000
+"""Windows for each face after which the search is given up, sooner than run on and on.
+
+Regular shapes and hulls have 5 to 15, meshes of 100,000 faces up to 90.
+"""
+
+
+def exact_distances(shape: _native.Polyhedron, points: SourcePoints, most: int) -> FloatArray:
+    """Return the exact distance of every vertex of a polyhedron, (N,), from the nearest point.
+
+    Raises
+    ------
+    SolverError
+        After more than `most` windows.
+    """
+    distances = shape.distances(
+        points.begins,
+        np.ascontiguousarray(points.vertices),
+        np.ascontiguousarray(points.shares),
+        np.ascontiguousarray(points.distances),
+        np.ascontiguousarray(points.starts),
+        most,
+    )
+    if distances is None:
+        raise SolverError(
+            f"exact distances were not found among {most} windows; refine=True takes a few "
+            "milliseconds, and is half a per cent off"
+        )
+    return distances
+
+
+@dataclass(frozen=True, eq=False)
+class SmallParts:
+    """The connected parts of a mesh that have few faces, numbered by themselves.
+
+    Parameters
+    ----------
+    vertices : ndarray of shape (M, 3), float64
+        Of these parts.
+    faces : ndarray of shape (E, 3), int64
+    numbers : ndarray of shape (N,), int64
+        Of every vertex of the mesh, the row that it has in `vertices`; -1 in larger parts.
+    """
+
+    vertices: FloatArray
+    faces: IntArray
+    numbers: IntArray
+
+    def fill(self, distances: FloatArray, block: Sequence[SourcePoints]) -> None:
+        """Overwrite distances (K, N) by exact ones in the small parts that have a source.
+
+        Curves stay as they are: a front leaves them as it leaves no point.
+        """
+        for row, points in zip(distances, block, strict=True):
+            own = None if points.front_curvatures is not None else self._own(points)
+            if own is None:
+                continue
+            exact = exact_distances(self.shape, own, MOST_WINDOWS * len(self.faces))
+            reached = self._members[np.isfinite(exact)]
+            row[reached] = exact[self.numbers[reached]]
+
+    def _own(self, points: SourcePoints) -> SourcePoints | None:
+        """Return those of the points that lie on small parts, by the numbers there."""
+        inside = self.numbers[points.first_vertices] >= 0
+        if not inside.any():
+            return None
+        entries = inside[points.rows]
+        return SourcePoints(
+            vertices=self.numbers[points.vertices[entries]],
+            shares=points.shares[entries],
+            begins=np.append(0, np.cumsum(np.diff(points.begins)[inside])),
+            n_vertices=len(self.vertices),
+            distances=points.distances[entries],
+            starts=points.starts[inside],
+        )
+
+    @cached_property
+    def shape(self) -> _native.Polyhedron:
+        """The faces, laid out for windows."""
+        return _native.Polyhedron(self.vertices, self.faces)
+
+    @cached_property
+    def _members(self) -> IntArray:
+        """The vertices of the mesh that these parts have, (M,), by their own numbers."""
+        return np.flatnonzero(self.numbers >= 0)
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return SmallParts, (self.vertices, self.faces, self.numbers)
+
+
+def small_parts_of(domain: Domain, components: IntArray) -> SmallParts | None:
+    """Return the small parts of a mesh, of up to :data:`MOST_FACES` faces; None without any.
+
+    Parameters
+    ----------
+    domain : Domain
+    components : ndarray of shape (N,), int64
+        The connected component of every vertex.
+    """
+    if not isinstance(domain, TriangleMesh):
+        return None
+    sizes = np.bincount(components[domain.faces[:, 0]], minlength=components.max() + 1)
+    if not ((sizes > 0) & (sizes <= 2 * MOST_FACES)).any():  # each may be there front and back
+        return None
+    faces = domain.faces[proper_faces(domain.faces)]
+    part = components[faces[:, 0]]
+    sizes = np.bincount(part, minlength=len(sizes))
+    small = (sizes > 0) & (sizes <= MOST_FACES)
+    faces = faces[small[part]]
+    if not len(faces):
+        return None
+    members = np.zeros(len(components), dtype=np.bool_)
+    members[faces] = True
+    numbers = np.where(members, np.cumsum(members) - 1, -1)
+    return SmallParts(domain.vertices[members], numbers[faces], numbers)
