@@ -60,7 +60,8 @@ def tests(session: nox.Session) -> None:
 @nox.session
 def doctests(session: nox.Session) -> None:
     """The examples in docstrings."""
-    run(session, "pytest", "-n", "auto", "--doctest-modules", "geodesic_toolkit")
+    packages = ["geodesic_toolkit", *map(str, sorted(ROOT.glob("plugins/*/src")))]
+    run(session, "pytest", "-n", "auto", "--doctest-modules", *packages)
 
 
 @nox.session

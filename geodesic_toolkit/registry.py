@@ -102,7 +102,7 @@ class Registry(Mapping[str, Plugin], Generic[Plugin]):
         self.group = group
         self.kind = kind
         self._accepts = accepts
-        self._install_hints = dict(install_hints or {})
+        self.install_hints = dict(install_hints or {})
         self._local: list[_Entry] = []
         self._discovered: list[_Entry] | None = None
         self._lock = RLock()
@@ -281,8 +281,8 @@ class Registry(Mapping[str, Plugin], Generic[Plugin]):
         if near:
             message += f"; did you mean {' or '.join(repr(match) for match in near)}?"
         message += f" (installed: {', '.join(names) or 'none'})"
-        if name in self._install_hints:
-            message += f"; it comes with: pip install {self._install_hints[name]}"
+        if name in self.install_hints:
+            message += f"; it comes with: pip install {self.install_hints[name]}"
         return message
 
 

@@ -123,7 +123,7 @@ def test_an_unknown_name_lists_near_misses_and_what_is_installed():
 
 
 def test_an_unknown_name_that_a_package_provides_names_the_package(monkeypatch):
-    monkeypatch.setitem(gt.operators._install_hints, "acme", "acme-laplace")
+    monkeypatch.setitem(gt.operators.install_hints, "acme", "acme-laplace")
     with pytest.raises(UnknownPluginError, match="pip install acme-laplace"):
         gt.operators["acme"]
 

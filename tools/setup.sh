@@ -150,10 +150,12 @@ if [ -z "$uv" ]; then
 fi
 # Editable, so that Python finds the kernels in this folder, too; and they are built for this
 # processor only, which takes a third of the time.
+study=./plugins/geodesic-toolkit-study
 say "installing geodesic-toolkit ($requirement) into .venv"
 if [ -n "$uv" ]; then
-    "$uv" pip install --quiet --python "$python" --editable "$requirement"
+    "$uv" pip install --quiet --python "$python" --editable "$requirement" --editable "$study"
 else
-    "$python" -m pip install -qq --disable-pip-version-check --editable "$requirement"
+    "$python" -m pip install -qq --disable-pip-version-check --editable "$requirement" \
+        --editable "$study"
 fi
 say "done: $("$python" --version), .venv/bin/geodesic-toolkit"

@@ -13,7 +13,7 @@ __all__ = ["plugin_rows", "plugins"]
 
 
 def plugins(json: Json = False) -> None:
-    """List operators, solvers and readers, broken ones too."""
+    """List operators, solvers, readers and commands of plugins, broken ones too."""
     with running() as run, run.step("loading the plugins"):
         rows = plugin_rows()
     if json:
@@ -47,6 +47,7 @@ def plugins(json: Json = False) -> None:
 def plugin_rows() -> list[tuple[str, "PluginStatus"]]:
     """Return the kind and the state of every plugin; imports all of them."""
     from geodesic_toolkit import catalog
+    from geodesic_toolkit.cli.extensions import commands
 
-    registries = (catalog.operators, catalog.solvers, catalog.readers)
+    registries = (catalog.operators, catalog.solvers, catalog.readers, commands)
     return [(registry.kind, row) for registry in registries for row in registry.status()]

@@ -14,11 +14,11 @@ from geodesic_toolkit.cli.demo import demo
 from geodesic_toolkit.cli.distance import distance
 from geodesic_toolkit.cli.doctor import doctor
 from geodesic_toolkit.cli.exits import INTERRUPTED, WRONG_USAGE, report
+from geodesic_toolkit.cli.extensions import command_of, names_of_commands
 from geodesic_toolkit.cli.interrupts import leave_soon, prompt_interrupts
 from geodesic_toolkit.cli.matrix import matrix
 from geodesic_toolkit.cli.output import say, show
 from geodesic_toolkit.cli.plugins import plugins
-from geodesic_toolkit.cli.study import study
 
 __all__ = ["app", "main"]
 
@@ -26,7 +26,19 @@ NAME = "geodesic-toolkit"
 
 
 class Program(TyperGroup):
-    """The group of commands; whatever they raise ends as a line on stderr and a status."""
+    """The group of commands; whatever they raise ends as a line on stderr and a status.
+
+    Commands of the core are looked up first, so that none of them waits for what is installed.
+    """
+
+    def list_commands(self, context: Any) -> list[str]:
+        """Return the names of the core's commands and of those of plugins that load."""
+        own = super().list_commands(context)
+        return [*own, *(name for name in names_of_commands() if name not in own)]
+
+    def get_command(self, context: Any, name: str) -> Any:
+        """Return the command of a name, or None."""
+        return super().get_command(context, name) or command_of(name)
 
     def main(self, *args: Any, **options: Any) -> None:
         """Run the command line and leave with its exit status."""
@@ -75,7 +87,7 @@ def _options(
         raise typer.Exit(WRONG_USAGE)
 
 
-for command in (demo, distance, matrix, compare, study, plugins, check, doctor):
+for command in (demo, distance, matrix, compare, plugins, check, doctor):
     app.command()(command)
 
 

@@ -6,8 +6,8 @@ from typing import Any
 import numpy as np
 
 from geodesic_toolkit._atomic import replacing
-from geodesic_toolkit.study.results import Results
 from geodesic_toolkit.viz.extras import require
+from geodesic_toolkit_study.results import Results
 
 __all__ = ["draw_charts"]
 

@@ -8,7 +8,7 @@ import numpy as np
 from geodesic_toolkit._typing import FloatArray
 from geodesic_toolkit.domains import TriangleMesh
 from geodesic_toolkit.solver import GeodesicSolver
-from geodesic_toolkit.study.subject import Subject, error_of
+from geodesic_toolkit_study.subject import Subject, error_of
 
 __all__ = ["Noise", "rank_correlation", "study_noise"]
 

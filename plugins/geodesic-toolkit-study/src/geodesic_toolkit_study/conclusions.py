@@ -5,9 +5,9 @@ from typing import Any
 
 import numpy as np
 
-from geodesic_toolkit.study.beyond import REFINED
-from geodesic_toolkit.study.results import TIMES, Results
-from geodesic_toolkit.study.time_step import RTOL
+from geodesic_toolkit_study.beyond import REFINED
+from geodesic_toolkit_study.results import TIMES, Results
+from geodesic_toolkit_study.time_step import RTOL
 
 __all__ = [
     "on_noise",

@@ -5,12 +5,12 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from geodesic_toolkit.study.beyond import Beyond
-from geodesic_toolkit.study.discretizations import Discretizations
-from geodesic_toolkit.study.noise import Noise
-from geodesic_toolkit.study.subject import Subject
-from geodesic_toolkit.study.sweeps import Times
-from geodesic_toolkit.study.time_step import TimeStep
+from geodesic_toolkit_study.beyond import Beyond
+from geodesic_toolkit_study.discretizations import Discretizations
+from geodesic_toolkit_study.noise import Noise
+from geodesic_toolkit_study.subject import Subject
+from geodesic_toolkit_study.sweeps import Times
+from geodesic_toolkit_study.time_step import TimeStep
 
 __all__ = ["SCHEMA_VERSION", "TIMES", "Results"]
 

@@ -41,7 +41,7 @@ def study(
     Example: geodesic-toolkit study bunny.off --out study
     """
     from geodesic_toolkit.io import read
-    from geodesic_toolkit.study import run_study
+    from geodesic_toolkit_study.run import run_study
 
     chosen = None if sources is None else _vertices(sources)
     check_weld(weld)

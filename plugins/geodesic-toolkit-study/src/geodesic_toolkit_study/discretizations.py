@@ -9,8 +9,8 @@ from geodesic_toolkit._typing import FloatArray
 from geodesic_toolkit.laplacians.base import LaplaceOperator
 from geodesic_toolkit.laplacians.cotan import CotanLaplacian
 from geodesic_toolkit.laplacians.uniform import UniformLaplacian
-from geodesic_toolkit.study.noise import rank_correlation
-from geodesic_toolkit.study.subject import Subject
+from geodesic_toolkit_study.noise import rank_correlation
+from geodesic_toolkit_study.subject import Subject
 
 __all__ = ["Discretizations", "study_discretizations"]
 

@@ -10,8 +10,8 @@ from geodesic_toolkit.gradient import ElementGradient
 from geodesic_toolkit.heat import HeatMethod
 from geodesic_toolkit.linear.cg import CG
 from geodesic_toolkit.linear.superlu import SuperLU
-from geodesic_toolkit.study.krylov import conjugate_gradients, heat_matrix, rings
-from geodesic_toolkit.study.subject import Subject
+from geodesic_toolkit_study.krylov import conjugate_gradients, heat_matrix, rings
+from geodesic_toolkit_study.subject import Subject
 
 __all__ = ["LARGEST_POISSON_BY_CG", "TimeStep", "distance_from_heat", "study_time_step"]
 

@@ -3,9 +3,9 @@
 from collections.abc import Mapping
 from typing import Any
 
-from geodesic_toolkit.study import conclusions
-from geodesic_toolkit.study.beyond import REFINED
-from geodesic_toolkit.study.document import (
+from geodesic_toolkit_study import conclusions
+from geodesic_toolkit_study.beyond import REFINED
+from geodesic_toolkit_study.document import (
     Block,
     Bullets,
     Figure,
@@ -13,8 +13,8 @@ from geodesic_toolkit.study.document import (
     Paragraph,
     Table,
 )
-from geodesic_toolkit.study.results import TIMES, Results
-from geodesic_toolkit.study.time_step import LARGEST_POISSON_BY_CG
+from geodesic_toolkit_study.results import TIMES, Results
+from geodesic_toolkit_study.time_step import LARGEST_POISSON_BY_CG
 
 __all__ = ["compose"]
 

@@ -10,14 +10,14 @@ from numpy.typing import NDArray
 from geodesic_toolkit._atomic import replacing
 from geodesic_toolkit._typing import FloatArray
 from geodesic_toolkit.domains import TriangleMesh
-from geodesic_toolkit.study.beyond import REFINED
-from geodesic_toolkit.study.charts import worst_source
-from geodesic_toolkit.study.noise import LEVELS
-from geodesic_toolkit.study.results import TIMES, Results
-from geodesic_toolkit.study.time_step import RTOL
 from geodesic_toolkit.viz import plot
 from geodesic_toolkit.viz.colours import INK
 from geodesic_toolkit.viz.extras import require
+from geodesic_toolkit_study.beyond import REFINED
+from geodesic_toolkit_study.charts import worst_source
+from geodesic_toolkit_study.noise import LEVELS
+from geodesic_toolkit_study.results import TIMES, Results
+from geodesic_toolkit_study.time_step import RTOL
 
 __all__ = ["draw_pictures"]
 

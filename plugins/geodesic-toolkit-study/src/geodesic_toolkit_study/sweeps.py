@@ -11,7 +11,7 @@ from geodesic_toolkit.domains import TriangleMesh
 from geodesic_toolkit.geometry.triangles import edges_of_faces, proper_faces
 from geodesic_toolkit.gradient import ElementGradient
 from geodesic_toolkit.solver import GeodesicSolver
-from geodesic_toolkit.study.subject import Subject, error_of
+from geodesic_toolkit_study.subject import Subject, error_of
 
 __all__ = ["Times", "study_sizes", "study_times", "subdivided"]
 

@@ -3,14 +3,15 @@
 import json
 import re
 import warnings
+from unittest.mock import patch
 
 import numpy as np
 import pytest
-from command_line import run as run_program
-from sample_files import write_off
+from typer.testing import CliRunner
 
 import geodesic_toolkit as gt
-from geodesic_toolkit import study
+import geodesic_toolkit_study as study
+from geodesic_toolkit.cli import app, progress
 from geodesic_toolkit.errors import (
     CoarseMeshWarning,
     InvalidSourceError,
@@ -18,10 +19,11 @@ from geodesic_toolkit.errors import (
     UnsupportedDomainError,
     WriteError,
 )
-from geodesic_toolkit.study import conclusions, run
-from geodesic_toolkit.study.beyond import study_beyond
-from geodesic_toolkit.study.discretizations import study_discretizations
-from geodesic_toolkit.study.document import (
+from geodesic_toolkit.testing import shapes
+from geodesic_toolkit_study import conclusions, run
+from geodesic_toolkit_study.beyond import study_beyond
+from geodesic_toolkit_study.discretizations import study_discretizations
+from geodesic_toolkit_study.document import (
     Bullets,
     Figure,
     Heading,
@@ -30,14 +32,28 @@ from geodesic_toolkit.study.document import (
     as_html,
     as_markdown,
 )
-from geodesic_toolkit.study.krylov import conjugate_gradients, heat_matrix, rings
-from geodesic_toolkit.study.noise import rank_correlation, study_noise
-from geodesic_toolkit.study.report import compose
-from geodesic_toolkit.study.results import Results
-from geodesic_toolkit.study.subject import Subject, choose_sources, error_of, reference_distance
-from geodesic_toolkit.study.sweeps import study_sizes, study_times, subdivided
-from geodesic_toolkit.study.time_step import study_time_step
-from geodesic_toolkit.testing import shapes
+from geodesic_toolkit_study.krylov import conjugate_gradients, heat_matrix, rings
+from geodesic_toolkit_study.noise import rank_correlation, study_noise
+from geodesic_toolkit_study.report import compose
+from geodesic_toolkit_study.results import Results
+from geodesic_toolkit_study.subject import Subject, choose_sources, error_of, reference_distance
+from geodesic_toolkit_study.sweeps import study_sizes, study_times, subdivided
+from geodesic_toolkit_study.time_step import study_time_step
+
+
+def run_program(*arguments):
+    """Run the program in this process, without lines of progress however slow the machine is."""
+    with patch.object(progress, "FIRST_PLAIN_LINE", 3600.0):
+        return CliRunner().invoke(app, [str(argument) for argument in arguments])
+
+
+def write_off(path, mesh):
+    """Write a mesh, and give its path."""
+    lines = [f"OFF\n{mesh.n_vertices} {mesh.n_faces} 0"]
+    lines += [" ".join(map(repr, row)) for row in mesh.vertices.tolist()]
+    lines += [f"3 {a} {b} {c}" for a, b, c in mesh.faces.tolist()]
+    path.write_text("\n".join(lines) + "\n")
+    return path
 
 
 def rows_of(rows, **wanted):
@@ -53,8 +69,8 @@ def tube():
 @pytest.fixture(scope="module")
 def small_sizes():
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("geodesic_toolkit.study.sweeps.LARGEST_SIZE", 1000)
-        patch.setattr("geodesic_toolkit.study.sweeps.LARGEST_SPHERE", 300)
+        patch.setattr("geodesic_toolkit_study.sweeps.LARGEST_SIZE", 1000)
+        patch.setattr("geodesic_toolkit_study.sweeps.LARGEST_SPHERE", 300)
         yield
 
 
@@ -176,7 +192,7 @@ def test_where_no_exact_distance_is_to_be_had_the_reference_says_so(tube, monkey
     metric = gt.CotanLaplacian().assemble(tube)
     exact, kind = reference_distance(tube, 3, metric)
     assert kind == "exact"
-    monkeypatch.setattr("geodesic_toolkit.study.subject.LARGEST_EXACT", 10)
+    monkeypatch.setattr("geodesic_toolkit_study.subject.LARGEST_EXACT", 10)
     refined, kind = reference_distance(tube, 3, metric)
     assert kind == "refined"
     assert error_of(refined, exact)["mean"] < 1.0
@@ -262,9 +278,9 @@ def drawing():
     except MissingDependencyError as error:
         pytest.skip(str(error))
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("geodesic_toolkit.study.pictures.CELL", (240, 120))
+        patch.setattr("geodesic_toolkit_study.pictures.CELL", (240, 120))
         for module in ("noise", "pictures"):
-            patch.setattr(f"geodesic_toolkit.study.{module}.LEVELS", (0.01,))
+            patch.setattr(f"geodesic_toolkit_study.{module}.LEVELS", (0.01,))
         yield
 
 

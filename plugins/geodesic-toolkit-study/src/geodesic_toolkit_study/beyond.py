@@ -16,7 +16,7 @@ from geodesic_toolkit.errors import UnsupportedDomainError
 from geodesic_toolkit.geometry.triangles import edges_of_faces, proper_faces
 from geodesic_toolkit.laplacians.cotan import CotanLaplacian
 from geodesic_toolkit.solver import GeodesicSolver
-from geodesic_toolkit.study.subject import Subject
+from geodesic_toolkit_study.subject import Subject
 
 __all__ = ["REFINED", "Beyond", "edge_graph", "study_beyond"]
 

@@ -16,19 +16,19 @@ from geodesic_toolkit.errors import (
     NonPositiveHeatWarning,
     UnsupportedDomainError,
 )
-from geodesic_toolkit.study.beyond import study_beyond
-from geodesic_toolkit.study.charts import draw_charts
-from geodesic_toolkit.study.discretizations import study_discretizations
-from geodesic_toolkit.study.document import as_html, as_markdown
-from geodesic_toolkit.study.noise import study_noise
-from geodesic_toolkit.study.pictures import draw_pictures
-from geodesic_toolkit.study.report import compose
-from geodesic_toolkit.study.results import Results
-from geodesic_toolkit.study.subject import Subject, choose_sources
-from geodesic_toolkit.study.sweeps import study_sizes, study_times
-from geodesic_toolkit.study.time_step import study_time_step
 from geodesic_toolkit.viz.extras import require
 from geodesic_toolkit.viz.opengl import check_opengl, quiet
+from geodesic_toolkit_study.beyond import study_beyond
+from geodesic_toolkit_study.charts import draw_charts
+from geodesic_toolkit_study.discretizations import study_discretizations
+from geodesic_toolkit_study.document import as_html, as_markdown
+from geodesic_toolkit_study.noise import study_noise
+from geodesic_toolkit_study.pictures import draw_pictures
+from geodesic_toolkit_study.report import compose
+from geodesic_toolkit_study.results import Results
+from geodesic_toolkit_study.subject import Subject, choose_sources
+from geodesic_toolkit_study.sweeps import study_sizes, study_times
+from geodesic_toolkit_study.time_step import study_time_step
 
 __all__ = ["run_study"]
 
@@ -81,7 +81,7 @@ def run_study(
     Examples
     --------
     >>> import geodesic_toolkit as gt
-    >>> from geodesic_toolkit.study import run_study
+    >>> from geodesic_toolkit_study import run_study
     >>> run_study(gt.PointCloud([[0.0, 0.0, 0.0]]), "out")
     Traceback (most recent call last):
         ...

@@ -1,0 +1,49 @@
+"""Commands that plugins add to the program."""
+
+from typing import Any
+
+import typer
+
+from geodesic_toolkit.errors import PluginError
+from geodesic_toolkit.registry import Registry
+
+__all__ = ["command_of", "commands", "names_of_commands"]
+
+
+def _no_command(plugin: object) -> str | None:
+    return None if callable(plugin) else f"{plugin!r} cannot be called"
+
+
+commands: Registry[Any] = Registry(
+    "geodesic_toolkit.commands", "command", _no_command, {"study": "geodesic-toolkit-study"}
+)
+"""Functions by the names of their commands; typer reads their signatures, as those of the core."""
+
+
+def names_of_commands() -> list[str]:
+    """Return the names of the commands of plugins; a broken one hurts only itself."""
+    names = []
+    for name in commands:
+        try:
+            _ = commands[name]
+        except PluginError:  # `plugins` shows it
+            continue
+        names.append(name)
+    return names
+
+
+def command_of(name: str) -> Any:
+    """Return a command of a plugin, or None where no plugin is known that has one of this name.
+
+    Raises
+    ------
+    UnknownPluginError
+        The plugin is known, but not installed.
+    PluginLoadError, PluginConflictError
+        It does not load, or there are two.
+    """
+    if name not in commands and name not in commands.install_hints:
+        return None
+    program = typer.Typer(add_completion=False, rich_markup_mode=None)
+    program.command(name)(commands[name])
+    return typer.main.get_command(program)
