@@ -19,6 +19,10 @@ nox.options.default_venv_backend = "none"
 ROOT = Path(__file__).parent
 BIN = Path(sys.executable).parent
 NATIVE = ROOT / "native"
+PROSE = [
+    *("geodesic_toolkit", "docs", "native", "tests", "plugins", "benchmarks", "tools"),
+    *sorted(path.name for path in ROOT.glob("*.md")),
+]
 PLUGINS = sorted(path.parent for path in ROOT.glob("plugins/*/pyproject.toml"))
 
 
@@ -38,11 +42,12 @@ def sources(*kinds: str) -> list[str]:
 
 @nox.session
 def lint(session: nox.Session) -> None:
-    """Style, formatting, and the order in which modules may import each other."""
+    """Style, formatting, spelling, and the order in which modules may import each other."""
     run(session, "ruff", "check", ".")
     run(session, "ruff", "format", "--check", ".")
     run(session, "clang-format", "--dry-run", "-Werror", *sources())
     run(session, "lint-imports", "--no-cache")
+    run(session, "codespell", *PROSE)
 
 
 @nox.session
