@@ -8,11 +8,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from geodesic_toolkit._typing import FloatArray, IntArray
+from geodesic_toolkit._typing import BoolArray, FloatArray, IntArray
 from geodesic_toolkit.discretization import Discretization
 from geodesic_toolkit.domains import Domain, TriangleMesh, known_positions
 from geodesic_toolkit.errors import InvalidOptionError, UnsupportedDomainError
 from geodesic_toolkit.geometry.closest import TriangleTree
+from geodesic_toolkit.geometry.entering import entered
 from geodesic_toolkit.geometry.ground import Ground
 from geodesic_toolkit.geometry.triangles import proper_faces
 from geodesic_toolkit.gradient import ElementGradient
@@ -27,6 +28,9 @@ REACH = 2.0
 NEAR = 2.0
 """Mean edge lengths around a source in which the straight line is the better guide; it fades out
 over as many again."""
+
+ON_CORNER = 1e-9
+"""Barycentric weight below which a corner does not count: a foot is found to so many digits."""
 
 BATCH = 100_000
 """Points that are worked on at once: some 50 MB."""
@@ -126,6 +130,9 @@ class Surface:
         That of `domain`: its spacing and, for a cloud, its triangles are used.
     ground : Ground, optional
         That of `domain`, whose tree serves where it is the same.
+    masked : bool
+        Whether distances are infinite at vertices that no path may cross: a place in a face that
+        has one is then reached from the other corners.
 
     Raises
     ------
@@ -134,8 +141,14 @@ class Surface:
     """
 
     def __init__(
-        self, domain: Domain, discretization: Discretization, ground: Ground | None = None
+        self,
+        domain: Domain,
+        discretization: Discretization,
+        ground: Ground | None = None,
+        *,
+        masked: bool = False,
     ) -> None:
+        self._masked = masked
         self._positions = positions_of(domain)
         self._faces = _triangles(domain, discretization)
         self._spacing = discretization.spacing
@@ -269,12 +282,48 @@ class Surface:
         """Return what values of the vertices are at the feet."""
         corners = self._faces[feet.faces]
         found = _mean(feet.weights, values[corners])
+        beyond = np.flatnonzero(found == np.inf)
+        if self._masked and len(beyond):
+            found[beyond] = self._entered(values, feet.chosen(beyond))
         if kinks is not None:
             rings = found / self._spacing
+            rings[beyond] = np.inf  # no linear function there
             near = np.flatnonzero(rings < 2 * NEAR)
             missed = kinks.missed(feet.weights[near], self._positions[corners[near]], rings[near])
             found[near] = np.maximum(found[near] + missed, 0.0)
         return found
+
+    def _entered(self, values: FloatArray, feet: _Feet) -> FloatArray:
+        """Return values at feet in faces that a mask cuts: come from the corners that have one.
+
+        A foot on what is masked of a face is reached through any of the faces around that.
+        """
+        corners, least = self._faces[feet.faces], np.full(len(feet.rows), np.inf)
+        places = np.einsum("qc,qcd->qd", feet.weights, self._positions[corners])
+        masked = ~np.isfinite(values[corners])
+        inside = (feet.weights > ON_CORNER) & ~masked
+        within = inside.any(axis=1)
+        least[within] = entered(self._positions, values, corners[within], places[within])
+        on = np.flatnonzero(~within)
+        if len(on):
+            rows, faces = self._faces_around(corners[on], feet.weights[on] > ON_CORNER)
+            ways = entered(self._positions, values, self._faces[faces], places[on[rows]])
+            np.minimum.at(least, on[rows], ways)
+        return least
+
+    def _faces_around(self, corners: IntArray, held: BoolArray) -> tuple[IntArray, IntArray]:
+        """Return the faces that have all corners (Q, 3) that are held, as pairs of row and face."""
+        order = np.argsort(self._faces, axis=None, kind="stable")
+        sorted_corners = self._faces.ravel()[order]
+        first = np.take_along_axis(corners, held.argmax(axis=1)[:, None], axis=1)[:, 0]
+        begins = np.searchsorted(sorted_corners, first)
+        counts = np.searchsorted(sorted_corners, first, side="right") - begins
+        rows = np.repeat(np.arange(len(corners)), counts)
+        offsets = np.arange(len(rows)) - np.repeat(np.cumsum(counts) - counts, counts)
+        faces = order[begins[rows] + offsets] // 3
+        has = (corners[rows][:, :, None] == self._faces[faces][:, None, :]).any(axis=2)
+        whole = (has | ~held[rows]).all(axis=1)
+        return rows[whole], faces[whole]
 
     def _kinks(self, sources: SourcePoints | None) -> "_Kinks | None":
         if sources is None or not sources.radial:

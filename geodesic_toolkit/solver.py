@@ -11,12 +11,11 @@ from geodesic_toolkit._typing import BoolArray, FloatArray, IntArray
 from geodesic_toolkit._warning import warn
 from geodesic_toolkit.bounds import bounds_of
 from geodesic_toolkit.catalog import resolve_operator, resolve_solvers
-from geodesic_toolkit.coarseness import LIMIT, plain_heat_errors
+from geodesic_toolkit.coarseness import Judge
 from geodesic_toolkit.conversion import as_domain, check_one_shape
 from geodesic_toolkit.discretization import Discretization
 from geodesic_toolkit.domains import Domain, PointCloud, TriangleMesh
 from geodesic_toolkit.errors import (
-    CoarseMeshWarning,
     InvalidOptionError,
     InvalidSourceError,
     SeamWarning,
@@ -45,11 +44,6 @@ UNEVEN = 3.0
 """Scale of a part of a cloud, in mean lengths of its spokes, from which on plain heat is warned of.
 Measured: scan lines, heaps and samples of surfaces have 1, a random sample whose density varies a
 hundredfold 1; sweeps of spinning scanners 4 to 40, and then plain heat is 8 to 25 % off."""
-
-JUDGED = 4
-"""Source sets on each part of a mesh by which plain heat is judged: from others its error is much
-the same, and to judge takes as long as to solve."""
-
 
 MOST_ROWS = 64
 """Source sets whose distances are held at once at most."""
@@ -186,13 +180,14 @@ class GeodesicSolver:
             small_parts=small_parts,
         ).prepare()
         self._diagnosis: Diagnosis | None = None
-        self._judged: dict[int, list[float]] = {}  # errors of plain heat, by component
+        self._unusual = _unusual(boundary, own_time=time is not None or time_factor != 1)
         self._forget()
 
     def _forget(self) -> None:
         """Start without what is made when it is first wanted, and belongs to one process."""
         self._ground: Ground | None = None
         self._surface: Surface | None = None
+        self._judge: Judge | None = None
         self._lock = threading.Lock()
 
     def distance(self, sources: Any) -> FloatArray:
@@ -227,8 +222,7 @@ class GeodesicSolver:
         """
         places = self._locate(sources)
         self._warn_where_cut([places])
-        self._warn_where_coarse([places])
-        return self.method.distance(places)
+        return self._distance(places)
 
     def distances(
         self, source_sets: ArrayLike | Iterable[Any], *, progress: Progress | None = None
@@ -254,8 +248,9 @@ class GeodesicSolver:
         """
         sets = self._locate_sets(source_sets)
         self._warn_where_cut(sets)
-        self._warn_where_coarse(sets)
-        return self.method.distances(sets, progress=progress)
+        distances = self.method.distances(sets, progress=progress)
+        self._warn_where_off(sets, distances)
+        return distances
 
     def query(
         self,
@@ -270,7 +265,8 @@ class GeodesicSolver:
         A point has the distance of the closest point of the surface: of the mesh, or of the local
         triangles of the cloud. Inside a triangle the distance of the corners is interpolated
         linearly, within a few edges of a source after the straight line from it is taken off: the
-        kink there comes out right. :meth:`interpolate` does this with distances that are at hand,
+        kink there comes out right. A face that touches a masked vertex is entered from its other
+        corners, and not crossed. :meth:`interpolate` does this with distances that are at hand,
         :meth:`nearest_source` tells sources apart.
 
         The tree that finds triangles is built by the first call and kept. Millions of points are
@@ -292,7 +288,8 @@ class GeodesicSolver:
         Returns
         -------
         ndarray of shape (Q,), float64
-            In the unit of the domain; ``inf`` past the reach, and where no source connects.
+            In the unit of the domain; ``inf`` past the reach, where no source connects, and between
+            vertices that are all masked.
 
         Raises
         ------
@@ -313,9 +310,8 @@ class GeodesicSolver:
         surface, queries = self._asked(points, reach)
         places = self._locate(sources)
         self._warn_where_cut([places])
-        self._warn_where_coarse([places])
         return surface.interpolate(
-            self.method.distance(places), queries, reach=reach, sources=places, progress=progress
+            self._distance(places), queries, reach=reach, sources=places, progress=progress
         )
 
     def interpolate(
@@ -417,14 +413,21 @@ class GeodesicSolver:
         surface, queries = self._asked(points, reach)
         sets = self._locate_sets(sources)
         self._warn_where_cut(sets)
-        self._warn_where_coarse(sets)
         return surface.nearest(queries, sets, self._in_blocks, reach=reach, progress=progress)
 
     def _in_blocks(self, sets: list[SourcePoints]) -> Iterator[FloatArray]:
         """Yield the distances from source sets by blocks of rows that do not fill the memory."""
         size = max(1, min(MOST_ROWS, BLOCK_ENTRIES // self.domain.n_vertices))
         for first in range(0, len(sets), size):
-            yield self.method.distances(sets[first : first + size])
+            some = sets[first : first + size]
+            distances = self.method.distances(some)
+            self._warn_where_off(some, distances)
+            yield distances
+
+    def _distance(self, places: SourcePoints) -> FloatArray:
+        distance = self.method.distance(places)
+        self._warn_where_off([places], [distance])
+        return distance
 
     def _asked(self, points: ArrayLike, reach: float | None) -> tuple["Surface", NDArray[Any]]:
         """Return the surface and the points to find on it, all checked before any other work."""
@@ -441,7 +444,10 @@ class GeodesicSolver:
             if self._surface is None:
                 from geodesic_toolkit.queries import Surface
 
-                self._surface = Surface(self._passable, self.method.metric, ground)
+                # On a mesh feet are on all of it: in a face that the mask cuts, not on its rim.
+                masked = isinstance(self.domain, TriangleMesh) and self._mask is not None
+                domain = self.domain if masked else self._passable
+                self._surface = Surface(domain, self.method.metric, ground, masked=masked)
             return self._surface
 
     def _kept_ground(self) -> "Ground | None":
@@ -520,32 +526,21 @@ class GeodesicSolver:
             SeamWarning,
         )
 
-    def _warn_where_coarse(self, sets: list[SourcePoints]) -> None:
-        """Warn where plain heat starts in a part of a mesh that is too coarse to trust it."""
+    def _warn_where_off(
+        self, sets: list[SourcePoints], distances: FloatArray | list[FloatArray]
+    ) -> None:
+        """Warn where plain heat is far from the refined distance."""
         metric = self.method.metric
-        if not self.method.refine:
-            _warn_where_uneven(metric)
-        of_triangles = isinstance(self._passable, TriangleMesh) and made_of_triangles(metric)
-        if self.method.refine or not of_triangles:
+        if self.method.refine:
             return
-        for places in sets:
-            vertices = places.first_vertices
-            parts, first = np.unique(metric.components[vertices], return_index=True)
-            with self._lock:
-                if any(len(self._judged.get(part, ())) < JUDGED for part in parts.tolist()):
-                    assert isinstance(self._passable, TriangleMesh)  # for the type checker
-                    errors = plain_heat_errors(self._passable, metric.components, vertices[first])
-                    for part in parts.tolist():
-                        self._judged.setdefault(part, []).append(errors.get(part, 0.0))
-                error, worst = max((max(self._judged[part]), part) for part in parts.tolist())
-            if error > LIMIT:
-                size = np.count_nonzero(metric.components == worst)
-                warn(
-                    f"the part of the mesh that a source lies on has {size} vertices, too few for "
-                    f"plain heat: distances there are {100 * error:.0f} % off in the mean; use "
-                    "refine=True, or exact_distance, or divide the faces",
-                    CoarseMeshWarning,
-                )
+        _warn_where_uneven(metric)
+        if not (isinstance(self._passable, TriangleMesh) and made_of_triangles(metric)):
+            return
+        with self._lock:
+            if self._judge is None:
+                self._judge = Judge(self.method, *self._unusual)
+        for places, row in zip(sets, distances, strict=True):
+            if self._judge.judge(places, row):
                 return
 
     def _locate_sets(self, source_sets: Any) -> list[SourcePoints]:
@@ -562,7 +557,7 @@ class GeodesicSolver:
         ]
 
     def __getstate__(self) -> dict[str, Any]:
-        kept = {"_lock", "_ground", "_surface"}
+        kept = {"_lock", "_ground", "_surface", "_judge"}
         return {name: value for name, value in self.__dict__.items() if name not in kept}
 
     def __setstate__(self, state: dict[str, Any]) -> None:
@@ -580,6 +575,15 @@ def _refine_by_default(choice: str, metric: Discretization) -> tuple[bool, str]:
     if choice != "auto":
         raise InvalidOptionError(f'refine must be True, False or "auto", not {choice!r}')
     return refinement_of(metric)
+
+
+def _unusual(boundary: Boundary, *, own_time: bool) -> tuple[str, str]:
+    """Return what may make plain heat wrong on a mesh of any size, and what helps against it."""
+    if boundary != "neumann":
+        return f'with boundary="{boundary}"', 'boundary="neumann"'
+    if own_time:
+        return "with this time step", "time_factor=1"
+    return "", ""
 
 
 def _warn_where_uneven(metric: Discretization) -> None:

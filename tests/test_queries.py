@@ -305,9 +305,9 @@ def test_the_tree_is_built_once_for_all_threads(monkeypatch):
     built = []
 
     class Counted(queries.Surface):
-        def __init__(self, *arguments):
+        def __init__(self, *arguments, **named):
             built.append(1)
-            super().__init__(*arguments)
+            super().__init__(*arguments, **named)
 
     monkeypatch.setattr(queries, "Surface", Counted)
     solver = gt.GeodesicSolver(scattered_plane())
@@ -497,3 +497,35 @@ def test_an_array_of_another_shape_is_no_list_of_points(tmp_path):
     (tmp_path / "archive.npz").rename(tmp_path / "archive.npy")
     with pytest.raises(ReadError, match="an archive"):
         read_points(tmp_path / "archive.npy")
+
+
+# -- masks -----------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("n", [11, 21])
+def test_a_point_in_a_face_that_a_mask_cuts_is_reached_from_the_other_corners(n):
+    square = shapes.grid(n)
+    h = 1 / (n - 1)
+    x, y, _ = square.vertices.T
+    wall = (abs(x - 0.5) < h / 2) & (y < 0.75)
+    solver = gt.GeodesicSolver(square, mask=wall)
+    assert solver.query([0.5, 0.5, 0.0], 0)[0] == pytest.approx(np.sqrt(0.5), rel=1e-6)
+    places = np.random.default_rng(0).uniform([0.5 - h, 0, 0], [0.5, 0.5, 0], (500, 3))
+    straight = np.linalg.norm(places, axis=1)
+    found = solver.query(places, 0)
+    assert (found >= straight - 1e-9).all()
+    assert (found - straight < 2 * h).all()  # at worst round the one corner that is free
+    behind = places + [h, 0, 0]
+    around = np.hypot(0.5, 0.75) + 0.25
+    assert (solver.query(behind, 0) > around - behind[:, 1].max() + 0.25).all()
+
+
+def test_points_between_masked_vertices_have_no_distance_as_these_have_none():
+    mask = GRID.vertices[:, 0] > 0.6
+    solver = gt.GeodesicSolver(GRID, mask=mask)
+    np.testing.assert_array_equal(solver.query([[0.9, 0.5, 0], [1.0, 1.0, 0]], 0), np.inf)
+    np.testing.assert_array_equal(
+        solver.query(GRID.vertices[~mask], 0), solver.distance(0)[~mask]
+    )
+    height = GRID.vertices[:, 1]
+    assert solver.interpolate(height, [0.9, 0.5, 0.0]) == pytest.approx(0.5)

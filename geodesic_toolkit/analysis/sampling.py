@@ -219,7 +219,6 @@ def geodesic_voronoi(
     """
     places = solver._locate_sets(sites)  # noqa: SLF001 - all are checked before any work
     solver._warn_where_cut(places)  # noqa: SLF001 - as distances does
-    solver._warn_where_coarse(places)  # noqa: SLF001
     labels = np.full(solver.domain.n_vertices, -1, dtype=np.int64)
     nearest = np.full(solver.domain.n_vertices, np.inf)
     first = 0
