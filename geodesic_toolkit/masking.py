@@ -5,15 +5,18 @@ from typing import Any
 import numpy as np
 
 from geodesic_toolkit._typing import BoolArray
+from geodesic_toolkit.discretization import Discretization
 from geodesic_toolkit.domains import Domain, Graph, PointCloud, TriangleMesh
 from geodesic_toolkit.errors import (
     InvalidOptionError,
     InvalidSourceError,
     UnsupportedDomainError,
 )
+from geodesic_toolkit.gradient import ElementGradient
+from geodesic_toolkit.laplacians.base import LaplaceOperator
 from geodesic_toolkit.source_points import SourcePoints
 
-__all__ = ["as_mask", "check_unmasked", "without"]
+__all__ = ["as_mask", "assembled_without", "check_unmasked", "without"]
 
 
 def as_mask(mask: Any, n_vertices: int) -> BoolArray:
@@ -99,4 +102,65 @@ def without(domain: Domain, mask: BoolArray) -> Domain:
         return Graph(domain.n_vertices, domain.edges[free], domain.lengths[free])
     raise UnsupportedDomainError(
         f"vertices of a {type(domain).__name__} cannot be masked; leave them out of it"
+    )
+
+
+def assembled_without(
+    operator: LaplaceOperator, domain: Domain, mask: BoolArray
+) -> tuple[Discretization, Discretization | None]:
+    """Return the discretization of a domain without its masked vertices.
+
+    The stars of a cloud are made with all of its points, and those triangles go that touch a masked
+    one: without the points stars close over them, and paths cross walls of up to four rows.
+
+    Parameters
+    ----------
+    operator : LaplaceOperator
+    domain : Domain
+    mask : ndarray of shape (N,), bool
+
+    Returns
+    -------
+    left : Discretization
+    whole : Discretization or None
+        That of the whole cloud, where `left` is a part of it.
+
+    Raises
+    ------
+    InvalidOptionError, UnsupportedDomainError
+        As for :func:`without`, and what the operator raises.
+    """
+    passable = without(domain, mask)
+    operator.check_domain(passable)
+    if isinstance(domain, PointCloud):
+        whole = operator.assemble(domain)
+        if isinstance(whole.gradient, ElementGradient) and whole.gradient.stars:
+            return _restricted(whole, whole.gradient, mask), whole
+    return operator.assemble(passable), None
+
+
+def _restricted(whole: Discretization, stars: ElementGradient, mask: BoolArray) -> Discretization:
+    """Return a discretization without the elements that touch a masked vertex."""
+    count = whole.n_vertices
+    touched = mask[stars.elements].any(axis=1)
+    stay = ~touched
+    left = ElementGradient(
+        stars.elements[stay], stars.coefficients[stay], stars.measure[stay], count, stars=True
+    )
+    shares = np.repeat(stars.measure, stars.elements.shape[1])
+    corners = stars.elements.ravel()
+    had = np.bincount(corners, shares, count)
+    has = np.bincount(left.elements.ravel(), shares[np.repeat(stay, 3)], count)
+    kept = np.divide(has, had, out=np.where(mask, 0.0, 1.0), where=had > 0)
+    boundary = whole.boundary.copy()
+    boundary[stars.elements[touched]] = True
+    return Discretization(
+        mass=whole.mass * kept,
+        stiffness=left.stiffness(),
+        gradient=left,
+        spacing=whole.spacing,
+        boundary=boundary & ~mask,
+        scales=whole.scales,
+        surface_frames=whole.surface_frames[stay] if len(whole.surface_frames) else np.zeros((0, 3)),
+        notes={**whole.notes, "masked": int(mask.sum())},
     )

@@ -143,14 +143,17 @@ class GeodesicSolver:
         self.operator = resolve_operator(operator, domain)
         self.diffusion = None if diffusion is None else resolve_operator(diffusion, domain)
         self._mask: BoolArray | None = None
-        if mask is not None:
-            from geodesic_toolkit.masking import as_mask, without
+        self._whole: Discretization | None = None  # of a cloud, where a part of it is masked
+        if mask is None:
+            self.operator.check_domain(domain)
+            metric = self.operator.assemble(domain)
+        else:
+            from geodesic_toolkit.masking import as_mask, assembled_without, without
 
             self._mask = as_mask(mask, domain.n_vertices)
+            metric, self._whole = assembled_without(self.operator, domain, self._mask)
             domain = without(domain, self._mask)
         self._passable: Domain = domain
-        self.operator.check_domain(domain)
-        metric = self.operator.assemble(domain)
         self._reason = ""
         if isinstance(refine, str):
             refine, self._reason = _refine_by_default(refine, metric)
@@ -444,10 +447,13 @@ class GeodesicSolver:
             if self._surface is None:
                 from geodesic_toolkit.queries import Surface
 
-                # On a mesh feet are on all of it: in a face that the mask cuts, not on its rim.
-                masked = isinstance(self.domain, TriangleMesh) and self._mask is not None
-                domain = self.domain if masked else self._passable
-                self._surface = Surface(domain, self.method.metric, ground, masked=masked)
+                # Feet are on all of it: in a face that the mask cuts, not on the rim of the rest.
+                metric = self._whole or self.method.metric
+                cut = self._mask is not None and (
+                    self._whole is not None or isinstance(self.domain, TriangleMesh)
+                )
+                domain = self.domain if cut else self._passable
+                self._surface = Surface(domain, metric, ground, masked=cut)
             return self._surface
 
     def _kept_ground(self) -> "Ground | None":

@@ -53,6 +53,7 @@ GRAPH = gt.Graph(
 SHAPES = {"mesh": SPHERE, "cloud": gt.PointCloud(shapes.icosphere(3).vertices), "graph": GRAPH}
 
 
+@pytest.mark.filterwarnings("ignore::geodesic_toolkit.errors.CoarseMeshWarning")  # rightly
 @pytest.mark.parametrize("count", [2, 5, 40, 200])  # a few are pinned in another way than many
 @pytest.mark.parametrize("kind", SHAPES)
 def test_plain_heat_reads_zero_at_every_source_and_nothing_less(kind, count):
@@ -67,6 +68,7 @@ def test_plain_heat_reads_zero_at_every_source_and_nothing_less(kind, count):
     np.testing.assert_allclose(together[2], solver.distance(sources[0]), rtol=1e-9, atol=1e-12)
 
 
+@pytest.mark.filterwarnings("ignore::geodesic_toolkit.errors.CoarseMeshWarning")  # rightly
 @pytest.mark.parametrize("count", [3, 60])
 def test_pinned_sources_are_no_farther_off_than_one(count):
     sources = np.random.default_rng(count).choice(SPHERE.n_vertices, count, replace=False)
@@ -96,6 +98,7 @@ def test_a_source_given_twice_is_one():
     np.testing.assert_allclose(solver.distance([7, 7]), solver.distance(7), atol=1e-12)
 
 
+@pytest.mark.filterwarnings("ignore::geodesic_toolkit.errors.CoarseMeshWarning")  # rightly
 def test_regions_and_components_keep_to_themselves():
     other = shapes.icosphere(2)
     both = shapes.disjoint_union(shapes.icosphere(3), other, shapes.icosphere(1))
@@ -310,6 +313,37 @@ def test_paths_go_around_a_mask_of_a_cloud_and_of_a_graph():
     distance = ring.distance(0)
     assert distance[1] == np.inf
     assert distance[2] > distance[3] > distance[4] > 0
+
+
+@pytest.mark.parametrize("half_width", [0.03, 0.06, 0.1])
+@pytest.mark.parametrize("refine", [True, False])
+def test_stars_of_a_cloud_do_not_close_over_a_wall_of_a_few_points(half_width, refine):
+    points = shapes.grid(21).vertices
+    wall = (np.abs(points[:, 0] - 0.5) < half_width) & (points[:, 1] < 0.72)
+    solver = gt.GeodesicSolver(gt.PointCloud(points), operator=PCA, mask=wall, refine=refine)
+    far = int(np.argmin(np.linalg.norm(points - [0.9, 0.1, 0], axis=1)))
+    free = 0.05 * np.ceil(half_width / 0.05)  # the next row, and 0.75 over the wall
+    around = np.hypot(0.5 - free, 0.75) + 2 * free + np.hypot(0.4 - free, 0.65)
+    assert 0.99 * around < solver.distance(0)[far] < around * (1.03 if refine else 1.15)
+    assert solver.distance(0)[wall].min() == np.inf
+    assert solver.query([0.9, 0.1, 0.0], 0)[0] == pytest.approx(solver.distance(0)[far])
+    assert solver.diagnosis.notes["masked"] == wall.sum()
+
+
+def test_a_point_between_masked_points_of_a_cloud_has_no_distance():
+    points = shapes.grid(11).vertices
+    solver = gt.GeodesicSolver(gt.PointCloud(points), operator=PCA, mask=points[:, 0] > 0.55)
+    places = [[0.3, 0.4, 0.0], [0.55, 0.4, 0.0], [0.9, 0.4, 0.0]]
+    found = solver.query(places, 0)
+    np.testing.assert_allclose(found[:2], np.linalg.norm(places[:2], axis=1), rtol=0.02)
+    assert found[2] == np.inf
+
+
+def test_a_mask_of_a_cloud_may_leave_single_points():
+    points = shapes.grid(5).vertices
+    distance = gt.geodesic_distance(gt.PointCloud(points), 0, operator=PCA, mask=np.arange(25) > 0)
+    assert distance[0] == 0
+    np.testing.assert_array_equal(distance[1:], np.inf)
 
 
 def test_a_mask_that_cuts_leaves_the_other_side_infinite():
