@@ -1,11 +1,38 @@
-"""Checks that the data of a discretization share."""
+"""Checks that the data of a discretization share, and those of arrays that users give."""
+
+from typing import Any
 
 import numpy as np
 
 from geodesic_toolkit._typing import FloatArray, IntArray
 from geodesic_toolkit.errors import InvalidDiscretizationError
 
-__all__ = ["check_finite", "check_range", "coerce"]
+__all__ = ["check_finite", "check_nothing_masked", "check_range", "coerce"]
+
+
+def check_nothing_masked(values: Any, name: str, error: type[Exception], cure: str) -> None:
+    """Raise for a masked array of NumPy in which something is masked: no array here is one.
+
+    Parameters
+    ----------
+    values : object
+        Anything; only a masked array has a mask.
+    name : str
+        What it is called in the message.
+    error : type
+        What to raise.
+    cure : str
+        What to give instead, in code, where ``{}`` stands for the array.
+    """
+    if not isinstance(values, np.ma.MaskedArray):
+        return
+    masked = np.ma.getmaskarray(values)
+    if masked.any():
+        first = np.argwhere(masked)[0].tolist()
+        raise error(
+            f"{name} is a masked array, and entry {first} is masked, as {int(masked.sum())} of "
+            f"{masked.size} are; give an array without a mask: {cure.format(name)}"
+        )
 
 
 def coerce(data: object, **dtypes: type[np.generic]) -> None:

@@ -59,7 +59,7 @@ class Judge:
     """
 
     def __init__(self, method: HeatMethod, cause: str = "", cure: str = "") -> None:
-        self._metric = method.metric
+        self._method, self._metric = method, method.metric
         self._cause, self._cure = cause, cure
         self._sizes = np.bincount(method.metric.components)
         self._sweeper: WavefrontSweeper | None = None
@@ -67,9 +67,14 @@ class Judge:
         self._errors: dict[tuple[int, bool], list[float]] = {}
 
     def judge(self, places: SourcePoints, plain: FloatArray) -> bool:
-        """Warn where distances (N,) from some sources are off, and return whether they are."""
+        """Warn where distances (N,) from some sources are off, and return whether they are.
+
+        Not where heat is not positive: the warning of that knows the cause.
+        """
         parts, counts = np.unique(places.components(self._metric), return_counts=True)
-        keys = [(part, count > 1) for part, count in zip(parts.tolist(), counts.tolist(), strict=True)]
+        keys = [
+            (part, count > 1) for part, count in zip(parts.tolist(), counts.tolist(), strict=True)
+        ]
         keys = [key for key in keys if self._sizes[key[0]] > 1 and self._may_be_off(*key)]
         with self._lock:
             if any(len(self._errors.get(key, ())) < JUDGED for key in keys):
@@ -80,6 +85,8 @@ class Judge:
         error, (part, several) = max(known, default=(0.0, (0, False)))
         if error <= LIMIT:
             return False
+        if self._method.heat_report(places).harmful:  # of which another warning tells
+            return True
         why = " " + self._cause if self._cause else ", too few for it"
         if several:
             why = f", and {counts[parts == part][0]} sources are close together for it"

@@ -12,7 +12,7 @@ from geodesic_toolkit._typing import FloatArray, IntArray
 from geodesic_toolkit._warning import warn
 from geodesic_toolkit.domains import Domain, Graph, PointCloud, TriangleMesh
 from geodesic_toolkit.errors import InvalidDomainError, ReadWarning, UnsupportedDomainError
-from geodesic_toolkit.refusals import described, refusal, several
+from geodesic_toolkit.refusals import OF_GRIDS, described, refusal, several
 
 __all__ = ["as_domain", "check_one_shape", "graph_of_lengths"]
 
@@ -23,10 +23,11 @@ TAKEN = (
 )
 
 VTK_CELLS = {
-    1: "vertex", 2: "vertex", 3: "line", 5: "triangle", 7: "polygon", 9: "quad",
-    10: "tetra", 12: "hexahedron", 13: "wedge", 14: "pyramid",
+    1: "vertex", 2: "vertex", 3: "line", 5: "triangle", 7: "polygon", 8: "pixel", 9: "quad",
+    10: "tetra", 11: "voxel", 12: "hexahedron", 13: "wedge", 14: "pyramid",
     21: "line3", 22: "triangle6", 23: "quad8", 24: "tetra10", 25: "hexahedron20",
-    26: "wedge15", 27: "pyramid13", 28: "quad9", 29: "hexahedron27",
+    26: "wedge15", 27: "pyramid13", 28: "quad9", 29: "hexahedron27", 32: "wedge18",
+    34: "triangle7", 37: "pyramid19",
 }  # fmt: skip
 """Names of VTK's types of cells; those left out keep their number and are no surface."""
 
@@ -234,7 +235,7 @@ def _vtk_grid(obj: Any) -> Domain | None:
 
 
 def _of_cells(obj: Any, points: Any, blocks: list[tuple[str, Any]]) -> Domain:
-    from geodesic_toolkit.geometry.polygons import surface_polygons
+    from geodesic_toolkit.geometry.cells import surface_polygons
 
     sizes, corners = surface_polygons(blocks)
     if len(sizes):
@@ -242,6 +243,8 @@ def _of_cells(obj: Any, points: Any, blocks: list[tuple[str, Any]]) -> Domain:
     kinds = {kind for kind, _ in blocks}
     if kinds <= {"vertex"}:
         return PointCloud(points)
+    if kinds & {"voxel", "pixel"}:
+        raise UnsupportedDomainError(f"{described(obj)}: voxels are no surface; {OF_GRIDS}")
     raise InvalidDomainError(
         f"{described(obj)}: no surface and no solid; the cells are {', '.join(sorted(kinds))}"
     )
@@ -347,7 +350,7 @@ def _points(obj: Any) -> Domain | None:
         return PointCloud(obj) if _has_rows(obj) else None
     if table.ndim != 2 or table.shape[1] != 3 or table.dtype.kind not in "iuf":
         return None
-    return PointCloud(table)
+    return PointCloud(obj)  # as it is: a masked array has more to say
 
 
 CONVERTERS: tuple[Callable[[Any], Domain | None], ...] = (

@@ -4,6 +4,7 @@ from typing import Any
 
 import numpy as np
 
+from geodesic_toolkit._checks import check_nothing_masked
 from geodesic_toolkit._typing import BoolArray
 from geodesic_toolkit.discretization import Discretization
 from geodesic_toolkit.domains import Domain, Graph, PointCloud, TriangleMesh
@@ -27,6 +28,7 @@ def as_mask(mask: Any, n_vertices: int) -> BoolArray:
     InvalidOptionError
         Not booleans, or not one for each vertex.
     """
+    check_nothing_masked(mask, "mask", InvalidOptionError, "{}.filled(True), or False")
     try:
         array = np.asarray(mask)
     except (ValueError, TypeError) as error:
@@ -161,6 +163,8 @@ def _restricted(whole: Discretization, stars: ElementGradient, mask: BoolArray) 
         spacing=whole.spacing,
         boundary=boundary & ~mask,
         scales=whole.scales,
-        surface_frames=whole.surface_frames[stay] if len(whole.surface_frames) else np.zeros((0, 3)),
+        surface_frames=whole.surface_frames[stay]
+        if len(whole.surface_frames)
+        else np.zeros((0, 3)),
         notes={**whole.notes, "masked": int(mask.sum())},
     )

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from geodesic_toolkit._checks import check_nothing_masked
 from geodesic_toolkit._typing import BoolArray, FloatArray, IntArray
 from geodesic_toolkit.discretization import Discretization
 from geodesic_toolkit.domains import Domain, TriangleMesh, known_positions
@@ -181,6 +182,7 @@ class Surface:
         """
         queries = as_points(points)
         check_reach(reach)
+        check_nothing_masked(distance, "distance", InvalidOptionError, "{}.filled(numpy.inf)")
         values = np.asarray(distance, dtype=np.float64)
         if values.shape != (len(self._positions),):
             raise InvalidOptionError(
@@ -369,6 +371,7 @@ def as_points(points: Any) -> NDArray[Any]:
     InvalidOptionError
         Another shape, no numbers, or a row that is not finite.
     """
+    check_nothing_masked(points, "points", InvalidOptionError, "leave those rows out")
     try:
         array = np.asarray(points)
     except (ValueError, TypeError) as error:

@@ -8,10 +8,19 @@ import numpy as np
 
 from geodesic_toolkit.errors import UnsupportedDomainError
 
-__all__ = ["described", "refusal", "several"]
+__all__ = ["OF_GRIDS", "described", "refusal", "several"]
 
 GRID = ("dimensions", "n_cells", "extract_surface")
 """Attributes that PyVista's structured grids have, and its other shapes have not."""
+
+OF_GRIDS = (
+    "give its surface, grid.extract_surface().triangulate(), or for distances through the inside a "
+    "graph of the points: "
+    "sklearn.feature_extraction.image.grid_to_graph(*grid.dimensions[::-1]), whose edges are 1 "
+    "long (of an array of voxels: grid_to_graph(*mask.shape, mask=mask)); times the spacing they "
+    "are in its unit"
+)
+"""What to give instead of a grid."""
 
 LISTED = 5
 """Names that a message lists."""
@@ -43,7 +52,7 @@ def refusal(obj: Any, taken: str) -> str:
     elif isinstance(obj, Mapping):
         why = f"{who} is no shape; give its vertices and faces as a pair, {_by_keys(obj)}"
     elif not isinstance(obj, type) and all(hasattr(obj, name) for name in GRID):
-        why = f"{who}: a structured grid is no surface; give its surface, grid.extract_surface()"
+        why = f"{who}: a structured grid is no surface; {OF_GRIDS}"
     elif (table := _table(obj)) is not None:
         why = _of_table(table)
     elif isinstance(obj, list | tuple) and obj:

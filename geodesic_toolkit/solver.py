@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any, Literal, TypeAlias
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from geodesic_toolkit._checks import check_nothing_masked
 from geodesic_toolkit._typing import BoolArray, FloatArray, IntArray
 from geodesic_toolkit._warning import warn
 from geodesic_toolkit.bounds import bounds_of
@@ -28,7 +29,7 @@ from geodesic_toolkit.linear.base import LinearSolver
 from geodesic_toolkit.polyhedra import MOST_FACES, small_parts_of
 from geodesic_toolkit.refine import made_of_triangles
 from geodesic_toolkit.refine_by_default import refinement_of
-from geodesic_toolkit.source_points import SourcePoints
+from geodesic_toolkit.source_points import LEFT, SourcePoints
 from geodesic_toolkit.sources import locate_sources
 
 if TYPE_CHECKING:
@@ -155,7 +156,7 @@ class GeodesicSolver:
             domain = without(domain, self._mask)
         self._passable: Domain = domain
         self._reason = ""
-        if isinstance(refine, str):
+        if not isinstance(refine, bool | np.bool_):
             refine, self._reason = _refine_by_default(refine, metric)
         heat_solver, poisson_solver = resolve_solvers(solver, domain.n_vertices, refine=refine)
         self._seams = (
@@ -555,6 +556,7 @@ class GeodesicSolver:
                 f"source sets must be a sequence of them, not {source_sets!r}; "
                 "for one set use distance"
             )
+        check_nothing_masked(source_sets, "source sets", InvalidSourceError, LEFT)
         sets = list(source_sets)
         if not sets:
             raise InvalidSourceError("there are no source sets; give at least one")
@@ -576,9 +578,9 @@ class GeodesicSolver:
         )
 
 
-def _refine_by_default(choice: str, metric: Discretization) -> tuple[bool, str]:
+def _refine_by_default(choice: Any, metric: Discretization) -> tuple[bool, str]:
     """Return whether "auto" refines, and why."""
-    if choice != "auto":
+    if not isinstance(choice, str) or choice != "auto":
         raise InvalidOptionError(f'refine must be True, False or "auto", not {choice!r}')
     return refinement_of(metric)
 

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from geodesic_toolkit._checks import check_nothing_masked
 from geodesic_toolkit._typing import BoolArray, FloatArray, IntArray
 from geodesic_toolkit.discretization import Discretization
 from geodesic_toolkit.errors import InvalidSourceError
@@ -16,6 +17,9 @@ if TYPE_CHECKING:
     from scipy.sparse import csr_array
 
 __all__ = ["SourcePoints", "as_vertices"]
+
+LEFT = "those that count are {}.compressed(), or of a table its rows that are whole"
+"""What to give in the place of sources of which some are masked."""
 
 LAYER = 200.0
 """Powers of e between the sources of one right-hand side; float64 has 700."""
@@ -187,6 +191,7 @@ def as_vertices(sources: Any, n_vertices: int, name: str = "sources") -> IntArra
     """
     if isinstance(sources, int) and not isinstance(sources, bool) and 0 <= sources < n_vertices:
         return np.array([sources], dtype=np.int64)  # by far the most frequent
+    check_nothing_masked(sources, name, InvalidSourceError, LEFT)
     try:
         array = np.atleast_1d(np.asarray(sources))
     except (ValueError, TypeError) as error:

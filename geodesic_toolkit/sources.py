@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+from geodesic_toolkit._checks import check_nothing_masked
 from geodesic_toolkit._typing import FloatArray, IntArray
 from geodesic_toolkit._warning import warn
 from geodesic_toolkit.domains import (
@@ -20,7 +21,7 @@ from geodesic_toolkit.domains import (
 from geodesic_toolkit.errors import FarSourceWarning, InvalidSourceError
 from geodesic_toolkit.geometry.ground import Ground
 from geodesic_toolkit.geometry.triangles import face_edge_lengths
-from geodesic_toolkit.source_points import SourcePoints, as_vertices
+from geodesic_toolkit.source_points import LEFT, SourcePoints, as_vertices
 
 __all__ = ["locate_sources"]
 
@@ -80,6 +81,7 @@ def locate_sources(
         return replace(places, starts=sources.offsets)
     if isinstance(sources, Curve):
         return _along(domain, ground or _ground(passable or domain, name), sources, name)
+    check_nothing_masked(sources, name, InvalidSourceError, LEFT)
     surface_points = _as_surface_points(sources)
     if surface_points is not None:
         return _on_faces(domain, surface_points, name)

@@ -8,10 +8,12 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 import scipy.sparse as sp
+from sklearn.feature_extraction import image
 
 import geodesic_toolkit as gt
 from geodesic_toolkit.errors import InvalidDomainError, ReadWarning, UnsupportedDomainError
-from geodesic_toolkit.geometry.polygons import split_polygons, surface_polygons, unpadded_polygons
+from geodesic_toolkit.geometry.cells import faces_of, surface_polygons
+from geodesic_toolkit.geometry.polygons import split_polygons, unpadded_polygons
 from geodesic_toolkit.testing import shapes
 
 SPHERE = shapes.icosphere(1)
@@ -153,7 +155,7 @@ def test_pyvista_grids():
     with pytest.warns(ReadWarning, match="6 polygons were split into 12"):
         assert outward_area(gt.as_domain(solid)) == pytest.approx(6)
     voxel = pv.UnstructuredGrid([8, *range(8)], [cells.VOXEL], CUBE)
-    with pytest.raises(InvalidDomainError, match=r"no surface and no solid; .* VTK cell 11"):
+    with pytest.raises(UnsupportedDomainError, match="voxels are no surface"):
         gt.as_domain(voxel)
 
 
@@ -186,7 +188,6 @@ def test_meshio_polygons_are_split_with_a_warning():
     ("kind", "corners", "area"),
     [
         ("tetra", [0, 1, 3, 4], 1.5 + np.sqrt(3) / 2),
-        ("tetra10", [0, 1, 3, 4, 2, 2, 2, 2, 2, 2], 1.5 + np.sqrt(3) / 2),
         ("hexahedron", range(8), 6),
         ("wedge", [0, 1, 3, 4, 5, 7], 3 + np.sqrt(2)),
         ("pyramid", [0, 1, 2, 3, 4], 2 + np.sqrt(2)),
@@ -197,6 +198,79 @@ def test_a_solid_becomes_its_surface_seen_from_outside(kind, corners, area):
     sizes, flat = surface_polygons([(block.type, block.data)])
     faces, _ = split_polygons(CUBE, sizes, flat)
     assert outward_area(gt.TriangleMesh(CUBE, faces)) == pytest.approx(area)
+
+
+@pytest.mark.parametrize(
+    ("kind", "n_faces"), [("triangle6", 4), ("triangle7", 6), ("quad8", 6), ("quad9", 8)]
+)
+@pytest.mark.filterwarnings("ignore::geodesic_toolkit.errors.ReadWarning")  # quadrangles are split
+def test_every_node_of_a_second_order_cell_has_its_distance(kind, n_faces):
+    corners = np.array([[0, 0, 0], [2, 0, 0], [2, 2, 0], [0, 2, 0]], dtype=float)
+    corners = corners[[0, 1, 3]] if kind.startswith("triangle") else corners
+    middles = (corners + np.roll(corners, -1, axis=0)) / 2
+    nodes = np.concatenate([corners, middles, [corners.mean(axis=0)]])
+    nodes = nodes[: int(kind[-1])]
+    cells = [SimpleNamespace(type=kind, data=np.array([range(len(nodes))]))]
+    mesh = gt.as_domain(SimpleNamespace(points=nodes, cells=cells))
+    assert mesh.n_faces == n_faces
+    a, b, c = (mesh.vertices[mesh.faces[:, corner]] for corner in range(3))
+    up = np.cross(b - a, c - a)[:, 2] / 2
+    assert (up > 0).all()
+    assert up.sum() == pytest.approx(2 if kind.startswith("triangle") else 4)
+    np.testing.assert_allclose(gt.geodesic_distance(mesh, 0), np.linalg.norm(nodes, axis=1))
+
+
+@pytest.mark.parametrize(
+    ("kind", "number", "n_inside"),
+    [
+        ("tetra10", 24, 0),
+        ("hexahedron20", 25, 0),
+        ("hexahedron27", 29, 1),
+        ("wedge15", 26, 0),
+        ("wedge18", 32, 0),
+        ("pyramid13", 27, 0),
+        ("pyramid19", 37, 1),
+    ],
+)
+def test_faces_of_second_order_solids_have_the_nodes_that_vtk_gives_them(kind, number, n_inside):
+    data_model = pytest.importorskip("vtkmodules.vtkCommonDataModel")
+    cell = data_model.vtkGenericCell()
+    cell.SetCellType(number)
+    size = cell.GetNumberOfPoints()
+    for node in range(size):
+        cell.GetPointIds().SetId(node, node)
+    theirs = set()
+    for number in range(cell.GetNumberOfFaces()):
+        ids = cell.GetFace(number).GetPointIds()
+        theirs.add(frozenset(ids.GetId(place) for place in range(ids.GetNumberOfIds())))
+    assert {frozenset(nodes) for nodes, _ in faces_of(kind, size)} == theirs
+    sizes, corners = surface_polygons([(kind, [range(size)])])
+    assert len(np.unique(corners)) == size - n_inside
+    directed = [edge for polygon in np.split(corners, np.cumsum(sizes)[:-1]) for edge in
+                zip(polygon.tolist(), np.roll(polygon, -1).tolist(), strict=True)]  # fmt: skip
+    assert len(set(directed)) == len(directed)
+    assert {(head, tail) for tail, head in directed} == set(directed)  # closed, of one orientation
+
+
+@pytest.mark.parametrize("kind", ["triangle10", "tetra20", "quad16"])
+def test_cells_of_a_third_order_are_refused_rather_than_cut_to_their_corners(kind):
+    size = int(kind[-2:])
+    with pytest.raises(InvalidDomainError, match=f"'{kind}' have more nodes than.*second order"):
+        surface_polygons([(kind, [range(size)])])
+
+
+def test_voxels_are_refused_with_what_to_give_instead():
+    pyvista = pytest.importorskip("pyvista")
+    grid = pyvista.ImageData(dimensions=(4, 3, 2))
+    flat = pyvista.ImageData(dimensions=(4, 3, 1))
+    for shape in (grid, grid.cast_to_unstructured_grid(), flat.cast_to_unstructured_grid()):
+        with pytest.raises(
+            UnsupportedDomainError, match=r"extract_surface\(.*grid_to_graph"
+        ):
+            gt.as_domain(shape)
+    graph = image.grid_to_graph(*grid.dimensions[::-1])
+    steps = gt.geodesic_distance(graph, 0, refine=True)  # in the order of the points
+    np.testing.assert_allclose(steps, grid.points.sum(axis=1))
 
 
 def test_the_faces_between_solids_are_inside():

@@ -572,3 +572,47 @@ def test_refinement_on_the_flips_that_auto_makes_is_exact_on_a_sheared_plane():
 def test_a_path_asks_for_a_solver_by_name():
     with pytest.raises(InvalidOptionError, match=r"GeodesicSolver\(mesh\)"):
         gt.geodesic_path(shapes.icosphere(1), 0, 1)
+
+
+# -- arrays with a mask ----------------------------------------------------------------------------
+
+
+def masked(values, *entries):
+    array = np.ma.array(values)
+    for entry in entries:
+        array[entry] = np.ma.masked
+    return array
+
+
+MASKED = {
+    "vertices": lambda: gt.TriangleMesh(masked(V, 3), F),
+    "faces": lambda: gt.geodesic_distance((V, masked(F, 3)), 0),
+    "points": lambda: gt.as_domain(masked(V, 3)),
+    "normals": lambda: gt.PointCloud(V, masked(V, (1, 2))),
+    "lengths": lambda: gt.Graph(3, [[0, 1], [1, 2]], masked([1.0, 2.0], 1)),
+    "mask": lambda: gt.GeodesicSolver(MESH, mask=masked(np.zeros(N, bool), 3)),
+    "sources": lambda: gt.geodesic_distance(MESH, masked([0, 5], 1)),
+    "source sets": lambda: gt.GeodesicSolver(MESH).distances(masked([0, 5], 1)),
+    "offsets": lambda: gt.OffsetSources([0, 5], masked([0.0, 0.5], 1)),
+    "curve": lambda: gt.Curve(masked(V[:2], 1)),
+    "points to ask": lambda: gt.GeodesicSolver(MESH).query(masked(V, 3), 0),
+    "distance": lambda: gt.GeodesicSolver(MESH).interpolate(masked(np.ones(N), 3), V[:1]),
+}
+
+
+@pytest.mark.parametrize("what", MASKED)
+def test_an_array_in_which_something_is_masked_is_refused_and_not_read_as_if_nothing_was(what):
+    with pytest.raises(GeodesicError, match=r"is a masked array, and entry \[.*an array without a"):
+        MASKED[what]()
+
+
+def test_an_array_in_which_nothing_is_masked_is_an_array():
+    mesh = gt.TriangleMesh(np.ma.array(V), np.ma.array(F))
+    distance = gt.geodesic_distance(mesh, np.ma.array([0, 5]), mask=np.ma.array(np.zeros(N, bool)))
+    np.testing.assert_array_equal(distance, gt.geodesic_distance(MESH, [0, 5]))
+
+
+@pytest.mark.parametrize("refine", [0, 1, None, "yes", 1.0])
+def test_a_refine_that_is_neither_a_truth_value_nor_auto_is_refused(refine):
+    with pytest.raises(InvalidOptionError, match='refine must be True, False or "auto", not'):
+        gt.GeodesicSolver(MESH, refine=refine)

@@ -515,7 +515,7 @@ def test_a_point_in_a_face_that_a_mask_cuts_is_reached_from_the_other_corners(n)
     found = solver.query(places, 0)
     assert (found >= straight - 1e-9).all()
     assert (found - straight < 2 * h).all()  # at worst round the one corner that is free
-    behind = places + [h, 0, 0]
+    behind = places + np.array([h, 0, 0])
     around = np.hypot(0.5, 0.75) + 0.25
     assert (solver.query(behind, 0) > around - behind[:, 1].max() + 0.25).all()
 
@@ -524,8 +524,6 @@ def test_points_between_masked_vertices_have_no_distance_as_these_have_none():
     mask = GRID.vertices[:, 0] > 0.6
     solver = gt.GeodesicSolver(GRID, mask=mask)
     np.testing.assert_array_equal(solver.query([[0.9, 0.5, 0], [1.0, 1.0, 0]], 0), np.inf)
-    np.testing.assert_array_equal(
-        solver.query(GRID.vertices[~mask], 0), solver.distance(0)[~mask]
-    )
+    np.testing.assert_array_equal(solver.query(GRID.vertices[~mask], 0), solver.distance(0)[~mask])
     height = GRID.vertices[:, 1]
     assert solver.interpolate(height, [0.9, 0.5, 0.0]) == pytest.approx(0.5)

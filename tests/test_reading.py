@@ -398,9 +398,9 @@ def test_triangles_of_a_solid_mesh_are_its_surface_when_they_are_stored(tmp_path
     assert gt.read(write_cells(tmp_path / "t.mesh", cells)).n_faces == 1
 
 
-def test_triangles_of_higher_order_are_taken_at_their_corners(tmp_path):
+def test_triangles_of_second_order_are_split_at_the_nodes_of_their_edges(tmp_path):
     mesh = gt.read(write_cells(tmp_path / "t.vtu", [("triangle6", np.array([[0, 1, 2, 3, 4, 5]]))]))
-    np.testing.assert_array_equal(mesh.faces, [[0, 1, 2]])
+    np.testing.assert_array_equal(mesh.faces, [[0, 3, 5], [3, 1, 4], [5, 4, 2], [3, 4, 5]])
 
 
 def test_polygons_of_a_finite_element_file_are_split(tmp_path):

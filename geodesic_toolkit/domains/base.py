@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
+from geodesic_toolkit._checks import check_nothing_masked
 from geodesic_toolkit._frozen import FrozenArrays
 from geodesic_toolkit._typing import FloatArray, IntArray
 from geodesic_toolkit.errors import InvalidDomainError
@@ -27,6 +28,8 @@ class Domain(FrozenArrays, abc.ABC):
 
 
 def _as_array(values: ArrayLike, name: str) -> np.ndarray[Any, Any]:
+    cure = "leave those rows out; positions are missing after {}.filled(numpy.nan)"
+    check_nothing_masked(values, name, InvalidDomainError, cure)
     try:
         array = np.asarray(values)
     except (ValueError, TypeError) as error:  # ragged lists, objects that refuse conversion

@@ -6,6 +6,7 @@ from typing import Any, final
 
 import numpy as np
 
+from geodesic_toolkit._checks import check_nothing_masked
 from geodesic_toolkit._frozen import freeze
 from geodesic_toolkit._typing import FloatArray
 from geodesic_toolkit.domains.surface_point import SurfacePoint
@@ -115,6 +116,7 @@ class OffsetSources:
 
 
 def _floats(values: Any, name: str) -> FloatArray:
+    check_nothing_masked(values, name, InvalidSourceError, "leave those rows out")
     try:
         array = np.asarray(values)
     except (ValueError, TypeError) as error:

@@ -1,37 +1,16 @@
-"""Polygons, strips and solid cells as triangles.
+"""Polygons and strips as triangles.
 
 Polygons come as their sizes and, one after the other, their corners.
 """
-
-from collections.abc import Iterable
-from typing import Any
 
 import numpy as np
 
 from geodesic_toolkit._typing import FloatArray, IntArray
 
-__all__ = ["split_polygons", "strip_triangles", "surface_polygons", "unpadded_polygons"]
+__all__ = ["split_polygons", "strip_triangles", "unpadded_polygons"]
 
 NAMED = 5
 """Polygons that a remark names."""
-
-PLANE_CELLS = {"triangle": 3, "quad": 4}
-"""Corners of the plane cells; those of higher order ("triangle6") begin with theirs."""
-
-SOLID_CELLS: dict[str, list[tuple[int, ...]]] = {
-    "tetra": [(0, 2, 1), (0, 1, 3), (1, 2, 3), (0, 3, 2)],
-    "hexahedron": [
-        (0, 3, 2, 1),
-        (4, 5, 6, 7),
-        (0, 1, 5, 4),
-        (1, 2, 6, 5),
-        (2, 3, 7, 6),
-        (3, 0, 4, 7),
-    ],
-    "wedge": [(0, 2, 1), (3, 4, 5), (0, 1, 4, 3), (1, 2, 5, 4), (2, 0, 3, 5)],
-    "pyramid": [(0, 3, 2, 1), (0, 1, 4), (1, 2, 4), (2, 3, 4), (3, 0, 4)],
-}
-"""Faces of the solid cells, seen from outside."""
 
 
 def split_polygons(
@@ -167,68 +146,3 @@ def unpadded_polygons(row: IntArray) -> tuple[IntArray, IntArray]:
         places.append(place)
         place += 1 + int(row[place])
     return row[places].astype(np.int64), np.delete(row, places).astype(np.int64)
-
-
-def surface_polygons(blocks: Iterable[tuple[str, Any]]) -> tuple[IntArray, IntArray]:
-    """Return the polygons among cells or, where there are none, those around the solid ones.
-
-    Parameters
-    ----------
-    blocks : iterable of (kind, cells)
-        Cells of a kind, by the names of meshio ("triangle", "quad8", "polygon", "tetra10"): arrays
-        with a row a cell, or sequences of rows. Other kinds are passed over.
-
-    Returns
-    -------
-    sizes, corners : ndarray of int64
-        None where there is neither surface nor solid. The solids' surface is seen from outside:
-        the faces that only one cell has.
-    """
-    cells = [(kind, data) for kind, data in blocks if len(data)]
-    polygons = [_polygons(kind, data) for kind, data in cells]
-    if not any(len(sizes) for sizes, _ in polygons):
-        polygons = _boundary([(kind, data) for kind, data in cells if _family(kind, SOLID_CELLS)])
-    nothing = np.zeros(0, dtype=np.int64)
-    return (
-        np.concatenate([nothing, *(sizes for sizes, _ in polygons)]),
-        np.concatenate([nothing, *(corners for _, corners in polygons)]),
-    )
-
-
-def _family(kind: str, families: dict[str, Any]) -> str | None:
-    """Return the cell without its number of nodes: "triangle6" is a "triangle"."""
-    name = kind.rstrip("0123456789")
-    return name if name in families else None
-
-
-def _polygons(kind: str, data: Any) -> tuple[IntArray, IntArray]:
-    if kind.startswith("polygon"):
-        sizes = np.array([len(row) for row in data], dtype=np.int64)
-        return sizes, np.concatenate([np.asarray(row, dtype=np.int64) for row in data])
-    family = _family(kind, PLANE_CELLS)
-    if family is None:
-        return np.zeros(0, dtype=np.int64), np.zeros(0, dtype=np.int64)
-    return _rows(np.asarray(data, dtype=np.int64)[:, : PLANE_CELLS[family]])
-
-
-def _rows(table: IntArray) -> tuple[IntArray, IntArray]:
-    """Return polygons that all have the same number of corners."""
-    return np.full(len(table), table.shape[1], dtype=np.int64), table.ravel()
-
-
-def _boundary(solids: list[tuple[str, Any]]) -> list[tuple[IntArray, IntArray]]:
-    """Return the faces that only one solid cell has."""
-    faces: dict[int, list[IntArray]] = {3: [], 4: []}
-    for kind, data in solids:
-        cells = np.asarray(data, dtype=np.int64)
-        for face in SOLID_CELLS[_family(kind, SOLID_CELLS) or ""]:
-            faces[len(face)].append(cells[:, face])
-    boundary = []
-    for some in faces.values():
-        if some:
-            rows = np.concatenate(some)
-            _, which, counts = np.unique(
-                np.sort(rows, axis=1), axis=0, return_inverse=True, return_counts=True
-            )
-            boundary.append(_rows(rows[counts[which.ravel()] == 1]))
-    return boundary

@@ -9,7 +9,7 @@ import numpy as np
 
 from geodesic_toolkit.domains import Domain, PointCloud, TriangleMesh
 from geodesic_toolkit.errors import ReadError
-from geodesic_toolkit.geometry.polygons import surface_polygons
+from geodesic_toolkit.geometry.cells import surface_polygons
 from geodesic_toolkit.io.common import optional_package, triangulate, warn
 from geodesic_toolkit.io.gmsh import check_node_numbers
 
