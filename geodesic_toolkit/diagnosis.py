@@ -9,6 +9,7 @@ import numpy as np
 from geodesic_toolkit.coarseness import coarse_components
 from geodesic_toolkit.discretization import Discretization
 from geodesic_toolkit.domains import Domain, TriangleMesh
+from geodesic_toolkit.geometry.seams import Seams
 from geodesic_toolkit.geometry.triangles import (
     edges_of_faces,
     frames_from_positions,
@@ -36,6 +37,10 @@ class Diagnosis:
         Vertices connected to nothing; their distance is ``inf``.
     boundary_vertices : int
         Vertices on a boundary.
+    seam_edges : int
+        Edges of the boundary that lie upon others: a mesh is cut there, and no path crosses.
+    seam_tolerance : float or None
+        What :func:`merge_vertices` joins them with; None where there are none.
     non_manifold_edges : int or None
         Edges of more than two faces; None where there are no faces.
     minimum_angle : float or None
@@ -74,6 +79,8 @@ class Diagnosis:
     coarse_components: int
     isolated_vertices: int
     boundary_vertices: int
+    seam_edges: int
+    seam_tolerance: float | None
     non_manifold_edges: int | None
     minimum_angle: float | None
     positive_off_diagonals: float
@@ -104,7 +111,13 @@ def _shown(value: Any) -> str:
     return f"{value:.6g}" if isinstance(value, float) else str(value)
 
 
-def diagnose(domain: Domain, operator: object, method: HeatMethod, reason: str = "") -> Diagnosis:
+def diagnose(
+    domain: Domain,
+    operator: object,
+    method: HeatMethod,
+    reason: str = "",
+    seams: Seams | None = None,
+) -> Diagnosis:
     """Return the diagnosis of `domain` as `method` sees it; `reason` is why it refines or not."""
     metric = method.metric
     sizes = np.bincount(metric.components)
@@ -121,6 +134,8 @@ def diagnose(domain: Domain, operator: object, method: HeatMethod, reason: str =
         ),
         isolated_vertices=_isolated(metric),
         boundary_vertices=int(metric.boundary.sum()),
+        seam_edges=0 if seams is None else seams.edges,
+        seam_tolerance=None if seams is None else seams.tolerance,
         non_manifold_edges=manifold,
         minimum_angle=angle,
         positive_off_diagonals=_positive_share(method.diffusion),

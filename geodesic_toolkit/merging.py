@@ -45,7 +45,7 @@ def merge_vertices(mesh: Any, tolerance: float = 0.0) -> tuple[TriangleMesh, Int
     Raises
     ------
     InvalidOptionError
-        A tolerance that is not a length.
+        A tolerance that is not a length, or more than the size of the mesh.
     UnsupportedDomainError
         Something else than a mesh.
 
@@ -71,8 +71,15 @@ def merge_vertices(mesh: Any, tolerance: float = 0.0) -> tuple[TriangleMesh, Int
     if not (tolerance >= 0 and math.isfinite(tolerance)):
         raise InvalidOptionError(f"tolerance must be finite and not negative, not {tolerance}")
     vertices, faces = domain.vertices, domain.faces
+    used = vertices[domain.used]
+    size = float(np.linalg.norm(np.ptp(used, axis=0)))
+    if tolerance > size > 0:
+        raise InvalidOptionError(
+            f"tolerance {tolerance:g} is more than the size of the mesh, {size:.4g}, all of whose "
+            "vertices are closer; give the gap of the seams, 0 for equal places"
+        )
     edges = faces[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2)
-    limit = movable_by(vertices, edges, rounding_of(vertices[domain.used]))
+    limit = movable_by(vertices, edges, rounding_of(used))
     owner = merged_places(vertices, np.minimum(limit, float(tolerance)))
     kept, new = np.unique(owner, return_inverse=True)
     return TriangleMesh(vertices[kept], new[faces]), np.asarray(new, dtype=np.int64)

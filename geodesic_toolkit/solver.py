@@ -22,7 +22,7 @@ from geodesic_toolkit.errors import (
     SeamWarning,
     UnevenCloudWarning,
 )
-from geodesic_toolkit.geometry.seams import find_seams
+from geodesic_toolkit.geometry.seams import Seams, find_seams
 from geodesic_toolkit.heat import Boundary, HeatMethod, Progress
 from geodesic_toolkit.laplacians.base import LaplaceOperator
 from geodesic_toolkit.linear.base import LinearSolver
@@ -37,7 +37,7 @@ if TYPE_CHECKING:
     from geodesic_toolkit.geometry.ground import Ground
     from geodesic_toolkit.queries import Surface
 
-__all__ = ["GeodesicSolver", "Refine"]
+__all__ = ["GeodesicSolver", "Refine", "check_solver"]
 
 Refine: TypeAlias = bool | Literal["auto"]
 
@@ -489,6 +489,11 @@ class GeodesicSolver:
         return self._mask
 
     @property
+    def seams(self) -> Seams | None:
+        """Where a mesh is cut along edges of its boundary that lie upon each other, or None."""
+        return self._seams
+
+    @property
     def passable(self) -> Domain:
         """The domain without what touches a masked vertex: all of it where there is no mask."""
         return self._passable
@@ -500,7 +505,9 @@ class GeodesicSolver:
 
         with self._lock:
             if self._diagnosis is None:
-                self._diagnosis = diagnose(self._passable, self.operator, self.method, self._reason)
+                self._diagnosis = diagnose(
+                    self._passable, self.operator, self.method, self._reason, self._seams
+                )
             return self._diagnosis
 
     def _locate(self, sources: Any, name: str = "sources") -> SourcePoints:
@@ -525,11 +532,8 @@ class GeodesicSolver:
         reached = np.isin(metric.components, sets[0].components(metric))
         used = mesh.used
         warn(
-            f"{seams.edges} of the {seams.boundary} edges of the boundary lie upon others: the "
-            "surface is cut there, and no path crosses. The source reaches "
-            f"{np.count_nonzero(reached & used)} of {np.count_nonzero(used)} vertices. Merge what "
-            "lies together: mesh, new = geodesic_toolkit.merge_vertices(mesh, "
-            f"tolerance={seams.tolerance:g}), on the command line --weld {seams.tolerance:g}",
+            f"{seams.finding}. The source reaches {np.count_nonzero(reached & used)} of "
+            f"{np.count_nonzero(used)} vertices; {seams.cure}",
             SeamWarning,
         )
 
@@ -575,6 +579,15 @@ class GeodesicSolver:
     def __repr__(self) -> str:
         return (
             f"GeodesicSolver({self.domain!r}, operator={self.operator!r}, method={self.method!r})"
+        )
+
+
+def check_solver(solver: object, what: str) -> None:
+    """Raise an `InvalidOptionError` where something else than a solver is given for `what`."""
+    if not isinstance(solver, GeodesicSolver):
+        raise InvalidOptionError(
+            f"{what} needs a GeodesicSolver, not a {type(solver).__name__}; "
+            "make one of the shape: GeodesicSolver(mesh)"
         )
 
 

@@ -264,9 +264,7 @@ def test_voxels_are_refused_with_what_to_give_instead():
     grid = pyvista.ImageData(dimensions=(4, 3, 2))
     flat = pyvista.ImageData(dimensions=(4, 3, 1))
     for shape in (grid, grid.cast_to_unstructured_grid(), flat.cast_to_unstructured_grid()):
-        with pytest.raises(
-            UnsupportedDomainError, match=r"extract_surface\(.*grid_to_graph"
-        ):
+        with pytest.raises(UnsupportedDomainError, match=r"extract_surface\(.*grid_to_graph"):
             gt.as_domain(shape)
     graph = image.grid_to_graph(*grid.dimensions[::-1])
     steps = gt.geodesic_distance(graph, 0, refine=True)  # in the order of the points

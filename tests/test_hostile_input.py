@@ -616,3 +616,18 @@ def test_an_array_in_which_nothing_is_masked_is_an_array():
 def test_a_refine_that_is_neither_a_truth_value_nor_auto_is_refused(refine):
     with pytest.raises(InvalidOptionError, match='refine must be True, False or "auto", not'):
         gt.GeodesicSolver(MESH, refine=refine)
+
+
+@pytest.mark.parametrize(
+    "asked",
+    [
+        lambda mesh: gt.distance_matrix(mesh, [0, 5]),
+        lambda mesh: gt.farthest_point_sampling(mesh, 3),
+        lambda mesh: gt.geodesic_voronoi(mesh, [0, 5]),
+        lambda mesh: gt.eikonal_residual(mesh, np.zeros(N)),
+        lambda mesh: gt.geodesic_path(mesh, 0, 5),
+    ],
+)
+def test_a_mesh_in_the_place_of_its_solver_is_refused_with_the_cure(asked):
+    with pytest.raises(InvalidOptionError, match=r"needs a GeodesicSolver, not a TriangleMesh"):
+        asked(MESH)

@@ -7,7 +7,12 @@ import numpy as np
 import pytest
 
 import geodesic_toolkit as gt
-from geodesic_toolkit.errors import InvalidOptionError, SeamWarning, UnsupportedDomainError
+from geodesic_toolkit.errors import (
+    InvalidOptionError,
+    SeamWarning,
+    UnreachableError,
+    UnsupportedDomainError,
+)
 from geodesic_toolkit.geometry.seams import find_seams
 from geodesic_toolkit.geometry.welding import merged_places
 from geodesic_toolkit.testing import shapes
@@ -166,7 +171,7 @@ def test_vertices_that_stay_are_the_first_ones_in_their_order():
     assert gt.CotanLaplacian().assemble(merged).notes["dropped_faces"] == 1
 
 
-@pytest.mark.parametrize("tolerance", [0.02, 1.0, 1e300])
+@pytest.mark.parametrize("tolerance", [0.02, 1.0, 3.4])
 def test_a_wide_tolerance_collapses_no_face(tolerance):
     merged, new = gt.merge_vertices(BALL, tolerance=tolerance)
     assert merged.n_vertices == BALL.n_vertices
@@ -191,6 +196,26 @@ def test_places_are_merged_as_if_one_after_the_other():
 def test_a_tolerance_that_is_no_length_is_refused(tolerance):
     with pytest.raises(InvalidOptionError, match="tolerance must be"):
         gt.merge_vertices(BALL, tolerance=tolerance)
+
+
+def test_a_tolerance_of_more_than_the_size_of_the_mesh_is_refused():
+    with pytest.raises(InvalidOptionError, match=r"100 is more than the size of the mesh, 3\.46"):
+        gt.merge_vertices(BALL, tolerance=100)
+
+
+def test_a_diagnosis_and_a_path_that_fails_name_the_seam_and_its_cure():
+    solver = gt.GeodesicSolver(shapes.disjoint_union(SQUARE, moved(SQUARE, [1.0, 0, 0])))
+    diagnosis = solver.diagnosis
+    assert (diagnosis.seam_edges, diagnosis.seam_tolerance) == (16, 0.0)
+    with pytest.raises(UnreachableError, match=r"16 of the 64 edges.*merge_vertices\(mesh"):
+        gt.geodesic_path(solver, 0, 100)
+    merged, new = gt.merge_vertices(solver.domain, diagnosis.seam_tolerance)
+    whole = gt.GeodesicSolver(merged)
+    assert gt.geodesic_path(whole, new[0], new[100]).length == pytest.approx(
+        np.linalg.norm(solver.domain.vertices[100])
+    )
+    assert whole.diagnosis.seam_edges == 0
+    assert whole.diagnosis.seam_tolerance is None
 
 
 def test_only_meshes_have_vertices_to_merge():

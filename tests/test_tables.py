@@ -40,6 +40,20 @@ RIGHT = {
     "decimal commas, names and tabs": ["X [m]\tY [m]\tZ [m]", *joined(COMMAS, "\t")],
     "decimal commas, a number": ["40", *COMMAS],
     "names": ["x y z", *PLAIN],
+    "names and commas at the end": ["x,y,z,", *(row + "," for row in joined(PLAIN, ","))],
+    "a comma at the end of the names": ["x,y,z,", *joined(PLAIN, ",")],
+    "numbers in quotes": ['"' + row.replace(" ", '","') + '"' for row in PLAIN],
+    "numbers in single quotes": ["'" + row.replace(" ", "' '") + "'" for row in PLAIN],
+    "decimal commas in quotes": ['"' + row.replace(" ", '","') + '"' for row in COMMAS],
+    "words in quotes with commas": [
+        "name,x,y,z",
+        *('"hut, lower",' + row for row in joined(PLAIN, ",")),
+    ],
+    "names in a comment": [
+        "//Z,Y,X",
+        *(",".join(row.split()[::-1]) for row in PLAIN),
+    ],
+    "colours first, names in a comment": ["# r g b x y z", *("255 0 7 " + row for row in PLAIN)],
     "names in quotes": ['"X","Y","Z"', *joined(PLAIN, ",")],
     "other names of three": ["easting,northing,height", *joined(PLAIN, ",")],
     "ParaView": [
@@ -92,6 +106,47 @@ def test_points_that_may_be_read_in_two_ways_are_refused(name, suffix, tmp_path)
     for read in (gt.read, read_points):
         with pytest.raises(ReadError, match=says):
             read(path)
+
+
+@pytest.mark.parametrize("colours", ["255 0 7 ", "12 200 7 255 "])
+def test_colours_before_the_points_are_not_taken_for_points(colours, tmp_path):
+    path = write(tmp_path / "p.xyz", [colours + row for row in PLAIN])
+    with pytest.raises(ReadError, match=r"as colours are.*Name the columns"):
+        gt.read(path)
+    behind = write(tmp_path / "q.xyz", [row + " 255 0 7" for row in PLAIN])
+    with pytest.warns(ReadWarning, match="not unit normals"):
+        np.testing.assert_array_equal(gt.read(behind).points, POINTS)
+
+
+def test_whole_points_with_colours_or_normals_behind_them_are_points(tmp_path):
+    points = [f"{3 * i % 50} {i * i % 50} {i % 7}" for i in range(40)]
+    path = write(tmp_path / "p.xyz", [row + " 0 0 1" for row in points])
+    assert gt.read(path).normals is not None
+    path = write(tmp_path / "q.xyz", [row + " 200 10 30" for row in points])
+    with pytest.warns(ReadWarning, match="not unit normals"):
+        assert gt.read(path).points[3].tolist() == [9, 9, 3]
+
+
+@pytest.mark.parametrize(
+    ("rows", "says"),
+    [
+        (["0,1,2", *joined(PLAIN, ",")], "may be a point or number the columns"),
+        (["x,x,y,z", *("9," + row for row in joined(PLAIN, ","))], "several columns are named 'x'"),
+        (['"1,234";"5,678";"9,012"'] * 4, "may be decimal or group thousands"),
+    ],
+)
+def test_first_lines_and_quotes_that_leave_the_numbers_open_are_refused(rows, says, tmp_path):
+    with pytest.raises(ReadError, match=says):
+        gt.read(write(tmp_path / "p.csv", rows))
+
+
+def test_utf_16_is_read_as_spreadsheets_save_it(tmp_path):
+    path = tmp_path / "p.txt"
+    path.write_text("x\ty\tz\n" + "\n".join(joined(PLAIN, "\t")), encoding="utf-16")
+    np.testing.assert_array_equal(gt.read(path).points, POINTS)
+    path.write_bytes(path.read_bytes()[:-1])
+    with pytest.raises(ReadError, match="not the UTF-16"):
+        gt.read(path)
 
 
 def test_normals_are_found_by_their_names(tmp_path):

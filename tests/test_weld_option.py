@@ -77,9 +77,49 @@ def test_a_shape_is_examined_as_it_is_welded(soup):
     assert json.loads(out)["diagnosis"]["components"] == 1
 
 
+def test_what_was_merged_is_said_and_a_tolerance_that_merges_nothing_is_warned_of(soup):
+    status, out, said = command("distance", soup, "--source", 0, "--weld", 1e-7)
+    assert status == 0
+    assert "merged 798 of 960 vertices into others" in said
+    status, out, said = command("distance", soup, "--source", 0, "--weld", 1e-12, "--json")
+    assert status == 0
+    assert "merged none of the 960 vertices" in " ".join(json.loads(out)["warnings"])
+
+
+def test_the_doctor_names_seams_and_the_tolerance_that_joins_them(soup):
+    _, out, _ = command("doctor", soup, "--json")
+    told = json.loads(out)
+    assert told["diagnosis"]["seam_edges"] == 960
+    tolerance = told["diagnosis"]["seam_tolerance"]
+    assert any(f"--weld {tolerance:g}" in line for line in told["recommendations"])
+    _, out, _ = command("doctor", soup, "--weld", tolerance, "--json")
+    assert json.loads(out)["diagnosis"]["components"] == 1
+
+
+def test_a_matrix_has_rows_of_inf_where_a_mask_holds_a_copy_of_the_vertex(soup, tmp_path):
+    mask, output = tmp_path / "mask.txt", tmp_path / "d.npy"
+    mask.write_text("5\n17\n")
+    weld = ("matrix", soup, "--weld", 1e-7, "--mask", mask, "--output", output)
+    status, _, said = command(*weld)
+    assert status == 0, said
+    found, masked = np.load(output), np.isin(OF_BALL, OF_BALL[[5, 17]])
+    assert found.shape == (960, 960)
+    np.testing.assert_array_equal(np.isinf(found), masked[:, None] | masked)
+    copy = int(np.flatnonzero(OF_BALL[17] == OF_BALL)[-1])
+    rows = tmp_path / "rows.txt"
+    rows.write_text(f"700 {copy}\n")
+    status, _, said = command(*weld, "--sources", rows)
+    assert status != 0
+    assert f"vertex {copy} is masked, or one that it was merged with" in said
+    status, _, said = command(*("distance", *weld[1:-2]), "--source", copy)
+    assert status != 0
+    assert f"vertex {copy} is masked" in said
+
+
 @pytest.mark.parametrize(
     ("arguments", "reason"),
     [
+        (("--source", 0, "--weld", "100"), "more than the size of the mesh"),
         (("--source", 0, "--weld", "-1"), "--weld must be finite and not negative"),
         (("--source", 0, "--weld", "nan"), "--weld must be finite and not negative"),
         (("--source", 960, "--weld", "0"), "vertex 960 does not exist; there are 960"),

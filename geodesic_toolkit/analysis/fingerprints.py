@@ -84,7 +84,7 @@ def _of_discretization(discretization: Discretization) -> str:
 def fingerprint_of_sources(sets: Sets) -> str:
     """Return how many source sets there are and a digest of them."""
     if isinstance(sets, EveryVertex):
-        return "every vertex"
+        return f"every vertex {digest(sets.vertices)}"
     kind = "vertices" if isinstance(sets, np.ndarray) else "source sets"
     return f"{len(sets)} {kind} {digest(sets)}"
 

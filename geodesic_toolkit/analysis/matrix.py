@@ -39,7 +39,7 @@ from geodesic_toolkit.analysis.symmetry import Symmetrize, check_symmetrize, wid
 from geodesic_toolkit.analysis.unfinished import Unfinished
 from geodesic_toolkit.errors import InvalidOptionError, WriteError
 from geodesic_toolkit.heat import Progress
-from geodesic_toolkit.solver import GeodesicSolver
+from geodesic_toolkit.solver import GeodesicSolver, check_solver
 from geodesic_toolkit.source_points import as_vertices
 
 __all__ = ["MATRIX_SUFFIXES", "check_matrix_output", "distance_matrix"]
@@ -133,6 +133,7 @@ def distance_matrix(
     >>> round(near.nnz / 162)  # vertices not farther than half a radius
     8
     """
+    check_solver(solver, "a matrix")
     check_executor(executor)
     check_symmetrize(symmetrize)
     plan = _plan(
@@ -197,8 +198,10 @@ def _limit(max_distance: object) -> float | None:
 def _sets(solver: GeodesicSolver, sources: Any) -> Sets:
     """Return the source sets, each checked."""
     n_vertices = solver.domain.n_vertices
+    if isinstance(sources, EveryVertex):
+        return sources
     if sources is None:
-        return EveryVertex(0, n_vertices)
+        return EveryVertex(np.arange(n_vertices))
     places = solver._locate_sets(sources)  # noqa: SLF001 - all are checked before any work
     try:
         array = np.asarray(sources)
@@ -227,8 +230,7 @@ def _plan(
     tasks = []
     for number, start in enumerate(range(0, len(sets), step)):
         stop = min(start + step, len(sets))
-        part = EveryVertex(start, stop) if isinstance(sets, EveryVertex) else sets[start:stop]
-        tasks.append(RowTask(number, start, stop, part, columns, dtype, kept))
+        tasks.append(RowTask(number, start, stop, sets[start:stop], columns, dtype, kept))
     request = {
         "sources": fingerprint_of_sources(sets),
         "targets": "every vertex" if columns is None else f"{len(columns)} {digest(columns)}",

@@ -14,7 +14,6 @@ from geodesic_toolkit.analysis.ways import best_way
 from geodesic_toolkit.discretization import Discretization
 from geodesic_toolkit.domains import OffsetSources, PointCloud, SurfacePoint, TriangleMesh
 from geodesic_toolkit.errors import (
-    InvalidOptionError,
     InvalidSourceError,
     UnreachableError,
     UnsupportedDomainError,
@@ -23,7 +22,7 @@ from geodesic_toolkit.geometry.insertion import Insertion, insert_points
 from geodesic_toolkit.geometry.triangles import proper_faces
 from geodesic_toolkit.gradient import ElementGradient
 from geodesic_toolkit.laplacians.cotan import CotanLaplacian
-from geodesic_toolkit.solver import GeodesicSolver
+from geodesic_toolkit.solver import GeodesicSolver, check_solver
 from geodesic_toolkit.source_points import SourcePoints
 from geodesic_toolkit.sources import locate_sources
 
@@ -133,11 +132,7 @@ def geodesic_path(solver: GeodesicSolver, source: Any, target: Any) -> GeodesicP
     >>> path.points[-1].round(3)
     array([0., 0., 1.])
     """
-    if not isinstance(solver, GeodesicSolver):
-        raise InvalidOptionError(
-            f"a path needs a GeodesicSolver, not a {type(solver).__name__}; "
-            "make one of the shape: GeodesicSolver(mesh)"
-        )
+    check_solver(solver, "a path")
     domain = solver.domain
     if not isinstance(domain, TriangleMesh | PointCloud):
         raise UnsupportedDomainError(
@@ -159,18 +154,27 @@ def geodesic_path(solver: GeodesicSolver, source: Any, target: Any) -> GeodesicP
     if sources.delayed:
         sources = first_to_arrive(sources, back)
     distance = refined_distance(solver, metric, sources)
-    return _path_on_mesh(domain, distance, back, sources, goal, f"target {target!r}")
+    path = _path_on_mesh(domain, distance, back, sources, goal)
+    if path is None:
+        seams = f". {solver.seams.finding}; {solver.seams.cure}" if solver.seams else ""
+        raise UnreachableError(
+            f"no face connects the target {target!r} with a source; they lie in different "
+            f"components of the mesh, in no face, or behind masked vertices{seams}"
+        )
+    return path
 
 
-def _path_on_mesh(  # noqa: PLR0917 - what it needs, in the order of its doing
+def _path_on_mesh(
     mesh: TriangleMesh,
     distance: FloatArray,
     back: FloatArray,
     sources: SourcePoints,
     goal: SourcePoints,
-    name: str,
-) -> GeodesicPath:
-    """Return the path that descends the refined distance from a place of a mesh to sources."""
+) -> GeodesicPath | None:
+    """Return the path that descends the refined distance from a place of a mesh to sources.
+
+    None where no face connects them.
+    """
     conducting = np.isfinite(distance)[mesh.faces].all(axis=1)  # not those of masked vertices
     original = np.flatnonzero(proper_faces(mesh.faces) & conducting)
     both = csr_array(vstack([goal.weights, sources.weights]))
@@ -188,10 +192,7 @@ def _path_on_mesh(  # noqa: PLR0917 - what it needs, in the order of its doing
     unreached = start in ends or not np.isfinite(height[start])
     way = None if unreached else best_way(split.vertices, split.faces, height, behind, start, ends)
     if way is None:
-        raise UnreachableError(
-            f"no face connects the {name} with a source; they lie in different components of the "
-            "mesh, in no face, or behind masked vertices"
-        )
+        return None
     passed = zip(way.faces[::-1].tolist(), way.ends[::-1].tolist(), way.weights[::-1], strict=True)
     points = [_surface_point(mesh, original, split, *at) for at in passed]
     return GeodesicPath(mesh, tuple(_without_repeats(mesh, points)))

@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike
 from geodesic_toolkit._typing import FloatArray, IntArray
 from geodesic_toolkit.errors import InvalidOptionError, UnsupportedDomainError
 from geodesic_toolkit.gradient import EdgeGradient, ElementGradient
-from geodesic_toolkit.solver import GeodesicSolver
+from geodesic_toolkit.solver import GeodesicSolver, check_solver
 
 __all__ = ["eikonal_residual", "mean_eikonal_residual"]
 
@@ -91,6 +91,7 @@ def mean_eikonal_residual(solver: GeodesicSolver, distance: ArrayLike) -> float:
 
 def _measured(solver: GeodesicSolver, distance: ArrayLike) -> tuple[FloatArray, FloatArray]:
     """Return the residual and the measure of each element or edge."""
+    check_solver(solver, "a residual")
     gradient = solver.method.metric.on_surface
     values = np.asarray(distance, dtype=np.float64)
     if values.shape != (gradient.n_vertices,):

@@ -38,15 +38,17 @@ class EveryVertex:
 
     Parameters
     ----------
-    start, stop : int
-        The range of vertices.
+    vertices : ndarray of shape (K,), int64
+        All of them, or those that the vertices of a file were merged into.
     """
 
-    start: int
-    stop: int
+    vertices: IntArray
 
     def __len__(self) -> int:
-        return self.stop - self.start
+        return len(self.vertices)
+
+    def __getitem__(self, rows: slice) -> "EveryVertex":
+        return EveryVertex(self.vertices[rows])
 
 
 Sets: TypeAlias = EveryVertex | Sequence[SourcePoints] | IntArray
@@ -93,7 +95,7 @@ class RowTask:
 def _distances(solver: GeodesicSolver, sets: Sets) -> NDArray[np.float64]:
     if not isinstance(sets, EveryVertex):
         return solver.distances(sets)
-    places = [_place(solver, vertex) for vertex in range(sets.start, sets.stop)]
+    places = [_place(solver, vertex) for vertex in sets.vertices.tolist()]
     found = [place for place in places if place is not None]
     if len(found) == len(places):
         return solver.distances(found)
@@ -135,5 +137,5 @@ def rows_of_task(n_rows: int, n_vertices: int) -> int:
 def vertices_of(sets: Sets) -> IntArray | None:
     """Return the source vertices, one a row, or None where a set is anything else."""
     if isinstance(sets, EveryVertex):
-        return np.arange(sets.start, sets.stop)
+        return sets.vertices
     return sets if isinstance(sets, np.ndarray) else None

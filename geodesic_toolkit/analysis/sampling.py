@@ -10,7 +10,7 @@ from geodesic_toolkit._typing import FloatArray, IntArray
 from geodesic_toolkit.domains import PointCloud
 from geodesic_toolkit.errors import InvalidOptionError, InvalidSourceError
 from geodesic_toolkit.heat import Progress
-from geodesic_toolkit.solver import GeodesicSolver
+from geodesic_toolkit.solver import GeodesicSolver, check_solver
 
 __all__ = ["farthest_point_sampling", "geodesic_voronoi"]
 
@@ -99,6 +99,7 @@ def farthest_point_sampling(
     >>> radii.round(1)  # from one pole to the other is π, from both to the equator half of it
     array([3.1, 1.6])
     """
+    check_solver(solver, "sampling")
     candidates = _candidates(solver)
     _check_count(count, len(candidates))
     first = _first(solver, candidates, start, rng)
@@ -217,6 +218,7 @@ def geodesic_voronoi(
     >>> labels[np.isclose(strip.vertices[:, 0], 0.25)]
     array([0, 0, 0, 0, 0, 0, 0, 0, 0])
     """
+    check_solver(solver, "a Voronoi diagram")
     places = solver._locate_sets(sites)  # noqa: SLF001 - all are checked before any work
     solver._warn_where_cut(places)  # noqa: SLF001 - as distances does
     labels = np.full(solver.domain.n_vertices, -1, dtype=np.int64)

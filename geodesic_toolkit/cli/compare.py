@@ -68,7 +68,7 @@ def compare(
             with run.step("loading graphics"):
                 targets.load_graphics()
         with run.step("reading"):
-            shape = welded(read(path), weld)
+            shape = welded(read(path), weld, run)
             targets.check_domain(shape.domain)
         with run.step("comparing"):
             comparison = compared(shape.domain, shape.sources(sources), progress=run.advance)

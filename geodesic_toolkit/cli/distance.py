@@ -152,7 +152,7 @@ def distance(
             with run.step("loading graphics"):
                 targets.load_graphics()
         with run.step("reading"):
-            shape, masked, places = _shape(path, sources, mask, weld)
+            shape, masked, places = _shape(run, path, sources, mask, weld)
             domain = shape.domain
             targets.check_domain(domain)
             points = _points(at, domain)
@@ -299,6 +299,7 @@ class Result:
 
 
 def _shape(
+    run: Run,
     path: Path,
     sources: list[int] | list[list[float]],
     mask: MarkedVertices | None,
@@ -309,10 +310,10 @@ def _shape(
     from geodesic_toolkit.masking import check_unmasked, without
     from geodesic_toolkit.sources import locate_sources
 
-    shape = welded(read(path), weld)
+    shape = welded(read(path), weld, run)
     masked = shape.mask(None if mask is None else mask.mask(shape.file.n_vertices))
     passable = shape.domain if masked is None else without(shape.domain, masked)
-    places = locate_sources(shape.domain, shape.sources(sources), passable=passable)
+    places = locate_sources(shape.domain, shape.sources(sources, masked), passable=passable)
     if masked is not None:
         check_unmasked(places, masked)
     return shape, masked, places

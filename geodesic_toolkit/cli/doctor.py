@@ -18,6 +18,7 @@ from geodesic_toolkit.cli.welding import check_weld, welded
 
 if TYPE_CHECKING:
     from geodesic_toolkit.diagnosis import Diagnosis
+    from geodesic_toolkit.solver import GeodesicSolver
 
 __all__ = ["doctor"]
 
@@ -60,12 +61,12 @@ def _examine_shape(path: Path, weld: float | None, json: bool) -> None:
 
     with running() as run:
         with run.step("reading"):
-            shape = welded(read(path), weld)
+            shape = welded(read(path), weld, run)
         with run.step("factorising"):
             solver = GeodesicSolver(shape.domain)
         with run.step("examining"):
             diagnosis = solver.diagnosis
-    advice = _advice(diagnosis)
+    advice = _of_seams(solver) + _advice(diagnosis)
     if json:
         show_json(
             {
@@ -82,6 +83,13 @@ def _examine_shape(path: Path, weld: float | None, json: bool) -> None:
     show("")
     for line in advice or ["Nothing stands out: use it as it is."]:
         show(f"- {line}")
+
+
+def _of_seams(solver: "GeodesicSolver") -> list[str]:
+    seams = solver.seams
+    if seams is None:
+        return []
+    return [f"{seams.finding}: {seams.cure}."]
 
 
 def _advice(diagnosis: "Diagnosis") -> list[str]:

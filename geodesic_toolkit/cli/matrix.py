@@ -130,7 +130,7 @@ def matrix(
     _check_apart(output, path, sources, None if mask is None else mask.path)
     with running() as run:
         with run.step("reading"):
-            shape = welded(read(path), weld)
+            shape = welded(read(path), weld, run)
             rows = None if sources is None else read_vertices(sources)
             masked = shape.mask(None if mask is None else mask.mask(shape.file.n_vertices))
         with run.step("factorising"):
@@ -147,7 +147,7 @@ def matrix(
         with run.step("computing"), _processes(workers) as executor, _resumable(output, run):
             result = distance_matrix(
                 geodesic,
-                shape.new if rows is None else shape.vertices(rows),
+                _every(shape) if rows is None else shape.vertices(rows, masked),
                 targets=shape.new,
                 dtype="float32" if float32 else "float64",
                 symmetrize=_how(symmetrize),
@@ -162,6 +162,13 @@ def matrix(
         show_json(summary.as_dict())
     else:
         show(str(summary))
+
+
+def _every(shape: Welded) -> Any:
+    """Return all vertices of the file as sources, the masked ones among them."""
+    from geodesic_toolkit.analysis.row_tasks import EveryVertex
+
+    return None if shape.new is None else EveryVertex(shape.new)
 
 
 def _how(symmetrize: SymmetrizeChoice) -> "Symmetrize":

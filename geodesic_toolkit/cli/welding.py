@@ -4,7 +4,8 @@ import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from geodesic_toolkit.errors import InvalidOptionError
+from geodesic_toolkit.cli.run import Run
+from geodesic_toolkit.errors import InvalidOptionError, InvalidSourceError
 
 if TYPE_CHECKING:  # importing NumPy takes longer than all of --help
     from geodesic_toolkit._typing import BoolArray, FloatArray, IntArray
@@ -32,25 +33,38 @@ class Welded:
     new: "IntArray | None" = None
 
     def sources(
-        self, sources: list[int] | list[list[float]]
+        self, sources: list[int] | list[list[float]], masked: "BoolArray | None" = None
     ) -> "list[list[float]] | IntArray | list[int]":
         """Return sources of the file on the domain: vertices have other numbers there."""
         if self.new is None or not isinstance(sources[0], int):
             return sources
-        return self.vertices(sources)
+        return self.vertices(sources, masked)
 
-    def vertices(self, vertices: "IntArray | list[int] | list[list[float]]") -> "IntArray":
+    def vertices(
+        self,
+        vertices: "IntArray | list[int] | list[list[float]]",
+        masked: "BoolArray | None" = None,
+    ) -> "IntArray":
         """Return vertices of the file, (K,), as those of the domain.
 
         Raises
         ------
         InvalidSourceError
-            One that is not in the file.
+            One that is not in the file, or that is `masked`, (N,), in the domain: the number is
+            that of the file.
         """
         from geodesic_toolkit.source_points import as_vertices
 
         known = as_vertices(vertices, self.file.n_vertices)
-        return known if self.new is None else self.new[known]
+        if self.new is None:
+            return known
+        new = self.new[known]
+        if masked is not None and masked[new].any():
+            raise InvalidSourceError(
+                f"vertex {known[masked[new]][0]} is masked, or one that it was merged with is, so "
+                "that no path starts there"
+            )
+        return new
 
     def firsts(self, vertices: "IntArray") -> "IntArray":
         """Return for vertices of the domain, (K,), the first of the file that is each."""
@@ -88,13 +102,15 @@ def check_weld(weld: float | None) -> None:
         raise InvalidOptionError(f"--weld must be finite and not negative, not {weld:g}")
 
 
-def welded(domain: "Domain", weld: float | None) -> Welded:
+def welded(domain: "Domain", weld: float | None, run: Run) -> Welded:
     """Return a shape with vertices merged that are no farther apart than `weld`, if it is given.
+
+    The run says how many are, and warns where none is.
 
     Raises
     ------
     InvalidOptionError
-        Something else than a mesh is to be welded.
+        Something else than a mesh is to be welded, or by more than its size.
     """
     if weld is None:
         return Welded(domain, domain)
@@ -105,4 +121,13 @@ def welded(domain: "Domain", weld: float | None) -> Welded:
         raise InvalidOptionError(
             f"--weld is for the vertices of a mesh; this is a {type(domain).__name__}"
         )
-    return Welded(domain, *merge_vertices(domain, tolerance=weld))
+    shape = Welded(domain, *merge_vertices(domain, tolerance=weld))
+    merged = domain.n_vertices - shape.domain.n_vertices
+    if merged:
+        run.note(f"--weld {weld:g} merged {merged} of {domain.n_vertices} vertices into others")
+    else:
+        run.warn(
+            f"--weld {weld:g} merged none of the {domain.n_vertices} vertices: no two of different "
+            "features are so close"
+        )
+    return shape

@@ -1,8 +1,8 @@
 """Cells of finite elements as the polygons of a surface.
 
-Polygons come as their sizes and, one after the other, their corners. Cells are named as meshio does,
-and their nodes are in the order of VTK: the corners, the nodes in the middles of edges, those in the
-middles of faces.
+Polygons come as their sizes and, one after the other, their corners. Cells are named as meshio
+does, and their nodes are in the order of VTK: the corners, the nodes in the middles of edges, those
+in the middles of faces.
 """
 
 from collections.abc import Iterable

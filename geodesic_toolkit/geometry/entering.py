@@ -41,7 +41,7 @@ def entered(
     known = values[faces]
     steps = np.linalg.norm(positions[faces] - places[:, None], axis=2)
     least = np.asarray((known + steps).min(axis=1))
-    two = np.flatnonzero(np.isfinite(known).sum(axis=1) == 2)  # noqa: PLR2004 - an edge
+    two = np.flatnonzero(np.isfinite(known).sum(axis=1) == 2)
     order = np.argsort(known[two], axis=1)[:, :2]
     ends = np.take_along_axis(faces[two], order, axis=1)
     tail, head = positions[ends[:, 0]], positions[ends[:, 1]]

@@ -55,6 +55,22 @@ class Seams:
     boundary: int
     tolerance: float
 
+    @property
+    def finding(self) -> str:
+        """What was found, in words."""
+        return (
+            f"{self.edges} of the {self.boundary} edges of the boundary lie upon others: the "
+            "surface is cut there, and no path crosses"
+        )
+
+    @property
+    def cure(self) -> str:
+        """What to do about it."""
+        return (
+            "merge what lies together: mesh, new = geodesic_toolkit.merge_vertices(mesh, "
+            f"tolerance={self.tolerance:g}), on the command line --weld {self.tolerance:g}"
+        )
+
 
 def find_seams(vertices: FloatArray, faces: IntArray, boundary: BoolArray) -> Seams | None:
     """Return where a mesh is cut apart along edges of its boundary, None where it is not.

@@ -9,7 +9,7 @@ from geodesic_toolkit._typing import FloatArray
 from geodesic_toolkit.domains import Graph, PointCloud
 from geodesic_toolkit.errors import ReadError
 from geodesic_toolkit.io.common import cloud, warn, whole_numbers
-from geodesic_toolkit.io.tables import read_table
+from geodesic_toolkit.io.tables import Table, read_table
 
 __all__ = ["read_edges", "read_pts", "read_xyz"]
 
@@ -66,6 +66,7 @@ def _points(path: Path) -> FloatArray:
     table = read_table(path)
     if table.names:
         return table.numbers(_columns(table.names))
+    _check_no_column_numbers(table)
     head = table.fields(0)
     if len(head) == 1 and len(table.lines) > 1:
         if not head[0].isdecimal():
@@ -76,7 +77,8 @@ def _points(path: Path) -> FloatArray:
     rows = table.numbers()
     if rows.shape[1] < 3:
         raise ReadError(f"points have at least three columns, not {rows.shape[1]}")
-    if rows.shape[1] > 3 and len(rows) > 3 and (np.diff(rows[:, 0]) == 1).all():
+    _check_no_colours_first(rows)
+    if rows.shape[1] > 3 and len(rows) > 3 and (np.diff(np.sort(rows[:, 0])) == 1).all():
         warn(
             path,
             "the first column, which seems to number the rows, was taken for x; if it does, "
@@ -85,11 +87,48 @@ def _points(path: Path) -> FloatArray:
     return rows
 
 
+def _check_no_column_numbers(table: Table) -> None:
+    """Raise where the first row is 0, 1, 2, ..., as pandas names columns that have no names."""
+    first = table.fields(0)
+    numbered = len(first) > 2 and first == [str(number) for number in range(len(first))]
+    if numbered and len(table.lines) > 1 and all("." in line for line in table.lines[1:]):
+        raise ReadError(
+            f"the first line, {table.lines[0][:40]!r}, may be a point or number the columns; name "
+            "them x, y and z, or leave it out"
+        )
+
+
+def _check_no_colours_first(rows: FloatArray) -> None:
+    """Raise where the first three columns look like colours, and the next three like no such."""
+    if rows.shape[1] < 6:
+        return
+    colours, rest = rows[:, :3], rows[:, 3:6]
+    if _are_bytes(colours) and colours.max() > 1 and not _are_bytes(rest) and not _are_unit(rest):
+        raise ReadError(
+            "the first three columns are whole numbers from 0 to 255, as colours are, and the next "
+            "three are none: which are x, y and z? Name the columns in a first line, such as "
+            "'r g b x y z'"
+        )
+
+
+def _are_bytes(values: FloatArray) -> bool:
+    return bool(((values >= 0) & (values <= 255) & (values == np.floor(values))).all())
+
+
+def _are_unit(vectors: FloatArray) -> bool:
+    length = np.linalg.norm(vectors, axis=1)
+    return bool((np.abs(length[np.isfinite(length)] - 1) <= UNIT).all())
+
+
 def _columns(names: list[str]) -> list[int]:
     """Return the columns of x, y and z, and of the normals where they are named.
 
     Three columns of other names (easting, northing, height) are taken in their order.
     """
+    if len(set(names)) < len(names) and (
+        twice := [name for name in names if names.count(name) > 1 and name in "xyz"]
+    ):
+        raise ReadError(f"several columns are named {twice[0]!r}; name each one otherwise")
     for position in POSITIONS:
         if set(position) <= set(names):
             normals = next((each for each in NORMALS if set(each) <= set(names)), ())

@@ -1,5 +1,6 @@
 """What the readers share: numbers from text, triangles of polygons, optional packages."""
 
+import codecs
 import importlib
 import warnings
 from collections.abc import Iterable, Sequence
@@ -43,7 +44,7 @@ BYTE_ORDER_MARK = b"\xef\xbb\xbf"
 
 
 def text_of(path: Path) -> bytes:
-    """Return the contents of a text file, as bytes: numbers need no decoding.
+    """Return the contents of a text file, as bytes: numbers need no decoding but UTF-16's.
 
     Raises
     ------
@@ -51,6 +52,11 @@ def text_of(path: Path) -> bytes:
         It is binary.
     """
     text = path.read_bytes()
+    if text.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)):  # as Excel saves "Unicode text"
+        try:
+            return text.decode("utf-16").encode()
+        except UnicodeDecodeError as error:
+            raise ReadError(f"not the UTF-16 that it begins as: {error}") from error
     if b"\0" in text:
         raise ReadError("binary, where text is expected")
     return text.removeprefix(BYTE_ORDER_MARK)

@@ -8,7 +8,7 @@ import io
 import re
 import warnings
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -28,6 +28,9 @@ POINT = re.compile(r"\d\.|\.\d")
 THOUSANDS = re.compile(r"(?<![\d.])\d{1,3}(,\d{3})+\.\d")
 SPACED = re.compile(r",[ \t]|[ \t],")
 GLUED = re.compile(r"[^\s,],[^\s,]")
+QUOTED = re.compile(r"(?<![^\s,;])(\"[^\"\n]*\"|'[^'\n]*')(?![^\s,;])")
+"""A field in quotes."""
+
 SPLIT_DECIMAL = re.compile(r"(^|,)([+-]?0\d|-0(,|$))", re.MULTILINE)
 """What no whole number looks like: the digits behind a decimal comma, or a negative zero."""
 
@@ -100,16 +103,20 @@ def read_table(path: Path) -> Table:
     ReadError
         Nothing is in it, it is binary, or its commas may be read in two ways.
     """
-    text = COMMENT.sub("", text_of(path).decode("latin-1"))
+    whole = text_of(path).decode("latin-1")
+    text = COMMENT.sub("", whole)
     lines = [line for line in map(str.strip, text.splitlines()) if line]
     if not lines:
         raise ReadError("there are no numbers in the file")
     names = _names(lines[0])
-    body, separator = _separated("\n".join(lines[1:] if names else lines))
+    body, separator = _separated(_unquoted("\n".join(lines[1:] if names else lines)))
     if not body:
         raise ReadError(f"there are no numbers in the file, only {lines[0][:40]!r}")
     table = Table(names, body.split("\n"), separator)
-    if names and len(names) != len(table.fields(0)):
+    if not names:
+        names = _commented_names(whole)
+        return replace(table, names=names) if len(names) == len(table.fields(0)) else table
+    if len(names) != len(table.fields(0)):
         raise ReadError(
             f"the first line, {lines[0][:40]!r}, names {len(names)} columns, and there are "
             f"{len(table.fields(0))}; if their commas are decimal ones, {ADVICE}"
@@ -117,8 +124,45 @@ def read_table(path: Path) -> Table:
     return table
 
 
+def _commented_names(text: str) -> list[str]:
+    """Return the names of columns in the last comment before the numbers, x, y and z among them.
+
+    CloudCompare writes ``//X,Y,Z,R,G,B``, NumPy ``# x y z``.
+    """
+    names: list[str] = []
+    for line in map(str.strip, text.splitlines()):
+        if line and not COMMENT.match(line):
+            break
+        found = _names(line.lstrip("#/% \t"))
+        names = found if {"x", "y", "z"} <= set(found) else names
+    return names
+
+
+def _unquoted(body: str) -> str:
+    """Return lines without quotes around their fields, in which no commas are left.
+
+    Raises
+    ------
+    ReadError
+        It is not sure that the commas in quoted numbers are decimal ones.
+    """
+    if not ('"' in body or "'" in body):
+        return body
+    numbers = [field for field in QUOTED.findall(body) if _is_number(field[1:-1])]
+    _decimal_points(";".join(field[1:-1].strip() for field in numbers))
+    return QUOTED.sub(_bare, body)
+
+
+def _bare(field: re.Match[str]) -> str:
+    inner = field.group()[1:-1].strip()
+    if DECIMAL.fullmatch(inner):
+        return inner.replace(",", ".")
+    return re.sub(r"[,;\s]+", "_", inner)  # of a word, which is no number
+
+
 def _names(line: str) -> list[str]:
     """Return the names of columns that a line holds; none if a number or a truth value is there."""
+    line = re.sub(r"\s*[,;]$", "", line)  # as of rows
     separator = next((mark for mark in ";\t," if mark in line), None)
     words = [word.strip().strip("\"'").strip().lower() for word in line.split(separator)]
     if not any(word[:1].isalpha() for word in words):

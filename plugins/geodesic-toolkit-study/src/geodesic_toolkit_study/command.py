@@ -47,7 +47,7 @@ def study(
     check_weld(weld)
     with running() as run:
         with run.step("reading"):
-            shape = welded(read(path), weld)
+            shape = welded(read(path), weld, run)
             mesh = shape.domain
             chosen = None if chosen is None else shape.vertices(chosen).tolist()
         figures = run_study(mesh, out, sources=chosen, name=path.stem, seed=seed, step=run.step)
