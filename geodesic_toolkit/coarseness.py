@@ -9,6 +9,7 @@ from the rim of a square of 22 x 22 vertices plain heat is 6 % off, from one cor
 
 import threading
 import warnings
+from collections.abc import Iterable, Sequence
 
 import numpy as np
 
@@ -51,62 +52,68 @@ class Judge:
     ----------
     method : HeatMethod
         That does not refine, on triangles.
-    cause : str
+    unusual : str
         Which option departs from what it is unless given, in words, if one does: then parts of any
         size are judged.
-    cure : str
-        What helps against that, beside refined distances.
     """
 
-    def __init__(self, method: HeatMethod, cause: str = "", cure: str = "") -> None:
+    def __init__(self, method: HeatMethod, unusual: str = "") -> None:
         self._method, self._metric = method, method.metric
-        self._cause, self._cure = cause, cure
+        self._unusual = unusual
         self._sizes = np.bincount(method.metric.components)
         self._sweeper: WavefrontSweeper | None = None
         self._lock = threading.Lock()
-        self._errors: dict[tuple[int, bool], list[float]] = {}
+        self._errors: dict[int, list[float]] = {}  # from single sources, by part
 
-    def judge(self, places: SourcePoints, plain: FloatArray) -> bool:
-        """Warn where distances (N,) from some sources are off, and return whether they are.
+    def judge(self, sets: Sequence[SourcePoints], distances: Iterable[FloatArray]) -> None:
+        """Warn where distances (N,) from one of some source sets are off, once.
 
         Not where heat is not positive: the warning of that knows the cause.
         """
-        parts, counts = np.unique(places.components(self._metric), return_counts=True)
-        keys = [
-            (part, count > 1) for part, count in zip(parts.tolist(), counts.tolist(), strict=True)
-        ]
-        keys = [key for key in keys if self._sizes[key[0]] > 1 and self._may_be_off(*key)]
-        with self._lock:
-            if any(len(self._errors.get(key, ())) < JUDGED for key in keys):
-                found = self._found(places, plain)
-                for key in keys:
-                    self._errors.setdefault(key, []).append(found.get(key[0], 0.0))
-            known = [(max(self._errors[key]), key) for key in keys]
-        error, (part, several) = max(known, default=(0.0, (0, False)))
-        if error <= LIMIT:
-            return False
-        if self._method.heat_report(places).harmful:  # of which another warning tells
-            return True
-        why = " " + self._cause if self._cause else ", too few for it"
-        if several:
-            why = f", and {counts[parts == part][0]} sources are close together for it"
-        cures = ["refine=True", *([self._cure] if self._cure else []), "exact_distance"]
-        warn(
-            f"plain heat is {100 * error:.0f} % off in the mean on the part of the mesh that a "
-            f"source lies on, which has {self._sizes[part]} vertices{why}; use "
-            f"{', or '.join(cures)}, or divide the faces",
-            CoarseMeshWarning,
-        )
-        return True
+        left = JUDGED  # sets of several sources differ in what these do to each other
+        for places, plain in zip(sets, distances, strict=True):
+            parts, counts = np.unique(places.components(self._metric), return_counts=True)
+            several = bool((counts > 1).any())
+            left -= several
+            if several and left < 0:
+                continue
+            error, part = self._several(places, plain) if several else self._single(places, plain)
+            if error > LIMIT:
+                if not self._method.heat_report(places).harmful:
+                    self._warn(error, part, int(counts[parts == part].sum()))
+                return
 
-    def _may_be_off(self, part: int, several: bool) -> bool:
-        return bool(self._cause) or several or int(self._sizes[part]) <= LARGEST
+    def _several(self, places: SourcePoints, plain: FloatArray) -> tuple[float, int]:
+        found = self._found(places, plain)
+        return max(((error, part) for part, error in found.items()), default=(0.0, 0))
+
+    def _single(self, places: SourcePoints, plain: FloatArray) -> tuple[float, int]:
+        parts = np.unique(places.components(self._metric))
+        own = self._sizes[parts]
+        parts = parts[(own > 1) & (bool(self._unusual) | (own <= LARGEST))].tolist()
+        with self._lock:
+            if any(len(self._errors.get(part, ())) < JUDGED for part in parts):
+                found = self._found(places, plain)
+                for part in parts:
+                    self._errors.setdefault(part, []).append(found.get(part, 0.0))
+            return max(((max(self._errors[part]), part) for part in parts), default=(0.0, 0))
 
     def _found(self, places: SourcePoints, plain: FloatArray) -> dict[int, float]:
         if self._sweeper is None:
             self._sweeper = WavefrontSweeper(self._metric)
         error = _against_refined(self._sweeper, places, plain)
         return _means(error, self._metric.components)
+
+    def _warn(self, error: float, part: int, count: int) -> None:
+        how = f" {self._unusual}" if self._unusual else ""
+        how += f" from {count} sources" if count > 1 else ""
+        faces = "" if self._unusual else ", or divide the faces"
+        warn(
+            f"plain heat{how} is {100 * error:.0f} % off in the mean on the part of the mesh that "
+            f"a source lies on, which has {self._sizes[part]} vertices; use refine=True, or "
+            f"exact_distance{faces}",
+            CoarseMeshWarning,
+        )
 
 
 def _plain_heat_errors(

@@ -549,10 +549,8 @@ class GeodesicSolver:
             return
         with self._lock:
             if self._judge is None:
-                self._judge = Judge(self.method, *self._unusual)
-        for places, row in zip(sets, distances, strict=True):
-            if self._judge.judge(places, row):
-                return
+                self._judge = Judge(self.method, self._unusual)
+        self._judge.judge(sets, distances)
 
     def _locate_sets(self, source_sets: Any) -> list[SourcePoints]:
         if isinstance(source_sets, str | bytes) or not isinstance(source_sets, Iterable):
@@ -598,13 +596,11 @@ def _refine_by_default(choice: Any, metric: Discretization) -> tuple[bool, str]:
     return refinement_of(metric)
 
 
-def _unusual(boundary: Boundary, *, own_time: bool) -> tuple[str, str]:
-    """Return what may make plain heat wrong on a mesh of any size, and what helps against it."""
+def _unusual(boundary: Boundary, *, own_time: bool) -> str:
+    """Return what may make plain heat wrong on a mesh of any size, in words."""
     if boundary != "neumann":
-        return f'with boundary="{boundary}"', 'boundary="neumann"'
-    if own_time:
-        return "with this time step", "time_factor=1"
-    return "", ""
+        return f'with boundary="{boundary}"'
+    return "with this time step" if own_time else ""
 
 
 def _warn_where_uneven(metric: Discretization) -> None:

@@ -1,6 +1,7 @@
 """Where a surface ends: slivers there, sources there, and fronts that nothing lies behind."""
 
 import dataclasses
+import re
 import warnings
 
 import numpy as np
@@ -12,7 +13,11 @@ from scipy.spatial import Delaunay
 
 import geodesic_toolkit as gt
 from geodesic_toolkit import _native
-from geodesic_toolkit.errors import InvalidDiscretizationError, NonPositiveHeatWarning
+from geodesic_toolkit.errors import (
+    CoarseMeshWarning,
+    InvalidDiscretizationError,
+    NonPositiveHeatWarning,
+)
 from geodesic_toolkit.geometry.rims import mirrored_at_rims, rim_cotangents, rim_edges
 from geodesic_toolkit.geometry.triangles import face_edge_lengths, measured_by_lengths
 from geodesic_toolkit.gradient import ElementGradient
@@ -388,3 +393,64 @@ def test_a_curve_along_the_rim_is_a_source():
     distance = gt.geodesic_distance(mesh, gt.Curve([[0, 0, 0], [1, 0, 0]]), refine=True)
     inner = np.abs(mesh.vertices[:, 0] - 0.5) + mesh.vertices[:, 1] < 0.4  # of the ends' circles
     np.testing.assert_allclose(distance[inner], mesh.vertices[inner, 1], atol=1e-4)
+
+
+# -- the warning of answers that are off -----------------------------------------------------------
+
+
+def coarse_warnings(solver, sources):
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always", CoarseMeshWarning)
+        found = solver.distance(sources)
+    return found, [str(each.message) for each in caught]
+
+
+@pytest.mark.parametrize("stretch", [1, 5, 100])
+@pytest.mark.parametrize("boundary", ["dirichlet", "average"])
+def test_a_boundary_condition_is_named_where_it_harms_and_what_is_advised_helps(stretch, boundary):
+    square = shapes.grid(22)
+    mesh = gt.TriangleMesh(square.vertices * [stretch, 1, 1], square.faces)
+    exact = on_plane(mesh, 253)
+    solver = gt.GeodesicSolver(mesh, boundary=boundary, refine=False)
+    found, said = coarse_warnings(solver, 253)
+    error = mean_relative_error(found, exact)
+    assert bool(said) == (error > 0.04)
+    if said:
+        text = f'plain heat with boundary="{boundary}" is {100 * error:.0f} % off.*refine=True'
+        assert re.match(text, said[0])
+        refined = gt.GeodesicSolver(mesh, boundary=boundary, refine=True)
+        assert mean_relative_error(refined.distance(253), exact) < 0.001
+
+
+@pytest.mark.parametrize("n", [8, 22])
+def test_many_sources_are_named_where_plain_heat_from_them_is_off_and_one_is_not(n):
+    square = shapes.grid(n)
+    x, y = square.vertices[:, :2].T
+    hull = np.flatnonzero((x * (1 - x) < 1e-9) | (y * (1 - y) < 1e-9))
+    exact = np.minimum(np.minimum(x, 1 - x), np.minimum(y, 1 - y))
+    solver = gt.GeodesicSolver(square, refine=False)
+    found, said = coarse_warnings(solver, hull)
+    assert mean_relative_error(found, exact) > 0.05
+    assert f"from {len(hull)} sources is" in said[0]
+    side, said = coarse_warnings(solver, np.flatnonzero(x < 1e-9))
+    assert mean_relative_error(side, x) < 0.04
+    assert not said
+    rows = gt.GeodesicSolver(square, refine=True).distances([hull])
+    assert mean_relative_error(rows[0], exact) < 1e-6
+    with pytest.warns(CoarseMeshWarning, match=f"from {len(hull)} sources"):
+        solver.distances([[0], hull])
+    with pytest.warns(CoarseMeshWarning, match=f"from {len(hull)} sources"):
+        gt.geodesic_voronoi(solver, [hull])
+    with pytest.warns(CoarseMeshWarning, match=f"from {len(hull)} sources"):
+        solver.query([0.5, 0.5, 0.0], hull)
+
+
+def test_a_time_step_that_is_too_long_is_warned_of():
+    square = shapes.grid(50)
+    exact = on_plane(square, 1010)
+    found, said = coarse_warnings(gt.GeodesicSolver(square, time_factor=1e4, refine=False), 1010)
+    assert mean_relative_error(found, exact) > 0.04
+    assert "with this time step" in said[0]
+    found, said = coarse_warnings(gt.GeodesicSolver(square, refine=False), 1010)
+    assert mean_relative_error(found, exact) < 0.04
+    assert not said
