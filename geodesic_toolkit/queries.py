@@ -130,10 +130,10 @@ class Surface:
     discretization : Discretization
         That of `domain`: its spacing and, for a cloud, its triangles are used.
     ground : Ground, optional
-        That of `domain`, whose tree serves where it is the same.
-    masked : bool
-        Whether distances are infinite at vertices that no path may cross: a place in a face that
-        has one is then reached from the other corners.
+        That of `domain`, whose tree serves where it is the same, or of what a mask leaves of it.
+    mask : ndarray of shape (N,), bool, optional
+        The vertices that no path may cross. A place in a face that has one is reached from its
+        other corners, if it is within reach of what the mask leaves.
 
     Raises
     ------
@@ -147,9 +147,9 @@ class Surface:
         discretization: Discretization,
         ground: Ground | None = None,
         *,
-        masked: bool = False,
+        mask: BoolArray | None = None,
     ) -> None:
-        self._masked = masked
+        self._mask, self._left = mask, ground
         self._positions = positions_of(domain)
         self._faces = _triangles(domain, discretization)
         self._spacing = discretization.spacing
@@ -276,6 +276,10 @@ class Surface:
                 feet = np.einsum("qc,qcd->qd", weights, self._positions[self._faces[faces]])
                 with np.errstate(over="ignore"):  # infinitely far is far enough
                     stands = _length(places - feet) <= limit
+                if self._mask is not None and self._left is not None:
+                    cut = np.flatnonzero(stands & self._mask[self._faces[faces]].any(axis=1))
+                    if len(cut):
+                        stands[cut] = self._left.gaps(places[cut]) <= limit
                 yield _Feet(some.start + near[stands], faces[stands], weights[stands])
             if progress is not None:
                 progress(some.stop, len(queries))
@@ -285,7 +289,7 @@ class Surface:
         corners = self._faces[feet.faces]
         found = _mean(feet.weights, values[corners])
         beyond = np.flatnonzero(found == np.inf)
-        if self._masked and len(beyond):
+        if self._mask is not None and len(beyond):
             found[beyond] = self._entered(values, feet.chosen(beyond))
         if kinks is not None:
             rings = found / self._spacing

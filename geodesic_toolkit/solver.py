@@ -454,7 +454,7 @@ class GeodesicSolver:
                     self._whole is not None or isinstance(self.domain, TriangleMesh)
                 )
                 domain = self.domain if cut else self._passable
-                self._surface = Surface(domain, metric, ground, masked=cut)
+                self._surface = Surface(domain, metric, ground, mask=self._mask if cut else None)
             return self._surface
 
     def _kept_ground(self) -> "Ground | None":

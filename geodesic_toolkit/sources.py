@@ -28,6 +28,9 @@ __all__ = ["locate_sources"]
 SAMPLES = 4
 """Samples of a curve to a mean edge length."""
 
+FEW = 8
+"""Vertices of a shape from which on repeated sources, as many as there are vertices, are labels."""
+
 LEAST = 0.25
 """Share of its length to which a front that leaves a curve may have shrunk at the next vertex: one
 that the curve bends about more closely than edges are long."""
@@ -95,6 +98,7 @@ def locate_sources(
         return _in_space(ground or _ground(passable or domain, name), points, name)
     if array.dtype.kind == "b" and array.shape == (domain.n_vertices,):
         raise InvalidSourceError(f"{name} must be indices, not a mask: use numpy.flatnonzero(mask)")
+    _check_no_labels(array, domain.n_vertices, name)
     return _at_vertices(domain, as_vertices(sources, domain.n_vertices, name), name)
 
 
@@ -168,6 +172,19 @@ def _check_one_meaning(array: Any, domain: Domain, name: str) -> None:
             f"{name}: {array.tolist()} may be three vertices or one point; give vertices as "
             f"integers, {vertices} (of an array: {name}.astype(int)), and the point as an array of "
             f"shape (1, 3), [{array.tolist()}]"
+        )
+
+
+def _check_no_labels(array: Any, n_vertices: int, name: str) -> None:
+    """Raise where integers may be a label, or 0 and 1, for each vertex: sources do not repeat."""
+    if array.dtype.kind not in "iu" or array.shape != (n_vertices,) or n_vertices < FEW:
+        return
+    values = np.unique(array)
+    if 2 * len(values) <= n_vertices:
+        raise InvalidSourceError(
+            f"{name}: {n_vertices} integers, of which only {len(values)} differ, for as many "
+            "vertices seem to be labels or a mask: give the vertices of one, "
+            f"numpy.flatnonzero({name} == {values[-1]})"
         )
 
 

@@ -525,5 +525,3 @@ def test_points_between_masked_vertices_have_no_distance_as_these_have_none():
     solver = gt.GeodesicSolver(GRID, mask=mask)
     np.testing.assert_array_equal(solver.query([[0.9, 0.5, 0], [1.0, 1.0, 0]], 0), np.inf)
     np.testing.assert_array_equal(solver.query(GRID.vertices[~mask], 0), solver.distance(0)[~mask])
-    height = GRID.vertices[:, 1]
-    assert solver.interpolate(height, [0.9, 0.5, 0.0]) == pytest.approx(0.5)

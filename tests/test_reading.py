@@ -1295,3 +1295,23 @@ def test_a_damaged_file_of_another_package_is_read_or_refused(name, tmp_path):
     package, make = WRITTEN[name]
     pytest.importorskip(package)
     check_damaged(tmp_path / f"damaged.{name.split()[0]}", make(tmp_path), 40)
+
+
+def test_grids_are_read_whatever_data_they_carry(tmp_path):
+    pyvista = pytest.importorskip("pyvista")
+    grid = pyvista.PolyData.from_regular_faces(POINTS, FACES).cast_to_unstructured_grid()
+    grid.point_data.active_normals = POINTS
+    for binary in (True, False):
+        grid.save(tmp_path / "n.vtk", binary=binary)
+        check_octahedron(gt.read(tmp_path / "n.vtk"), exact=False)
+
+
+@pytest.mark.parametrize("newline", ["\n", "\r\n"])
+def test_a_comment_that_holds_the_last_word_of_a_ply_header_does_not_end_it(newline, tmp_path):
+    head = ["ply", "format ascii 1.0", "comment end_header", "element vertex 3"]
+    head += [f"property float {axis}" for axis in "xyz"]
+    head += ["element face 1", "property list uchar int vertex_indices", "end_header"]
+    rows = ["0 0 0", "1 0 0", "0 1 0", "3 0 1 2", ""]
+    path = tmp_path / "t.ply"
+    path.write_bytes(newline.join(head + rows).encode())
+    assert gt.read(path).faces.tolist() == [[0, 1, 2]]

@@ -366,6 +366,14 @@ def test_no_path_starts_in_a_mask():
     assert np.nanmin(beside) <= 0.01
 
 
+@pytest.mark.parametrize("labels", [np.zeros(1681), np.arange(1681) % 3, np.arange(1681) == 5])
+def test_a_label_for_each_vertex_is_not_taken_for_sources(labels):
+    with pytest.raises(InvalidSourceError, match=r"seem to be labels or a mask.*flatnonzero"):
+        gt.geodesic_distance(GRID, labels.astype(np.uint8))
+    gt.geodesic_distance(GRID, np.arange(GRID.n_vertices))  # all of them, each once
+    gt.geodesic_distance(GRID, [3, 3, 3])
+
+
 @pytest.mark.parametrize(
     "mask",
     [np.zeros(7, dtype=bool), np.zeros(1681), [[True]], "none", [0, 5], [[True], [True, False]]],

@@ -41,6 +41,16 @@ class Ground:
                 self._triangles = TriangleTree(self.domain.vertices, self.domain.faces)
             return self._triangles
 
+    def gaps(self, places: FloatArray) -> FloatArray:
+        """Return how far each place is from the faces, or from the points of a cloud."""
+        domain = self.domain
+        if isinstance(domain, TriangleMesh):
+            faces, weights = self.triangles.closest(places)
+            feet = np.einsum("qc,qcd->qd", weights, domain.vertices[domain.faces[faces]])
+        else:
+            feet = domain.points[self.nearest_points(places)]
+        return np.asarray(np.linalg.norm(places - feet, axis=1))
+
     def nearest_points(self, places: FloatArray) -> IntArray:
         """Return the point of a cloud that is nearest to each place; none that is missing."""
         from scipy.spatial import cKDTree

@@ -1,5 +1,6 @@
 """PLY, the Stanford polygon format: text and binary, faces, polygons, triangle strips, points."""
 
+import re
 import struct
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -31,6 +32,7 @@ COUNTS = {"i1": "b", "u1": "B", "i2": "h", "u2": "H", "i4": "i", "u4": "I"}  # f
 ORDERS = {"binary_little_endian": "<", "binary_big_endian": ">"}
 COLOURS = ("red", "green", "blue")
 LONGEST_HEADER = 1 << 20
+HEADER_END = re.compile(rb"[\r\n](end_header)[ \t]*[\r\n]")
 
 
 @dataclass(frozen=True)
@@ -112,7 +114,8 @@ def _header(data: bytes) -> tuple[str, list[_Element], int]:
     """Return the format, the elements, and where the data begin."""
     if data[:3] != b"ply" or data[3:4] not in {b"\n", b"\r", b" "}:
         raise ReadError('not a PLY file: it does not begin with "ply"')
-    end = data.find(b"end_header", 0, LONGEST_HEADER)
+    found = HEADER_END.search(data, 0, LONGEST_HEADER)  # a comment may hold the word
+    end = found.start(1) if found else -1
     newline = min(
         (at for at in (data.find(b"\n", end), data.find(b"\r", end)) if at >= 0), default=-1
     )

@@ -3,6 +3,8 @@
 The former are what surfaces are saved as, and the one kind that meshio does not know.
 """
 
+import re
+import tempfile
 from pathlib import Path
 from typing import Any
 
@@ -24,6 +26,7 @@ TYPES = {
     "vtkidtype": "i4", "vtktypeint64": "i8", "float": "f4", "double": "f8",
 }  # fmt: skip
 CELLS = {"VERTICES", "LINES", "POLYGONS", "TRIANGLE_STRIPS"}
+DATA = re.compile(rb"\n(POINT_DATA|CELL_DATA)[ \t]+\d+[ \t\r]*\n")
 ATTRIBUTES = {"POINT_DATA", "CELL_DATA", "FIELD"}
 
 
@@ -34,7 +37,7 @@ def read_vtk(path: Path) -> Domain:
     if len(head) < 4 or not head[0].lower().startswith("# vtk datafile version"):
         raise ReadError('not a VTK file: it does not begin with "# vtk DataFile Version"')
     if head[3].upper().split() != ["DATASET", "POLYDATA"]:
-        return read_cells(path, "vtk")
+        return _read_grid(path, data)
     cursor = _Cursor(data, binary=head[2].strip().upper() == "BINARY")
     for _ in range(4):
         cursor.words()
@@ -56,6 +59,18 @@ def read_vtk(path: Path) -> Domain:
     if points is None:
         raise ReadError("the VTK file has no points")
     return TriangleMesh(points, np.concatenate(faces)) if faces else PointCloud(points)
+
+
+def _read_grid(path: Path, data: bytes) -> Domain:
+    """Read a grid without the data at its points and cells, of which meshio does not know all."""
+    cells = data.rfind(b"CELL_TYPES")
+    found = DATA.search(data, cells) if cells >= 0 else None
+    if found is None:
+        return read_cells(path, "vtk")
+    with tempfile.TemporaryDirectory() as folder:
+        bare = Path(folder, path.name)
+        bare.write_bytes(data[: found.start() + 1])
+        return read_cells(bare, "vtk")
 
 
 def _count(word: str) -> int:
