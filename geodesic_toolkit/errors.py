@@ -111,7 +111,7 @@ class ReadWarning(GeodesicWarning):
 
 
 class CoarseMeshWarning(GeodesicWarning):
-    """Plain heat is 4 % off, or more, as a part of a mesh has few vertices; refined is better."""
+    """Plain heat is 4 % off, or more, on a part of a mesh; the refined distance is better."""
 
 
 class FragmentedCloudWarning(GeodesicWarning):

@@ -13,11 +13,12 @@ from geodesic_toolkit.errors import (
     InvalidSourceError,
     UnsupportedDomainError,
 )
+from geodesic_toolkit.geometry.welding import same_places
 from geodesic_toolkit.gradient import ElementGradient
 from geodesic_toolkit.laplacians.base import LaplaceOperator
 from geodesic_toolkit.source_points import SourcePoints
 
-__all__ = ["as_mask", "assembled_without", "check_unmasked", "without"]
+__all__ = ["as_mask", "assembled_without", "check_unmasked", "of_places", "without"]
 
 
 def as_mask(mask: Any, n_vertices: int) -> BoolArray:
@@ -34,11 +35,23 @@ def as_mask(mask: Any, n_vertices: int) -> BoolArray:
     except (ValueError, TypeError) as error:
         raise InvalidOptionError(f"mask cannot be read as an array: {error}") from error
     if array.dtype.kind != "b" or array.shape != (n_vertices,):
+        truth = array.shape == (n_vertices,) and array.dtype.kind in "iuf"
+        cure = "; of 0 and 1: mask.astype(bool)" if truth and np.isin(array, (0, 1)).all() else ""
         raise InvalidOptionError(
             f"mask must hold one boolean for each of the {n_vertices} vertices, true where no path "
-            f"may pass, not {array.dtype} of shape {array.shape}"
+            f"may pass, not {array.dtype} of shape {array.shape}{cure}"
         )
     return np.array(array, dtype=np.bool_)
+
+
+def of_places(domain: Domain, mask: BoolArray) -> BoolArray:
+    """Return a mask that holds all points of a cloud at one place, where it holds one of them."""
+    if not isinstance(domain, PointCloud):
+        return mask
+    first, place = same_places(domain.points)
+    held = np.zeros(len(first), dtype=np.bool_)
+    held[place[mask]] = True
+    return np.asarray(held[place])
 
 
 def check_unmasked(places: SourcePoints, mask: BoolArray, name: str = "sources") -> None:

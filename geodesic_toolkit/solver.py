@@ -149,9 +149,9 @@ class GeodesicSolver:
             self.operator.check_domain(domain)
             metric = self.operator.assemble(domain)
         else:
-            from geodesic_toolkit.masking import as_mask, assembled_without, without
+            from geodesic_toolkit.masking import as_mask, assembled_without, of_places, without
 
-            self._mask = as_mask(mask, domain.n_vertices)
+            self._mask = of_places(domain, as_mask(mask, domain.n_vertices))
             metric, self._whole = assembled_without(self.operator, domain, self._mask)
             domain = without(domain, self._mask)
         self._passable: Domain = domain

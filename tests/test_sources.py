@@ -339,6 +339,22 @@ def test_a_point_between_masked_points_of_a_cloud_has_no_distance():
     assert found[2] == np.inf
 
 
+@pytest.mark.parametrize("copy", [0, 1])
+def test_a_place_of_a_cloud_is_masked_where_one_of_the_points_there_is(copy):
+    points = shapes.grid(11).vertices
+    wall = (np.abs(points[:, 0] - 0.5) < 0.01) & (points[:, 1] < 0.75)
+    mask = np.roll(np.concatenate([wall, np.zeros(121, bool)]), 121 * copy)
+    twice = gt.PointCloud(np.concatenate([points, points]))
+    distance = gt.geodesic_distance(twice, 0, operator=PCA, mask=mask)
+    once = gt.geodesic_distance(gt.PointCloud(points), 0, operator=PCA, mask=wall)
+    np.testing.assert_allclose(distance, np.concatenate([once, once]), rtol=1e-6, atol=1e-8)
+
+
+def test_a_mask_of_0_and_1_is_refused_with_the_cure():
+    with pytest.raises(InvalidOptionError, match=r"of 0 and 1: mask.astype\(bool\)"):
+        gt.GeodesicSolver(GRID, mask=WALL.astype(int))
+
+
 def test_a_mask_of_a_cloud_may_leave_single_points():
     points = shapes.grid(5).vertices
     distance = gt.geodesic_distance(gt.PointCloud(points), 0, operator=PCA, mask=np.arange(25) > 0)
