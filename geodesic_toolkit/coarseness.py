@@ -50,16 +50,18 @@ class Judge:
 
     Parameters
     ----------
+    mesh : TriangleMesh
     method : HeatMethod
-        That does not refine, on triangles.
+        That does not refine, on the triangles of this mesh.
     unusual : str
         Which option departs from what it is unless given, in words, if one does: then parts of any
         size are judged.
     """
 
-    def __init__(self, method: HeatMethod, unusual: str = "") -> None:
+    def __init__(self, mesh: TriangleMesh, method: HeatMethod, unusual: str = "") -> None:
         self._method, self._metric = method, method.metric
         self._unusual = unusual
+        self._small_parts = small_parts_of(mesh, method.metric.components)
         self._sizes = np.bincount(method.metric.components)
         self._sweeper: WavefrontSweeper | None = None
         self._lock = threading.Lock()
@@ -101,7 +103,7 @@ class Judge:
     def _found(self, places: SourcePoints, plain: FloatArray) -> dict[int, float]:
         if self._sweeper is None:
             self._sweeper = WavefrontSweeper(self._metric)
-        error = _against_refined(self._sweeper, places, plain)
+        error = _against_refined(self._sweeper, self._small_parts, places, plain)
         return _means(error, self._metric.components)
 
     def _warn(self, error: float, part: int, count: int) -> None:

@@ -549,7 +549,7 @@ class GeodesicSolver:
             return
         with self._lock:
             if self._judge is None:
-                self._judge = Judge(self.method, self._unusual)
+                self._judge = Judge(self._passable, self.method, self._unusual)
         self._judge.judge(sets, distances)
 
     def _locate_sets(self, source_sets: Any) -> list[SourcePoints]:
