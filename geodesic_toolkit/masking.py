@@ -149,8 +149,9 @@ def assembled_without(
     operator.check_domain(passable)
     if isinstance(domain, PointCloud):
         whole = operator.assemble(domain)
-        if isinstance(whole.gradient, ElementGradient) and whole.gradient.stars:
-            return _restricted(whole, whole.gradient, mask), whole
+        stars = whole.gradient
+        if isinstance(stars, ElementGradient) and stars.stars and whole.surface is None:
+            return _restricted(whole, stars, mask), whole
     return operator.assemble(passable), None
 
 
