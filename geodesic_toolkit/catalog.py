@@ -112,7 +112,7 @@ def resolve_solvers(
         parts = (choice.get("heat", "auto"), choice.get("poisson", "auto"))
         return _solver(parts[0], compact), _solver(parts[1], compact)
     solver = _solver(choice, compact)
-    if solver.componentwise or getattr(solver, "allow_heat", False):
+    if solver.componentwise or solver.allow_heat:
         return solver, solver
     return _solver("auto", compact), solver
 

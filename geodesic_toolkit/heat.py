@@ -144,7 +144,7 @@ class HeatMethod:
                 f'boundary must be "neumann", "dirichlet" or "average", not {boundary!r}'
             )
         self.boundary = boundary
-        if not (heat_solver.componentwise or getattr(heat_solver, "allow_heat", False)):
+        if not (heat_solver.componentwise or heat_solver.allow_heat):
             raise InvalidOptionError(
                 f"{type(heat_solver).__name__} cannot resolve the small values of heat, far from "
                 'the source; use it for the Poisson step only, solver={"poisson": ...}, or insist '

@@ -224,7 +224,7 @@ class GeodesicSolver:
         >>> gt.GeodesicSolver(square).distance([0.5, 0.5, 0.0])[12].round(3)
         np.float64(0.0)
         """
-        places = self._locate(sources)
+        places = self.locate(sources)
         self._warn_where_cut([places])
         return self._distance(places)
 
@@ -250,7 +250,7 @@ class GeodesicSolver:
         InvalidSourceError
             As for `distance`, before any work; the message says which set.
         """
-        sets = self._locate_sets(source_sets)
+        sets = self.locate_sets(source_sets)
         self._warn_where_cut(sets)
         distances = self.method.distances(sets, progress=progress)
         self._warn_where_off(sets, distances)
@@ -312,7 +312,7 @@ class GeodesicSolver:
         array([0.41,  inf])
         """
         surface, queries = self._asked(points, reach)
-        places = self._locate(sources)
+        places = self.locate(sources)
         self._warn_where_cut([places])
         return surface.interpolate(
             self._distance(places), queries, reach=reach, sources=places, progress=progress
@@ -358,7 +358,7 @@ class GeodesicSolver:
         array([0.33])
         """
         surface, queries = self._asked(points, reach)
-        places = None if sources is None else self._locate(sources)
+        places = None if sources is None else self.locate(sources)
         return surface.interpolate(
             distance, queries, reach=reach, sources=places, progress=progress
         )
@@ -415,12 +415,36 @@ class GeodesicSolver:
         (array([0, 1]), array([0.1, 0.1]))
         """
         surface, queries = self._asked(points, reach)
-        sets = self._locate_sets(sources)
-        self._warn_where_cut(sets)
-        return surface.nearest(queries, sets, self._in_blocks, reach=reach, progress=progress)
+        sets = self.locate_sets(sources)
+        return surface.nearest(queries, sets, self.blocks, reach=reach, progress=progress)
 
-    def _in_blocks(self, sets: list[SourcePoints]) -> Iterator[FloatArray]:
-        """Yield the distances from source sets by blocks of rows that do not fill the memory."""
+    def blocks(self, source_sets: ArrayLike | Iterable[Any]) -> Iterator[FloatArray]:
+        """Yield the distances from K sets of sources by blocks of rows that do not fill the memory.
+
+        Parameters
+        ----------
+        source_sets : array-like of int, or iterable of what `distance` takes
+            As for :meth:`distances`.
+
+        Yields
+        ------
+        ndarray of shape (B, N), float64
+            The next B of the K rows.
+
+        Raises
+        ------
+        InvalidSourceError
+            As for :meth:`distances`, before any work.
+
+        Examples
+        --------
+        >>> import geodesic_toolkit as gt
+        >>> solver = gt.GeodesicSolver(gt.testing.shapes.icosphere(2))
+        >>> [block.shape for block in solver.blocks(range(100))]
+        [(64, 162), (36, 162)]
+        """
+        sets = self.locate_sets(source_sets)
+        self._warn_where_cut(sets)
         size = max(1, min(MOST_ROWS, BLOCK_ENTRIES // self.domain.n_vertices))
         for first in range(0, len(sets), size):
             some = sets[first : first + size]
@@ -440,9 +464,11 @@ class GeodesicSolver:
         positions_of(self.domain)  # refuses a graph
         queries = as_points(points)
         check_reach(reach)
-        return self._kept_surface(), queries
+        return self.surface, queries
 
-    def _kept_surface(self) -> "Surface":
+    @property
+    def surface(self) -> "Surface":
+        """The triangles that queries are answered on, in a tree: made when first asked for."""
         ground = self._kept_ground()
         with self._lock:
             if self._surface is None:
@@ -468,20 +494,92 @@ class GeodesicSolver:
                 self._ground = Ground(self._passable)
             return self._ground
 
+    def locate(self, sources: Any, name: str = "sources") -> SourcePoints:
+        """Return where sources lie: as convex combinations of vertices, checked.
+
+        What every method that takes `sources` does first; what it returns may be given to them
+        again.
+
+        Parameters
+        ----------
+        sources : int, array-like, SurfacePoint, sequence of them, Curve or OffsetSources
+            As for :meth:`distance`.
+        name : str
+            What errors call them.
+
+        Returns
+        -------
+        SourcePoints
+
+        Raises
+        ------
+        InvalidSourceError
+            As for :meth:`distance`.
+
+        Examples
+        --------
+        >>> import geodesic_toolkit as gt
+        >>> solver = gt.GeodesicSolver(gt.testing.shapes.grid(3))
+        >>> places = solver.locate([0.25, 0.25, 0.0])
+        >>> places.vertices, places.shares
+        (array([0, 4]), array([0.5, 0.5]))
+        """
+        if isinstance(sources, SourcePoints):  # located before
+            places = sources
+        else:
+            places = locate_sources(
+                self.domain, sources, name, passable=self._passable, ground=self._kept_ground()
+            )
+        if self._mask is not None:
+            from geodesic_toolkit.masking import check_unmasked
+
+            check_unmasked(places, self._mask, name)
+        return places
+
+    def locate_sets(self, source_sets: Any) -> list[SourcePoints]:
+        """Return where each of several sets of sources lies.
+
+        Parameters
+        ----------
+        source_sets : array-like of int, or iterable of what `distance` takes
+            As for :meth:`distances`.
+
+        Returns
+        -------
+        list of SourcePoints
+
+        Raises
+        ------
+        InvalidSourceError
+            As for :meth:`distances`; the message says which set.
+        """
+        if isinstance(source_sets, str | bytes) or not isinstance(source_sets, Iterable):
+            raise InvalidSourceError(
+                f"source sets must be a sequence of them, not {source_sets!r}; "
+                "for one set use distance"
+            )
+        check_nothing_masked(source_sets, "source sets", InvalidSourceError, LEFT)
+        sets = list(source_sets)
+        if not sets:
+            raise InvalidSourceError("there are no source sets; give at least one")
+        return [
+            self.locate(sources, f"source set {position}") for position, sources in enumerate(sets)
+        ]
+
     def heat(self, sources: Any) -> FloatArray:
         """Return the heat u of step 1 as the solver gives it, of shape (N,).
 
         It underflows some 700 edges from the source; :meth:`log_heat` does not. Parameters and
         errors are those of :meth:`distance`.
         """
-        return self.method.heat(self._locate(sources))
+        return self.method.heat(self.locate(sources))
 
     def log_heat(self, sources: Any) -> FloatArray:
         """Return log u of step 1, of shape (N,), over an unlimited range; ``-inf`` where u = 0.
 
         Parameters and errors are those of :meth:`distance`.
         """
-        return self.method.log_heat(self._locate(sources))
+        return self.method.log_heat(self.locate(sources))
 
     @property
     def mask(self) -> BoolArray | None:
@@ -509,19 +607,6 @@ class GeodesicSolver:
                     self._passable, self.operator, self.method, self._reason, self._seams
                 )
             return self._diagnosis
-
-    def _locate(self, sources: Any, name: str = "sources") -> SourcePoints:
-        if isinstance(sources, SourcePoints):  # located before
-            places = sources
-        else:
-            places = locate_sources(
-                self.domain, sources, name, passable=self._passable, ground=self._kept_ground()
-            )
-        if self._mask is not None:
-            from geodesic_toolkit.masking import check_unmasked
-
-            check_unmasked(places, self._mask, name)
-        return places
 
     def _warn_where_cut(self, sets: list[SourcePoints]) -> None:
         """Warn where a mesh is cut along seams, and say how far the first source set comes."""
@@ -551,20 +636,6 @@ class GeodesicSolver:
             if self._judge is None:
                 self._judge = Judge(self._passable, self.method, self._unusual)
         self._judge.judge(sets, distances)
-
-    def _locate_sets(self, source_sets: Any) -> list[SourcePoints]:
-        if isinstance(source_sets, str | bytes) or not isinstance(source_sets, Iterable):
-            raise InvalidSourceError(
-                f"source sets must be a sequence of them, not {source_sets!r}; "
-                "for one set use distance"
-            )
-        check_nothing_masked(source_sets, "source sets", InvalidSourceError, LEFT)
-        sets = list(source_sets)
-        if not sets:
-            raise InvalidSourceError("there are no source sets; give at least one")
-        return [
-            self._locate(sources, f"source set {position}") for position, sources in enumerate(sets)
-        ]
 
     def __getstate__(self) -> dict[str, Any]:
         kept = {"_lock", "_ground", "_surface", "_judge"}

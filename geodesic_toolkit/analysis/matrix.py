@@ -202,7 +202,7 @@ def _sets(solver: GeodesicSolver, sources: Any) -> Sets:
         return sources
     if sources is None:
         return EveryVertex(np.arange(n_vertices))
-    places = solver._locate_sets(sources)  # noqa: SLF001 - all are checked before any work
+    places = solver.locate_sets(sources)
     try:
         array = np.asarray(sources)
     except (ValueError, TypeError):  # sets of different kinds and lengths

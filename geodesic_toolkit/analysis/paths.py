@@ -141,7 +141,7 @@ def geodesic_path(solver: GeodesicSolver, source: Any, target: Any) -> GeodesicP
         )
     if isinstance(target, OffsetSources):
         raise InvalidSourceError("target: a path leads to a place; offsets are for sources")
-    sources = solver._locate(source, "source")  # noqa: SLF001 - it knows what is masked
+    sources = solver.locate(source, "source")
     goal = locate_sources(domain, target, "target", passable=solver.passable)
     if goal.count != 1:
         raise InvalidSourceError(

@@ -108,7 +108,7 @@ def _distances(solver: GeodesicSolver, sets: Sets) -> NDArray[np.float64]:
 def _place(solver: GeodesicSolver, vertex: int) -> SourcePoints | None:
     """Return a vertex as a source, or None where none can be: masked, missing in a cloud."""
     try:
-        return solver._locate(vertex)  # noqa: SLF001 - located once, here, instead of in each block
+        return solver.locate(vertex)  # once, here, instead of in each block
     except InvalidSourceError:
         return None
 

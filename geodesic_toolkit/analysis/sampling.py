@@ -219,12 +219,11 @@ def geodesic_voronoi(
     array([0, 0, 0, 0, 0, 0, 0, 0, 0])
     """
     check_solver(solver, "a Voronoi diagram")
-    places = solver._locate_sets(sites)  # noqa: SLF001 - all are checked before any work
-    solver._warn_where_cut(places)  # noqa: SLF001 - as distances does
+    places = solver.locate_sets(sites)
     labels = np.full(solver.domain.n_vertices, -1, dtype=np.int64)
     nearest = np.full(solver.domain.n_vertices, np.inf)
     first = 0
-    for distances in solver._in_blocks(places):  # noqa: SLF001 - rows that fit into memory
+    for distances in solver.blocks(places):
         best = distances.argmin(axis=0)
         least = np.take_along_axis(distances, best[None], axis=0)[0]
         nearer = least < nearest

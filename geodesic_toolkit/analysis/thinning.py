@@ -134,7 +134,7 @@ class Thinned:
         if sources is not None:
             if solver is None:
                 raise InvalidOptionError("give the solver, too, that the sources were given to")
-            places = solver._locate(sources)  # noqa: SLF001 - as it did for the distance
+            places = solver.locate(sources)
         other = self.full.present.copy()
         other[self.index] = False
         rest = np.flatnonzero(other)
@@ -154,7 +154,7 @@ class Thinned:
                     f"the solver is of another shape, {solver.domain!r}, than the thinned cloud, "
                     f"{self.cloud!r}: make it with GeodesicSolver(thinned.cloud)"
                 )
-            return solver._kept_surface()  # noqa: SLF001 - what it keeps for its queries
+            return solver.surface
         with self._lock:
             if "surface" not in self._made:
                 from geodesic_toolkit.laplacians.pointcloud import PointCloudLaplacian

@@ -90,6 +90,9 @@ class LinearSolver(abc.ABC):
         M-matrix and the right-hand side is not negative. Heat falls by a factor of about e per
         edge, so its solver must be; sparse Cholesky and LU without pivoting are, an iteration
         that stops on the norm of the residual is not.
+    allow_heat : bool
+        Whether it may solve the heat step although it is not componentwise accurate: an option,
+        where a solver has it.
     takes_rows : bool
         Whether it also takes matrices as ``CompressedRows`` of ``geodesic_toolkit._rows``, and
         so does without SciPy.
@@ -110,6 +113,7 @@ class LinearSolver(abc.ABC):
 
     componentwise: ClassVar[bool]
     takes_rows: ClassVar[bool] = False
+    allow_heat = False
     references: ClassVar[tuple[str, ...]] = ()
     known_failures: ClassVar[Mapping[str, str]] = MappingProxyType({})
 
