@@ -12,13 +12,14 @@ from typing import TYPE_CHECKING, Any
 __version__ = "0.1.0"
 
 if TYPE_CHECKING:
-    from geodesic_toolkit import errors, testing, viz
     from geodesic_toolkit.analysis.cloud_paths import CloudPath
+    from geodesic_toolkit.analysis.comparison import Comparison, compare
     from geodesic_toolkit.analysis.matrix import distance_matrix
     from geodesic_toolkit.analysis.paths import GeodesicPath, geodesic_path
-    from geodesic_toolkit.analysis.residual import eikonal_residual
+    from geodesic_toolkit.analysis.residual import eikonal_residual, mean_eikonal_residual
     from geodesic_toolkit.analysis.sampling import farthest_point_sampling, geodesic_voronoi
     from geodesic_toolkit.analysis.thinning import Thinned, thin
+    from geodesic_toolkit.analysis.variants import Variant, variants_for
     from geodesic_toolkit.api import geodesic_distance
     from geodesic_toolkit.catalog import operators, readers, solvers
     from geodesic_toolkit.conversion import as_domain
@@ -35,8 +36,8 @@ if TYPE_CHECKING:
     )
     from geodesic_toolkit.exact import exact_distance
     from geodesic_toolkit.gradient import EdgeGradient, ElementGradient, Gradient
-    from geodesic_toolkit.heat import HeatMethod
-    from geodesic_toolkit.io import read
+    from geodesic_toolkit.heat import HeatMethod, HeatReport
+    from geodesic_toolkit.io import read, read_mask, read_points, read_vertices, write
     from geodesic_toolkit.laplacians.base import LaplaceOperator
     from geodesic_toolkit.laplacians.cotan import CotanLaplacian
     from geodesic_toolkit.laplacians.pointcloud import PointCloudLaplacian
@@ -46,12 +47,17 @@ if TYPE_CHECKING:
     from geodesic_toolkit.linear.superlu import SuperLU
     from geodesic_toolkit.linear.supernodal import Supernodal
     from geodesic_toolkit.merging import merge_vertices
+    from geodesic_toolkit.queries import interpolate
+    from geodesic_toolkit.refine import WavefrontSweeper
+    from geodesic_toolkit.registry import PluginStatus, Registry
     from geodesic_toolkit.solver import GeodesicSolver
+    from geodesic_toolkit.source_points import SourcePoints
 
 # Spelt out once more, because type checkers read nothing else; a test keeps the two together.
 __all__ = [
     "CG",
     "CloudPath",
+    "Comparison",
     "CotanLaplacian",
     "Curve",
     "Diagnosis",
@@ -65,19 +71,26 @@ __all__ = [
     "Gradient",
     "Graph",
     "HeatMethod",
+    "HeatReport",
     "LaplaceOperator",
     "LinearSolver",
     "OffsetSources",
+    "PluginStatus",
     "PointCloud",
     "PointCloudLaplacian",
+    "Registry",
+    "SourcePoints",
     "SuperLU",
     "Supernodal",
     "SurfacePoint",
     "Thinned",
     "TriangleMesh",
     "UniformLaplacian",
+    "Variant",
+    "WavefrontSweeper",
     "__version__",
     "as_domain",
+    "compare",
     "distance_matrix",
     "eikonal_residual",
     "errors",
@@ -86,19 +99,27 @@ __all__ = [
     "geodesic_distance",
     "geodesic_path",
     "geodesic_voronoi",
+    "interpolate",
+    "mean_eikonal_residual",
     "merge_vertices",
     "operators",
     "read",
+    "read_mask",
+    "read_points",
+    "read_vertices",
     "readers",
     "solvers",
     "testing",
     "thin",
+    "variants_for",
     "viz",
+    "write",
 ]
 
 _HOMES = {
     "CG": "linear.cg",
     "CloudPath": "analysis.cloud_paths",
+    "Comparison": "analysis.comparison",
     "CotanLaplacian": "laplacians.cotan",
     "Curve": "domains",
     "Diagnosis": "diagnosis",
@@ -112,18 +133,25 @@ _HOMES = {
     "Gradient": "gradient",
     "Graph": "domains",
     "HeatMethod": "heat",
+    "HeatReport": "heat",
     "LaplaceOperator": "laplacians.base",
     "LinearSolver": "linear.base",
     "OffsetSources": "domains",
+    "PluginStatus": "registry",
     "PointCloud": "domains",
     "PointCloudLaplacian": "laplacians.pointcloud",
+    "Registry": "registry",
+    "SourcePoints": "source_points",
     "SuperLU": "linear.superlu",
     "Supernodal": "linear.supernodal",
     "SurfacePoint": "domains",
     "Thinned": "analysis.thinning",
     "TriangleMesh": "domains",
     "UniformLaplacian": "laplacians.uniform",
+    "Variant": "analysis.variants",
+    "WavefrontSweeper": "refine",
     "as_domain": "conversion",
+    "compare": "analysis.comparison",
     "distance_matrix": "analysis.matrix",
     "eikonal_residual": "analysis.residual",
     "exact_distance": "exact",
@@ -131,12 +159,19 @@ _HOMES = {
     "geodesic_distance": "api",
     "geodesic_path": "analysis.paths",
     "geodesic_voronoi": "analysis.sampling",
+    "interpolate": "queries",
+    "mean_eikonal_residual": "analysis.residual",
     "merge_vertices": "merging",
     "operators": "catalog",
     "read": "io",
+    "read_mask": "io",
+    "read_points": "io",
+    "read_vertices": "io",
     "readers": "catalog",
     "solvers": "catalog",
     "thin": "analysis.thinning",
+    "variants_for": "analysis.variants",
+    "write": "io",
 }
 _SUBPACKAGES = ("errors", "testing", "viz")
 

@@ -12,7 +12,7 @@ from sample_files import write_off
 
 import geodesic_toolkit as gt
 from geodesic_toolkit import viz
-from geodesic_toolkit.io import write_distances
+from geodesic_toolkit.io import write
 from geodesic_toolkit.testing import shapes
 
 # -- results -------------------------------------------------------------------------------------
@@ -153,7 +153,7 @@ def test_distances_at_points_of_a_file(sphere_file, tmp_path, suffix):
     elif suffix == "xyz":
         np.savetxt(points, places, fmt="%.17g")
     else:
-        write_distances(points, gt.PointCloud(places), np.zeros(30))
+        write(points, gt.PointCloud(places), np.zeros(30))
     out = [tmp_path / "d.npy", tmp_path / "d.csv", tmp_path / "d.ply"]
     options = [word for path in out for word in ("--output", path)]
     result = run("distance", sphere_file, "--source", 5, "--at", points, *options)
@@ -175,7 +175,7 @@ def test_a_file_of_the_format_of_the_input_keeps_what_is_in_it(tmp_path):
     points.x, points.y, points.z = places.T
     points.classification = np.arange(300) % 7
     points.write(str(tmp_path / "in.laz"))
-    write_distances(tmp_path / "at.pcd", gt.PointCloud(places[:50], places[:50] + 1), np.ones(50))
+    write(tmp_path / "at.pcd", gt.PointCloud(places[:50], places[:50] + 1), np.ones(50))
     out = tmp_path / "d.las"
     result = run("distance", tmp_path / "in.laz", "--source", 0, "--output", out)
     assert result.exit_code == 0, result.output

@@ -27,7 +27,7 @@ from geodesic_toolkit.errors import (
     UnsupportedDomainError,
     WriteError,
 )
-from geodesic_toolkit.io import write_distances
+from geodesic_toolkit.io import write
 from geodesic_toolkit.linear import memory
 from geodesic_toolkit.testing import shapes
 
@@ -314,7 +314,7 @@ def test_an_output_that_cannot_be_written_leaves_the_old_one(tmp_path):
     folder = tmp_path / "out.npy"
     folder.mkdir()
     with pytest.raises(WriteError):
-        write_distances(folder, MESH, np.zeros(N))
+        write(folder, MESH, np.zeros(N))
     assert folder.is_dir()
 
 

@@ -20,7 +20,7 @@ from geodesic_toolkit.errors import (
 )
 from geodesic_toolkit.geometry import ground
 from geodesic_toolkit.geometry.closest import TriangleTree
-from geodesic_toolkit.io import read_points, write_distances
+from geodesic_toolkit.io import read_points, write
 from geodesic_toolkit.queries import interpolate
 from geodesic_toolkit.sources import locate_sources
 from geodesic_toolkit.testing import shapes
@@ -462,7 +462,7 @@ def test_points_are_read_from_tables_and_shapes(tmp_path):
 
 
 def test_what_was_written_can_be_asked_for_again(tmp_path):
-    write_distances(tmp_path / "d.csv", GRID, np.zeros(GRID.n_vertices))
+    write(tmp_path / "d.csv", GRID, np.zeros(GRID.n_vertices))
     np.testing.assert_array_equal(read_points(tmp_path / "d.csv").points, GRID.vertices)
 
 

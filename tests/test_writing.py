@@ -9,7 +9,7 @@ import pytest
 
 import geodesic_toolkit as gt
 from geodesic_toolkit.errors import InvalidOptionError, MissingDependencyError, WriteError
-from geodesic_toolkit.io import check_output, replacing, write_distances
+from geodesic_toolkit.io import check_output, replacing, write
 from geodesic_toolkit.testing import shapes
 
 GREY = [160, 160, 160]
@@ -46,7 +46,7 @@ def vertex_table(path):
 
 def test_a_ply_holds_the_mesh_and_its_distances(sphere, field, tmp_path):
     path = tmp_path / "d.ply"
-    write_distances(path, sphere, field, sources=[3, 5])
+    write(path, sphere, field, sources=[3, 5])
     again = gt.read(path)
     np.testing.assert_array_equal(again.vertices, sphere.vertices)
     np.testing.assert_array_equal(again.faces, sphere.faces)
@@ -57,7 +57,7 @@ def test_a_ply_holds_the_mesh_and_its_distances(sphere, field, tmp_path):
 
 def test_a_ply_is_coloured_and_grey_where_nothing_reaches(sphere, field, tmp_path):
     colormaps = pytest.importorskip("matplotlib").colormaps
-    write_distances(tmp_path / "d.ply", sphere, field)
+    write(tmp_path / "d.ply", sphere, field)
     table, _ = vertex_table(tmp_path / "d.ply")
     colours = np.column_stack([table[name] for name in ("red", "green", "blue")])
     assert colours[7].tolist() == GREY
@@ -67,14 +67,14 @@ def test_a_ply_is_coloured_and_grey_where_nothing_reaches(sphere, field, tmp_pat
 
 def test_a_ply_has_no_colours_without_matplotlib(sphere, field, tmp_path, monkeypatch):
     monkeypatch.setitem(sys.modules, "matplotlib", None)
-    write_distances(tmp_path / "d.ply", sphere, field)
+    write(tmp_path / "d.ply", sphere, field)
     table, _ = vertex_table(tmp_path / "d.ply")
     assert table.dtype.names == ("x", "y", "z", "distance")
 
 
 @pytest.mark.parametrize("value", [0.0, np.inf])
 def test_a_ply_of_a_constant_field_is_written(sphere, value, tmp_path):
-    write_distances(tmp_path / "d.ply", sphere, np.full(sphere.n_vertices, value))
+    write(tmp_path / "d.ply", sphere, np.full(sphere.n_vertices, value))
     assert (vertex_table(tmp_path / "d.ply")[0]["distance"] == value).all()
 
 
@@ -82,7 +82,7 @@ def test_a_ply_holds_a_cloud_with_its_normals_and_missing_points(tmp_path):
     points = [[5403849.123456789, 1, 2], [np.nan] * 3, [0, 0, 1]]
     cloud = gt.PointCloud(points, [[0, 0, 1], [0, 0, 1], [0.6, 0.8, 0]])
     path = tmp_path / "d.ply"
-    write_distances(path, cloud, [0.0, np.inf, 2.5], sources=0)
+    write(path, cloud, [0.0, np.inf, 2.5], sources=0)
     again = gt.read(path)
     np.testing.assert_array_equal(again.points, cloud.points)
     np.testing.assert_allclose(again.normals, cloud.normals, atol=1e-15)
@@ -91,21 +91,21 @@ def test_a_ply_holds_a_cloud_with_its_normals_and_missing_points(tmp_path):
 
 def test_the_comment_of_a_ply_lists_some_of_many_sources_and_no_others(sphere, field, tmp_path):
     path = tmp_path / "d.ply"
-    write_distances(path, sphere, field, sources=np.arange(30))
+    write(path, sphere, field, sources=np.arange(30))
     assert f"from vertices {' '.join(map(str, range(20)))} and 10 more" in vertex_table(path)[1][2]
-    write_distances(path, sphere, field, sources=[[0.5, 0.5, 0.5]])
+    write(path, sphere, field, sources=[[0.5, 0.5, 0.5]])
     assert vertex_table(path)[1][2] == "comment geodesic distance"
 
 
 def test_an_npy_holds_the_distances_alone(sphere, field, tmp_path):
-    write_distances(str(tmp_path / "d.NPY"), sphere, field.tolist())
+    write(str(tmp_path / "d.NPY"), sphere, field.tolist())
     again = np.load(tmp_path / "d.NPY")
     assert again.dtype == np.float64
     np.testing.assert_array_equal(again, field)
 
 
 def test_a_csv_holds_every_digit(sphere, field, tmp_path):
-    write_distances(tmp_path / "d.csv", sphere, field)
+    write(tmp_path / "d.csv", sphere, field)
     with (tmp_path / "d.csv").open(newline="") as file:
         header, *rows = csv.reader(file)
     assert header == ["vertex", "x", "y", "z", "distance"]
@@ -116,7 +116,7 @@ def test_a_csv_holds_every_digit(sphere, field, tmp_path):
 
 
 def test_a_text_file_holds_every_digit(sphere, field, tmp_path):
-    write_distances(tmp_path / "d.txt", sphere, field)
+    write(tmp_path / "d.txt", sphere, field)
     np.testing.assert_array_equal(np.loadtxt(tmp_path / "d.txt"), field)
 
 
@@ -126,7 +126,7 @@ def test_a_text_file_holds_every_digit(sphere, field, tmp_path):
 )
 def test_a_gifti_holds_the_distances_alone(name, intent, sphere, field, tmp_path):
     nibabel = pytest.importorskip("nibabel")
-    write_distances(tmp_path / name, sphere, field)
+    write(tmp_path / name, sphere, field)
     [array] = nibabel.load(tmp_path / name).darrays
     assert nibabel.nifti1.intent_codes.niistring[array.intent] == f"NIFTI_INTENT_{intent}"
     np.testing.assert_array_equal(array.data, field.astype(np.float32))
@@ -136,7 +136,7 @@ def test_a_gifti_holds_the_distances_alone(name, intent, sphere, field, tmp_path
 def test_paraview_gets_the_mesh_and_its_distances(suffix, sphere, field, tmp_path):
     pyvista = pytest.importorskip("pyvista")
     path = tmp_path / f"d.{suffix}"
-    write_distances(path, sphere, field)
+    write(path, sphere, field)
     shape = pyvista.read(path)
     np.testing.assert_array_equal(shape.points, sphere.vertices)
     np.testing.assert_array_equal(shape.point_data["distance"], field)
@@ -149,7 +149,7 @@ def test_paraview_gets_the_mesh_and_its_distances(suffix, sphere, field, tmp_pat
 def test_meshio_reads_the_grid_that_was_written(sphere, field, tmp_path):
     meshio = pytest.importorskip("meshio")
     pytest.importorskip("vtk")
-    write_distances(tmp_path / "d.vtu", sphere, field)
+    write(tmp_path / "d.vtu", sphere, field)
     mesh = meshio.read(tmp_path / "d.vtu")
     np.testing.assert_array_equal(mesh.point_data["distance"], field)
     np.testing.assert_array_equal(mesh.cells_dict["triangle"], sphere.faces)
@@ -161,7 +161,7 @@ def test_paraview_gets_a_cloud_with_its_normals_and_missing_points(suffix, tmp_p
     points = [[5403849.123456789, 1, 2], [np.nan] * 3, [0, 0, 1]]
     cloud = gt.PointCloud(points, [[0, 0, 1], [0, 0, 1], [0.6, 0.8, 0]])
     path = tmp_path / f"d.{suffix}"
-    write_distances(path, cloud, [0.0, np.inf, 2.5])
+    write(path, cloud, [0.0, np.inf, 2.5])
     shape = pyvista.read(path)
     np.testing.assert_array_equal(shape.points, cloud.points)
     np.testing.assert_array_equal(shape.point_data["distance"], [0.0, np.inf, 2.5])
@@ -174,7 +174,7 @@ def test_paraview_gets_a_cloud_with_its_normals_and_missing_points(suffix, tmp_p
 def test_a_graph_has_no_place_in_a_file_of_a_shape(suffix, tmp_path):
     pytest.importorskip("vtk")
     with pytest.raises(InvalidOptionError, match=rf"no positions to write to a \.{suffix} file"):
-        write_distances(tmp_path / f"d.{suffix}", gt.Graph(2, [[0, 1]]), [0, 1])
+        write(tmp_path / f"d.{suffix}", gt.Graph(2, [[0, 1]]), [0, 1])
 
 
 @pytest.mark.parametrize(
@@ -191,7 +191,7 @@ def test_a_package_that_a_format_needs_is_named_and_the_old_file_stays(
     monkeypatch.setitem(sys.modules, module, None)
     says = rf'writing \.{suffix} files needs {package}: pip install "geodesic-toolkit\[io\]"'
     with pytest.raises(MissingDependencyError, match=says):
-        write_distances(path, sphere, np.zeros(42))
+        write(path, sphere, np.zeros(42))
     assert path.read_text() == "old"
 
 
@@ -204,7 +204,7 @@ def test_what_vtk_cannot_write_is_an_error_with_its_words(sphere, tmp_path, capf
 
 
 def test_a_csv_of_a_graph_has_no_positions(tmp_path):
-    write_distances(tmp_path / "d.csv", gt.Graph(2, [[0, 1]]), [0, 0.1])
+    write(tmp_path / "d.csv", gt.Graph(2, [[0, 1]]), [0, 0.1])
     assert (tmp_path / "d.csv").read_text() == "vertex,distance\n0,0.0\n1,0.1\n"
 
 
@@ -214,26 +214,26 @@ def test_a_csv_of_a_graph_has_no_positions(tmp_path):
 @pytest.mark.parametrize("distances", [[0.0, 1.0], [["a"] * 42], np.zeros((42, 1)), ["x"] * 42])
 def test_distances_must_be_one_a_vertex(distances, sphere, tmp_path):
     with pytest.raises(InvalidOptionError, match=r"real numbers of shape \(42,\)"):
-        write_distances(tmp_path / "d.npy", sphere, distances)
+        write(tmp_path / "d.npy", sphere, distances)
 
 
 @pytest.mark.parametrize(("name", "says"), [("d.dat", r"cannot write \.dat"), ("d", "no suffix")])
 def test_an_unknown_suffix_is_named_with_those_that_can_be_written(name, says, sphere, tmp_path):
     with pytest.raises(InvalidOptionError, match=rf"{says}; can be written: \.ply, \.pcd, \.las"):
-        write_distances(tmp_path / name, sphere, np.zeros(42))
+        write(tmp_path / name, sphere, np.zeros(42))
 
 
 @pytest.mark.parametrize("suffix", ["obj", "OFF", "stl"])
 def test_a_format_that_holds_no_field_is_refused_with_those_that_do(suffix, sphere, tmp_path):
     says = rf"d\.{suffix}: .* cannot hold a field of distances; can be written: \.ply, \.pcd, \.las"
     with pytest.raises(InvalidOptionError, match=says):
-        write_distances(tmp_path / f"d.{suffix}", sphere, np.zeros(42))
+        write(tmp_path / f"d.{suffix}", sphere, np.zeros(42))
 
 
 @pytest.mark.parametrize("name", ["d.surf.gii", "d.label.gii"])
 def test_a_gifti_whose_name_promises_something_else_is_refused(name, sphere, tmp_path):
     with pytest.raises(InvalidOptionError, match=r"call it \.shape\.gii or \.func\.gii"):
-        write_distances(tmp_path / name, sphere, np.zeros(42))
+        write(tmp_path / name, sphere, np.zeros(42))
 
 
 def test_a_missing_directory_is_named(tmp_path):
@@ -302,14 +302,14 @@ def test_an_interrupted_write_leaves_the_old_file_and_nothing_else(interruption,
 
 def test_a_full_disk_leaves_the_old_file_and_nothing_else(sphere, tmp_path, monkeypatch):
     target = tmp_path / "d.npy"
-    write_distances(target, sphere, np.zeros(42))
+    write(target, sphere, np.zeros(42))
 
     def fail(*_, **__):
         raise OSError(28, "No space left on device")
 
     monkeypatch.setattr(np, "save", fail)
     with pytest.raises(WriteError, match=r"d\.npy cannot be written: No space left on device"):
-        write_distances(target, sphere, np.ones(42))
+        write(target, sphere, np.ones(42))
     np.testing.assert_array_equal(np.load(target), np.zeros(42))
     assert list(tmp_path.iterdir()) == [target]
 

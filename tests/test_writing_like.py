@@ -8,7 +8,7 @@ from sample_files import pcd, pcd_compressed
 
 import geodesic_toolkit as gt
 from geodesic_toolkit.errors import InvalidOptionError, MissingDependencyError, ReadError
-from geodesic_toolkit.io import write_distances
+from geodesic_toolkit.io import write
 from geodesic_toolkit.testing import shapes
 
 FIELD = np.array([0.0, 0.1, np.inf, 1 / 3, 2.5, 1e-9])
@@ -70,7 +70,7 @@ def lasfile(path, version="1.2", point_format=3, dimension=None):
 def test_a_las_file_gains_a_dimension_and_keeps_the_others(tmp_path, name, out, version, kind):
     laspy = pytest.importorskip("laspy")
     given = lasfile(tmp_path / name, version, kind, "reflectance")
-    write_distances(tmp_path / out, gt.read(given), FIELD, like=given)
+    write(tmp_path / out, gt.read(given), FIELD, like=given)
     before, after = laspy.read(tmp_path / name), laspy.read(tmp_path / out)
     np.testing.assert_array_equal(after["distance"], FIELD)
     for each in before.point_format.dimension_names:
@@ -84,14 +84,14 @@ def test_chunks_of_points_follow_each_other(tmp_path, monkeypatch):
     laspy = pytest.importorskip("laspy")
     monkeypatch.setattr("geodesic_toolkit.io.las.CHUNK", 4)
     given = lasfile(tmp_path / "in.laz")
-    write_distances(tmp_path / "out.laz", gt.read(given), FIELD, like=given)
+    write(tmp_path / "out.laz", gt.read(given), FIELD, like=given)
     np.testing.assert_array_equal(laspy.read(tmp_path / "out.laz")["distance"], FIELD)
 
 
 def test_a_distance_that_is_there_is_replaced(tmp_path):
     laspy = pytest.importorskip("laspy")
     given = lasfile(tmp_path / "in.las", dimension="distance")
-    write_distances(tmp_path / "out.las", gt.read(given), FIELD, like=given)
+    write(tmp_path / "out.las", gt.read(given), FIELD, like=given)
     again = laspy.read(tmp_path / "out.las")
     assert list(again.point_format.extra_dimension_names) == ["distance"]
     np.testing.assert_array_equal(again["distance"], FIELD)
@@ -101,7 +101,7 @@ def test_a_distance_that_is_there_is_replaced(tmp_path):
 def test_a_las_file_is_made_of_any_points(tmp_path, unit):
     pytest.importorskip("laspy")
     cloud = gt.PointCloud(np.add(PLACES, [7.0, -3.0, 0.0]) * unit)
-    write_distances(tmp_path / "d.las", cloud, FIELD)
+    write(tmp_path / "d.las", cloud, FIELD)
     again = gt.read(tmp_path / "d.las")
     np.testing.assert_allclose(again.points, cloud.points, atol=1e-8 * unit)
 
@@ -110,21 +110,21 @@ def test_las_has_no_place_for_missing_points(tmp_path):
     pytest.importorskip("laspy")
     cloud = gt.PointCloud([[0.0, 0, 0], [np.nan] * 3])
     with pytest.raises(InvalidOptionError, match=r"point 1 is missing, .*write \.pcd or \.ply"):
-        write_distances(tmp_path / "d.las", cloud, [0.0, np.inf])
+        write(tmp_path / "d.las", cloud, [0.0, np.inf])
     assert not (tmp_path / "d.las").exists()
 
 
 def test_without_laspy_the_cure_is_named(tmp_path, monkeypatch):
     monkeypatch.setitem(sys.modules, "laspy", None)
     with pytest.raises(MissingDependencyError, match=r"writing \.laz files needs laspy: pip inst"):
-        write_distances(tmp_path / "d.laz", gt.PointCloud(PLACES), FIELD)
+        write(tmp_path / "d.laz", gt.PointCloud(PLACES), FIELD)
 
 
 def test_without_lazrs_a_laz_is_refused(tmp_path, monkeypatch):
     laspy = pytest.importorskip("laspy")
     monkeypatch.setattr(laspy.LazBackend, "detect_available", lambda: ())
     with pytest.raises(MissingDependencyError, match=r"writing \.laz files needs lazrs"):
-        write_distances(tmp_path / "d.laz", gt.PointCloud(PLACES), FIELD)
+        write(tmp_path / "d.laz", gt.PointCloud(PLACES), FIELD)
 
 
 # -- PCD -------------------------------------------------------------------------------------------
@@ -151,7 +151,7 @@ def test_a_pcd_file_gains_a_field_and_keeps_the_others(tmp_path):
         "WIDTH 3\nHEIGHT 2\nVIEWPOINT 1 2 3 1 0 0 0\nPOINTS 6\nDATA binary\n"
     )
     given.write_bytes(head.encode() + rows.tobytes())
-    write_distances(tmp_path / "out.pcd", gt.read(given), FIELD, like=given)
+    write(tmp_path / "out.pcd", gt.read(given), FIELD, like=given)
     lines, after = pcd_rows(tmp_path / "out.pcd")
     for name in rows.dtype.names:
         np.testing.assert_array_equal(after[name].squeeze(), rows[name], err_msg=name)
@@ -159,7 +159,7 @@ def test_a_pcd_file_gains_a_field_and_keeps_the_others(tmp_path):
     assert (lines["WIDTH"], lines["HEIGHT"]) == ("3", "2")
     assert lines["VIEWPOINT"] == "1 2 3 1 0 0 0"
     np.testing.assert_array_equal(gt.read(tmp_path / "out.pcd").points, gt.read(given).points)
-    write_distances(tmp_path / "again.pcd", gt.read(given), FIELD, like=tmp_path / "out.pcd")
+    write(tmp_path / "again.pcd", gt.read(given), FIELD, like=tmp_path / "out.pcd")
     assert (tmp_path / "again.pcd").read_bytes() == (tmp_path / "out.pcd").read_bytes()
 
 
@@ -167,14 +167,14 @@ def test_a_pcd_file_gains_a_field_and_keeps_the_others(tmp_path):
 def test_text_and_compressed_pcd_files_are_kept_as_binary_ones(tmp_path, make):
     (tmp_path / "in.pcd").write_bytes(make())
     shape = gt.read(tmp_path / "in.pcd")
-    write_distances(tmp_path / "out.pcd", shape, FIELD, like=tmp_path / "in.pcd")
+    write(tmp_path / "out.pcd", shape, FIELD, like=tmp_path / "in.pcd")
     np.testing.assert_array_equal(gt.read(tmp_path / "out.pcd").points, shape.points)
     np.testing.assert_array_equal(pcd_rows(tmp_path / "out.pcd")[1]["distance"][:, 0], FIELD)
 
 
 def test_a_pcd_file_is_made_of_any_points(tmp_path):
     cloud = gt.PointCloud(PLACES, normals=PLACES)
-    write_distances(tmp_path / "d.pcd", cloud, FIELD)
+    write(tmp_path / "d.pcd", cloud, FIELD)
     again = gt.read(tmp_path / "d.pcd")
     np.testing.assert_array_equal(again.points, cloud.points)
     np.testing.assert_allclose(again.normals, cloud.normals, atol=1e-15)
@@ -193,7 +193,7 @@ def given_ply(tmp_path):
 @pytest.mark.filterwarnings("ignore::geodesic_toolkit.errors.ReadWarning")
 def test_a_ply_file_gains_a_property_and_keeps_the_others(tmp_path, given_ply):
     out = tmp_path / "out.ply"
-    write_distances(out, gt.read(given_ply), FIELD, like=given_ply, sources=[0])
+    write(out, gt.read(given_ply), FIELD, like=given_ply, sources=[0])
     head, _, data = out.read_bytes().partition(b"end_header\n")
     lines = head.decode().splitlines()
     assert "comment geodesic distance from vertices 0" in lines
@@ -210,7 +210,7 @@ def test_a_ply_file_gains_a_property_and_keeps_the_others(tmp_path, given_ply):
     )
     assert rest == polygons + np.int32(2).tobytes() + np.array([0.25, 0.5], "<f4").tobytes()
     np.testing.assert_array_equal(gt.read(out).faces, gt.read(given_ply).faces)
-    write_distances(tmp_path / "b.ply", gt.read(given_ply), FIELD, like=out, sources=[0])
+    write(tmp_path / "b.ply", gt.read(given_ply), FIELD, like=out, sources=[0])
     assert (tmp_path / "b.ply").read_bytes() == out.read_bytes()
 
 
@@ -219,9 +219,9 @@ def test_a_ply_file_without_colours_is_coloured(tmp_path, monkeypatch):
     mesh = shapes.grid(3)
     with monkeypatch.context() as patch:
         patch.setitem(sys.modules, "matplotlib", None)
-        write_distances(tmp_path / "plain.ply", mesh, np.zeros(9))
-    write_distances(tmp_path / "a.ply", mesh, np.ones(9))
-    write_distances(tmp_path / "b.ply", mesh, np.ones(9), like=tmp_path / "plain.ply")
+        write(tmp_path / "plain.ply", mesh, np.zeros(9))
+    write(tmp_path / "a.ply", mesh, np.ones(9))
+    write(tmp_path / "b.ply", mesh, np.ones(9), like=tmp_path / "plain.ply")
     assert (tmp_path / "b.ply").read_bytes() == (tmp_path / "a.ply").read_bytes()
 
 
@@ -230,7 +230,7 @@ def test_an_element_without_rows_is_kept(tmp_path):
     text = text.replace("4 0 1 2 3 5", "3 0 1 2 5")
     (tmp_path / "in.ply").write_text(text)
     shape = gt.read(tmp_path / "in.ply")
-    write_distances(tmp_path / "out.ply", shape, FIELD, like=tmp_path / "in.ply")
+    write(tmp_path / "out.ply", shape, FIELD, like=tmp_path / "in.ply")
     assert b"element camera 0\nproperty list int float view" in (tmp_path / "out.ply").read_bytes()
     np.testing.assert_array_equal(gt.read(tmp_path / "out.ply").faces, shape.faces)
 
@@ -243,29 +243,27 @@ def test_a_file_of_other_points_is_refused(tmp_path, suffix):
     if suffix == "las":
         pytest.importorskip("laspy")
     path = tmp_path / f"in.{suffix}"
-    write_distances(path, gt.PointCloud(PLACES), FIELD)
+    write(path, gt.PointCloud(PLACES), FIELD)
     with pytest.raises(InvalidOptionError, match=rf"in\.{suffix} has 6 points, not 9"):
-        write_distances(tmp_path / f"d.{suffix}", shapes.grid(3), np.zeros(9), like=path)
+        write(tmp_path / f"d.{suffix}", shapes.grid(3), np.zeros(9), like=path)
     assert not (tmp_path / f"d.{suffix}").exists()
 
 
 def test_a_file_of_another_format_is_not_looked_at(tmp_path):
-    write_distances(tmp_path / "d.pcd", gt.PointCloud(PLACES), FIELD, like=tmp_path / "none.ply")
+    write(tmp_path / "d.pcd", gt.PointCloud(PLACES), FIELD, like=tmp_path / "none.ply")
     assert gt.read(tmp_path / "d.pcd").n_vertices == N
 
 
 def test_a_file_that_is_damaged_or_gone_is_named(tmp_path):
     with pytest.raises(ReadError, match=r"none\.pcd does not exist"):
-        write_distances(
-            tmp_path / "d.pcd", gt.PointCloud(PLACES), FIELD, like=tmp_path / "none.pcd"
-        )
+        write(tmp_path / "d.pcd", gt.PointCloud(PLACES), FIELD, like=tmp_path / "none.pcd")
     (tmp_path / "bad.pcd").write_text("nothing")
     with pytest.raises(ReadError, match=r"bad\.pcd: not a PCD file"):
-        write_distances(tmp_path / "d.pcd", gt.PointCloud(PLACES), FIELD, like=tmp_path / "bad.pcd")
+        write(tmp_path / "d.pcd", gt.PointCloud(PLACES), FIELD, like=tmp_path / "bad.pcd")
 
 
 @pytest.mark.parametrize("name", ["d.pcd", "d.las"])
 def test_a_graph_has_no_positions(tmp_path, name):
     pytest.importorskip("laspy")
     with pytest.raises(InvalidOptionError, match="a Graph has no positions to write to a"):
-        write_distances(tmp_path / name, gt.Graph(2, [[0, 1]]), [0, 1])
+        write(tmp_path / name, gt.Graph(2, [[0, 1]]), [0, 1])

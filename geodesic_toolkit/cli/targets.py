@@ -134,14 +134,14 @@ class Targets:
             What a picture needs is not installed.
         """
         if self.tables:
-            from geodesic_toolkit.io import write_distances
+            from geodesic_toolkit.io import write
 
             with run.step("writing"):
                 for path in self.tables:
                     if asked is None:
-                        write_distances(path, domain, distances, sources=sources, like=like)
+                        write(path, domain, distances, sources=sources, like=like)
                     else:
-                        write_distances(path, *asked, like=like)
+                        write(path, *asked, like=like)
         if self.drawn:
             from geodesic_toolkit import viz
 

@@ -5,7 +5,7 @@ from geodesic_toolkit.io.masks import read_mask
 from geodesic_toolkit.io.points import read_points
 from geodesic_toolkit.io.reading import read
 from geodesic_toolkit.io.vertices import read_vertices
-from geodesic_toolkit.io.writing import write_distances
+from geodesic_toolkit.io.writing import write
 
 __all__ = [
     "check_output",
@@ -14,5 +14,5 @@ __all__ = [
     "read_points",
     "read_vertices",
     "replacing",
-    "write_distances",
+    "write",
 ]

@@ -93,7 +93,7 @@ def _fill(numpy_support: Any, data: Any, domain: Domain, field: FloatArray) -> N
         return made
 
     positions = known_positions(domain)
-    assert positions is not None  # for the type checker; write_distances has raised
+    assert positions is not None  # for the type checker; write has raised
     points = vtkPoints()
     points.SetData(array(positions, "Points"))
     data.SetPoints(points)

@@ -20,7 +20,7 @@ from geodesic_toolkit.io.ply import encode_ply, encode_ply_like
 from geodesic_toolkit.io.reading import check_file, named_errors
 from geodesic_toolkit.io.vtk_library import require_vtk, write_vtk
 
-__all__ = ["WITH_SHAPE", "check_distance_output", "write_distances"]
+__all__ = ["WITH_SHAPE", "check_distance_output", "write"]
 
 WITH_SHAPE = (".ply", ".pcd", ".las", ".laz", ".vtp", ".vtk", ".vtu")
 """Formats of a shape with numbers at its vertices."""
@@ -43,7 +43,7 @@ NAMED_SOURCES = 20
 """Sources that a PLY's comment lists."""
 
 
-def write_distances(
+def write(
     path: str | os.PathLike[str],
     domain: Domain,
     distances: ArrayLike,
@@ -87,11 +87,11 @@ def write_distances(
     --------
     >>> import pathlib, tempfile
     >>> import geodesic_toolkit as gt
-    >>> from geodesic_toolkit.io import write_distances
+    >>> from geodesic_toolkit.io import write
     >>> path = gt.Graph(3, [[0, 1], [1, 2]])
     >>> with tempfile.TemporaryDirectory() as folder:
     ...     file = pathlib.Path(folder, "d.csv")
-    ...     write_distances(file, path, [0.0, 1.0, 2.0])
+    ...     write(file, path, [0.0, 1.0, 2.0])
     ...     print(file.read_text())
     vertex,distance
     0,0.0
