@@ -33,6 +33,8 @@ struct Rows {
   Rows(Index n, std::span<const Index> pairs, std::span<const double> given)
       : starts(at(n) + 1), ends(pairs.size()), back(pairs.size()), edge(pairs.size()),
         lengths(pairs.size()) {
+    constexpr std::size_t kLargest = std::size_t{1} << 30;  // twice that is a Row
+    if (pairs.size() > kLargest) throw std::length_error("more edges than corners can number");
     for (const Index v : pairs) ++starts[at(v) + 1];
     for (Index v = 0; v < n; ++v) starts[at(v) + 1] += starts[at(v)];
     std::vector<Index> next(starts.begin(), starts.end() - 1);
@@ -44,6 +46,10 @@ struct Rows {
   }
 
   Index degree(Index v) const { return starts[at(v) + 1] - starts[at(v)]; }
+  bool joins(Index v, Index w) const {
+    const auto from = ends.begin() + starts[at(v)], to = ends.begin() + starts[at(v) + 1];
+    return std::find(from, to, w) != to;
+  }
   // The slot of v that leads to w.
   Index slot(Index v, Index w) const {
     Index s = starts[at(v)];
@@ -65,6 +71,10 @@ struct Corner {
   double across;   // squared
   Kind kind;
 };
+
+// Whether fronts need a chord between the ends: edges of a triangle have one, and in a rectangle
+// that comes after another the next corner does as well.
+bool is_open(Kind kind) { return kind == Kind::kQuadrangle || kind == Kind::kAxes; }
 
 // The square of a diagonal of the quadrangle with these sides in turn that is inscribed in a circle,
 // from between the first and the last to between the others (Ptolemy): its area is the largest.
@@ -212,6 +222,13 @@ void add_right_angles(const Rows& rows, std::span<const Row> axes, Known& known,
   }
 }
 
+// Axes of a lattice that a chord combines, as one number; 0 where they are not known.
+Row axis_set(Row axis) { return axis == kNone ? 0 : 8 * (axis / 3) + (1 << (axis % 3)); }
+// The axes of two edges or chords together, 0 where they are not known to be at right angles.
+Row at_right_angles(Row a, Row b) {
+  return a != 0 && b != 0 && a / 8 == b / 8 && (a & b & 7) == 0 ? (a | b) : 0;
+}
+
 // The share of vertices with three edges or more whose corners connect all of these.
 double covered(const Rows& rows, const Known& known) {
   Index junctions = 0, whole = 0;
@@ -234,23 +251,30 @@ double covered(const Rows& rows, const Known& known) {
 struct Chord {
   Index one, other;
   double squared;
+  Row axes;  // as by axis_set
 };
 
-// The third sides of corners that no edge closes, each once: those of rectangles are not needed.
-std::vector<Chord> chords_of(const Rows& rows, std::span<const Corner> corners) {
-  std::vector<Chord> chords;
-  for (const Corner& c : corners) {
-    if (c.kind == Kind::kTriangle || c.kind == Kind::kRectangle) continue;
-    const Index a = rows.ends[at(c.one)], b = rows.ends[at(c.other)];
-    chords.push_back({std::min(a, b), std::max(a, b), c.across});
-  }
+void drop_repeated(std::vector<Chord>& chords) {
   std::ranges::sort(chords, {}, [](const Chord& c) { return std::tuple(c.one, c.other, c.squared); });
   const auto rest = std::ranges::unique(
       chords, [](const Chord& c, const Chord& d) { return c.one == d.one && c.other == d.other; });
   chords.erase(rest.begin(), rest.end());
-  return chords;
 }
 
+// The third sides of corners that no edge closes, each once: those of rectangles are not needed.
+std::vector<Chord> chords_of(const Rows& rows, std::span<const Corner> corners,
+                             std::span<const Row> axes) {
+  const auto axis_of = [&](Row s) { return axes.empty() ? kNone : axes[at(rows.edge[at(s)])]; };
+  std::vector<Chord> chords;
+  for (const Corner& c : corners) {
+    if (!is_open(c.kind)) continue;
+    const Index a = rows.ends[at(c.one)], b = rows.ends[at(c.other)];
+    const Row set = at_right_angles(axis_set(axis_of(c.one)), axis_set(axis_of(c.other)));
+    chords.push_back({std::min(a, b), std::max(a, b), c.across, set});
+  }
+  drop_repeated(chords);
+  return chords;
+}
 // A corner of a vertex by its ends.
 struct Angle {
   Index apex, one, other;
@@ -264,11 +288,32 @@ std::vector<Angle> angles_of(const Rows& rows, std::span<const Corner> corners) 
     const Index a = rows.ends[at(c.one)], b = rows.ends[at(c.other)];
     const Index x = rows.ends[at(rows.back[at(c.one)])];
     angles.push_back({x, a, b, c.across});
-    if (c.kind == Kind::kTriangle || c.kind == Kind::kRectangle) continue;
+    if (!is_open(c.kind)) continue;
     angles.push_back({a, x, b, squared(rows.lengths[at(c.other)])});
     angles.push_back({b, x, a, squared(rows.lengths[at(c.one)])});
   }
   return angles;
+}
+
+// Chords from corner to corner of a box, over an edge and the chord of the other two axes.
+std::vector<Chord> through_boxes(const Rows& rows, std::span<const Row> sets,
+                                 std::vector<Angle>& angles) {
+  std::vector<Chord> chords;
+  const auto n = static_cast<Index>(rows.starts.size()) - 1;
+  for (Index v = 0; v < n; ++v) {
+    for (Index s = rows.starts[at(v)]; s < rows.starts[at(v) + 1]; ++s) {
+      for (Index t = s + 1; t < rows.starts[at(v) + 1]; ++t) {
+        const Row set = at_right_angles(sets[at(rows.edge[at(s)])], sets[at(rows.edge[at(t)])]);
+        const Index a = rows.ends[at(s)], b = rows.ends[at(t)];
+        if ((set & 7) != 7 || rows.joins(a, b)) continue;
+        const double one = squared(rows.lengths[at(s)]), other = squared(rows.lengths[at(t)]);
+        angles.insert(angles.end(), {{v, a, b, one + other}, {a, v, b, other}, {b, v, a, one}});
+        chords.push_back({std::min(a, b), std::max(a, b), one + other, set});
+      }
+    }
+  }
+  drop_repeated(chords);
+  return chords;
 }
 
 void store(const Rows& rows, std::span<const Angle> angles, GraphCorners& result) {
@@ -292,42 +337,61 @@ void store(const Rows& rows, std::span<const Angle> angles, GraphCorners& result
   }
 }
 
+// Edges and chords, with the axes of each as by axis_set.
+struct Chorded {
+  std::vector<Index> edges;
+  std::vector<double> lengths;
+  std::vector<Row> sets;
+
+  void add(const std::vector<Chord>& chords) {
+    for (const Chord& c : chords) {
+      edges.push_back(c.one), edges.push_back(c.other);
+      lengths.push_back(std::sqrt(c.squared)), sets.push_back(c.axes);
+    }
+  }
+};
+
+void judge(std::span<const Corner> corners, bool boxes, GraphCorners& result) {
+  const auto share = [&](auto is_such) {
+    return static_cast<double>(std::ranges::count_if(corners, is_such)) /
+           static_cast<double>(std::max<std::size_t>(corners.size(), 1));
+  };
+  result.lattice = share([](const Corner& c) {
+    return c.kind == Kind::kRectangle || c.kind == Kind::kAxes;
+  }) > 0.9;
+  result.solid = boxes || share([](const Corner& c) { return c.kind == Kind::kTriangle; }) < 0.5;
+}
+
 }  // namespace
 
 GraphCorners corners_of(Index n, std::span<const Index> edges, std::span<const double> lengths) {
-  constexpr std::size_t kLargest = std::size_t{1} << 30;
-  if (edges.size() > kLargest) throw std::length_error("more edges than corners can number");
   GraphCorners result;
-  std::vector<Chord> chords;
+  Chorded chorded{{edges.begin(), edges.end()}, {lengths.begin(), lengths.end()}, {}};
   std::vector<Angle> angles;
+  bool boxes = false;
   {
     const Rows rows(n, edges, lengths);
     Finder finder(rows);
     for (Index v = 0; v < n; ++v) finder.look_about(v);
     std::vector<Corner>& corners = finder.corners;
     Known known(rows, corners);
+    std::vector<Row> axes;
     if (!finder.rectangles.empty()) {
-      const auto n_edges = static_cast<Row>(lengths.size());
-      add_right_angles(rows, axes_of_edges(n_edges, finder.rectangles, finder.frames), known, corners);
+      axes = axes_of_edges(static_cast<Row>(lengths.size()), finder.rectangles, finder.frames);
+      add_right_angles(rows, axes, known, corners);
     }
-    const auto kinds = [&](auto... kind) {
-      return std::ranges::count_if(corners, [=](const Corner& c) { return (... || (c.kind == kind)); });
-    };
-    const auto right = kinds(Kind::kRectangle, Kind::kAxes), triangles = kinds(Kind::kTriangle);
-    const auto all = static_cast<std::ptrdiff_t>(corners.size());
-    result.lattice = 10 * right > 9 * all;
-    result.solid = !finder.frames.empty() || 2 * triangles < all;
+    judge(corners, !finder.frames.empty(), result);
     result.covered = covered(rows, known);
-    chords = chords_of(rows, corners);
+    boxes = !finder.frames.empty();
+    for (const Row axis : axes) chorded.sets.push_back(axis_set(axis));
     angles = angles_of(rows, corners);
+    chorded.add(chords_of(rows, corners, axes));
   }
-  std::vector<Index> all(edges.begin(), edges.end());
-  std::vector<double> long_as(lengths.begin(), lengths.end());
-  for (const Chord& c : chords) {
-    all.push_back(c.one), all.push_back(c.other), long_as.push_back(std::sqrt(c.squared));
+  if (boxes) {
+    const Rows rows(n, chorded.edges, chorded.lengths);
+    chorded.add(through_boxes(rows, chorded.sets, angles));
   }
-  if (all.size() > kLargest) throw std::length_error("more chords than corners can number");
-  Rows rows(n, all, long_as);
+  Rows rows(n, chorded.edges, chorded.lengths);
   store(rows, angles, result);
   result.starts = std::move(rows.starts), result.ends = std::move(rows.ends);
   result.lengths = std::move(rows.lengths), result.back = std::move(rows.back);
