@@ -44,8 +44,9 @@ class Diagnosis:
         Share of the off-diagonal entries of the diffusion's stiffness that are positive, where a
         Laplacian with a maximum principle has none.
     refined : bool
-        Whether distances are refined; otherwise they are plain heat's. On a graph refined ones are
-        the shortest ways along edges.
+        Whether distances are refined. On a graph refined ones are the shortest ways along edges.
+    across : bool
+        Whether fronts cross the corners of a graph. Where neither is so, distances are plain heat's.
     reason : str
         Why, where that was left open; empty where it was said.
     spacing : float
@@ -78,6 +79,7 @@ class Diagnosis:
     minimum_angle: float | None
     positive_off_diagonals: float
     refined: bool
+    across: bool
     reason: str
     spacing: float
     time: float
@@ -125,6 +127,7 @@ def diagnose(domain: Domain, operator: object, method: HeatMethod, reason: str =
         minimum_angle=angle,
         positive_off_diagonals=_positive_share(method.diffusion),
         refined=method.refine,
+        across=method.across,
         spacing=metric.spacing,
         time=method.time,
         probe=probe,

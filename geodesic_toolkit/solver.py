@@ -39,7 +39,7 @@ if TYPE_CHECKING:
 
 __all__ = ["GeodesicSolver", "Refine"]
 
-Refine: TypeAlias = bool | Literal["auto"]
+Refine: TypeAlias = bool | Literal["auto", "across"]
 
 UNEVEN = 3.0
 """Scale of a part of a cloud, in mean lengths of its spokes, from which on plain heat is warned of.
@@ -85,13 +85,16 @@ class GeodesicSolver:
         Condition on the heat at boundaries.
     solver : str, class, instance or dict
         The linear solver, or ``{"heat": ..., "poisson": ...}``.
-    refine : bool or "auto"
+    refine : bool, "auto" or "across"
         True: sweep wavefronts over the triangles in the order of the heat, instead of solving the
         Poisson equation. That is several times more accurate on meshes and clouds, and exact at
         the sources. False: plain heat, the paper's own result, which is smooth. On a graph True is
-        the shortest way along its edges, and False the distance across them of what it samples.
-        "auto" refines wherever the elements are triangles, and on graphs that are made of lines, as
-        trees and streets, or whose factor would take too long; `diagnosis` says why.
+        the shortest way along its edges, and False the distance across them of what it samples,
+        by heat. "across" measures the latter by fronts that cross the triangles and quadrangles of
+        a graph. "auto" refines wherever the elements are triangles, and on graphs that are made of
+        lines, as trees and streets, or whose factor would take too long; lets fronts cross graphs
+        whose corners leave no gaps, as grids, voxels, meshes and neighbour graphs; and `diagnosis`
+        says why. Where `time`, `time_factor` or `diffusion` are given, heat is meant.
     mask : array-like of shape (N,), bool, optional
         True at vertices that paths may not cross: faces and edges that touch one do not conduct,
         and it reads ``inf`` itself. It needs no boundary of its own: what is left ends there.
@@ -159,7 +162,10 @@ class GeodesicSolver:
         metric = self.operator.assemble(domain)
         self._reason = ""
         if isinstance(refine, str):
-            refine, self._reason = _refine_by_default(refine, metric)
+            heat_is_meant = time is not None or time_factor != 1.0 or diffusion is not None
+            refine, self._reason = _refine_by_default(refine, metric, heat_is_meant)
+        across = isinstance(refine, str)
+        refine = False if across else refine
         heat_solver, poisson_solver = resolve_solvers(solver, domain.n_vertices, refine=refine)
         self._seams = (
             find_seams(domain.vertices, domain.faces, metric.boundary)
@@ -182,6 +188,7 @@ class GeodesicSolver:
             heat_solver=heat_solver,
             poisson_solver=poisson_solver,
             refine=refine,
+            across=across,
             bounds=bounds_of(domain) if refine else None,
             small_parts=small_parts,
         ).prepare()
@@ -575,11 +582,17 @@ class GeodesicSolver:
         )
 
 
-def _refine_by_default(choice: str, metric: Discretization) -> tuple[bool, str]:
-    """Return whether "auto" refines, and why."""
+def _refine_by_default(
+    choice: str, metric: Discretization, heat_is_meant: bool
+) -> tuple[bool | Literal["across"], str]:
+    """Return how "auto" refines, and why."""
+    if choice == "across":
+        if metric.across_edges is None:
+            raise InvalidOptionError('refine="across" is for graphs and the "uniform" operator')
+        return "across", ""
     if choice != "auto":
-        raise InvalidOptionError(f'refine must be True, False or "auto", not {choice!r}')
-    return refinement_of(metric)
+        raise InvalidOptionError(f'refine must be True, False, "auto" or "across", not {choice!r}')
+    return refinement_of(metric, heat_is_meant=heat_is_meant)
 
 
 def _warn_where_uneven(metric: Discretization) -> None:

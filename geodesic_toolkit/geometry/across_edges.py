@@ -1,0 +1,94 @@
+"""Distances across the edges of a graph, by fronts through its corners.
+
+A corner is two edges of a vertex whose ends are known to be how far apart: a triangle of the graph,
+or a quadrangle that it leaves empty, which is laid out in the plane so that its area is the
+largest. A rectangle of voxels is that as well, and what is parallel or at right angles in a lattice
+follows from its rectangles. Vertices are settled from the nearest to the farthest, as in Dijkstra's
+algorithm; each reads the shortest of the ways along its edges and of those that a front takes
+straight across its corners.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from geodesic_toolkit import _native
+from geodesic_toolkit._frozen import FrozenArrays
+from geodesic_toolkit._typing import FloatArray, IntArray
+from geodesic_toolkit.geometry.threads import threads_for
+
+__all__ = ["AcrossEdges"]
+
+
+@dataclass(frozen=True, eq=False)
+class AcrossEdges(FrozenArrays):
+    """A graph whose corners fronts cross.
+
+    Parameters
+    ----------
+    n_vertices : int
+    edges : ndarray of shape (E, 2), int64
+        Each once, without loops.
+    lengths : ndarray of shape (E,), float64
+        Positive.
+    representatives : ndarray of shape (N,), int64
+        The vertex whose distance each vertex reads; empty where that is its own.
+
+    References
+    ----------
+    R. Kimmel, J. A. Sethian, *Computing geodesic paths on manifolds*, PNAS 95, 1998,
+    https://doi.org/10.1073/pnas.95.15.8431
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from geodesic_toolkit.geometry.across_edges import AcrossEdges
+    >>> square = AcrossEdges(4, np.array([[0, 1], [0, 2], [1, 3], [2, 3]]), np.ones(4))
+    >>> square.distances(np.array([0, 1]), np.array([0]), np.zeros(1)).round(3)
+    array([[0.   , 1.   , 1.   , 1.414]])
+    """
+
+    n_vertices: int
+    edges: IntArray
+    lengths: FloatArray
+    representatives: IntArray = field(default_factory=lambda: np.zeros(0, dtype=np.int64))
+
+    @cached_property
+    def corners(self) -> _native.GraphCorners:
+        """The corners, found when they are first asked for."""
+        return _native.GraphCorners(self.n_vertices, self.edges, self.lengths)
+
+    def distances(self, begins: IntArray, vertices: IntArray, starts: FloatArray) -> FloatArray:
+        """Return the distance from each of K sets of vertices.
+
+        Parameters
+        ----------
+        begins : ndarray of shape (K + 1,), int64
+            Where the vertices of each set begin, and P at the end.
+        vertices : ndarray of shape (P,), int64
+        starts : ndarray of shape (P,), float64
+            The distance that each of them starts with; of any sign.
+
+        Returns
+        -------
+        ndarray of shape (K, N), float64
+            ``inf`` where no edge leads; nowhere above the way along edges.
+        """
+        others = self.representatives
+        moved = others[vertices] if len(others) else vertices
+        distances = np.empty((len(begins) - 1, self.n_vertices))
+        self.corners.cross(
+            np.ascontiguousarray(begins, dtype=np.int64),
+            np.ascontiguousarray(moved, dtype=np.int64),
+            np.ascontiguousarray(starts, dtype=np.float64),
+            distances,
+            threads_for(distances.size),
+        )
+        return distances[:, others] if len(others) else distances
+
+    def __getstate__(self) -> dict[str, Any]:
+        return {name: value for name, value in self.__dict__.items() if name != "corners"}
