@@ -383,6 +383,12 @@ class GraphCorners:
     def covered(self) -> float:
         """Share of the vertices of three edges and more whose edges corners connect."""
     @property
+    def growth(self) -> float:
+        """Vertices up to two edges away, for each neighbour."""
+    @property
+    def closed(self) -> float:
+        """Share of the edges whose triangles surround them: their third corners connect."""
+    @property
     def lattice(self) -> bool:
         """Whether nine of ten corners are those of rectangles."""
     @property

@@ -2,135 +2,225 @@
 
 #include <algorithm>
 #include <bit>
+#include <cmath>
 #include <numeric>
 #include <utility>
 
 namespace geodesic {
 namespace {
 
+// Relative difference up to which two lengths are the same.
+constexpr double kAlike = 1e-6;
+
+constexpr std::size_t at(Index i) { return static_cast<std::size_t>(i); }
+
 class Sets {
  public:
-  explicit Sets(Row n) : parents_(static_cast<std::size_t>(n)) {
-    std::iota(parents_.begin(), parents_.end(), 0);
-  }
+  explicit Sets(Index n) : parents_(at(n)) { std::iota(parents_.begin(), parents_.end(), 0); }
   Row root(Row i) {
-    while (at(i) != i) i = at(i) = at(at(i));
+    while (parents_[at(i)] != i) i = parents_[at(i)] = parents_[at(parents_[at(i)])];
     return i;
   }
-  void join(Row i, Row j) { at(root(i)) = root(j); }
+  void join(Row i, Row j) { parents_[at(root(i))] = root(j); }
 
  private:
-  Row& at(Row i) { return parents_[static_cast<std::size_t>(i)]; }
   std::vector<Row> parents_;
 };
 
-// Classes of parallel edges, and which ones are at right angles.
-struct Classes {
-  std::vector<Row> of_edge;
-  std::vector<std::vector<Row>> across;
+// Lists of numbers for each of several others, in compressed rows.
+class Lists {
+ public:
+  Lists(Index n, std::span<const std::pair<Row, Row>> sorted) : starts_(at(n) + 1) {
+    for (const auto& [owner, member] : sorted) ++starts_[at(owner) + 1], members_.push_back(member);
+    for (std::size_t i = 0; i + 1 < starts_.size(); ++i) starts_[i + 1] += starts_[i];
+  }
+  std::span<const Row> of(Row owner) const {
+    return std::span(members_).subspan(at(starts_[at(owner)]),
+                                       at(starts_[at(owner) + 1] - starts_[at(owner)]));
+  }
+
+ private:
+  std::vector<Index> starts_;
+  std::vector<Row> members_;
 };
 
-Classes parallel(Row n_edges, std::span<const Rectangle> rectangles) {
+std::vector<Row> parallel(Index n_edges, std::span<const Rectangle> rectangles) {
   Sets sets(n_edges);
   for (const Rectangle& r : rectangles)
     sets.join(r.one, r.opposite_one), sets.join(r.other, r.opposite_other);
-  Classes found{std::vector<Row>(static_cast<std::size_t>(n_edges)), {}};
-  for (Row e = 0, count = 0; e < n_edges; ++e) {
-    const Row root = sets.root(e);
-    if (root == e) found.of_edge[static_cast<std::size_t>(e)] = count++;
+  std::vector<Row> number(at(n_edges), kNone), classes(at(n_edges));
+  Row count = 0;
+  for (Row e = 0; e < n_edges; ++e) {
+    Row& own = number[at(sets.root(e))];
+    if (own == kNone) own = count++;
+    classes[at(e)] = own;
   }
-  for (Row e = 0; e < n_edges; ++e)
-    found.of_edge[static_cast<std::size_t>(e)] =
-        found.of_edge[static_cast<std::size_t>(sets.root(e))];
+  return classes;
+}
+
+Lists members_of(std::span<const Row> classes, Index n_classes) {
+  std::vector<std::pair<Row, Row>> pairs(classes.size());
+  for (std::size_t e = 0; e < pairs.size(); ++e) pairs[e] = {classes[e], static_cast<Row>(e)};
+  std::ranges::sort(pairs);
+  return Lists(n_classes, pairs);
+}
+
+Lists at_right_angles(std::span<const Row> classes, std::span<const Rectangle> rectangles,
+                      Index n_classes) {
   std::vector<std::pair<Row, Row>> pairs;
   pairs.reserve(2 * rectangles.size());
-  Row count = 0;
-  for (const Row c : found.of_edge) count = std::max(count, c + 1);
   for (const Rectangle& r : rectangles) {
-    const Row a = found.of_edge[static_cast<std::size_t>(r.one)];
-    const Row b = found.of_edge[static_cast<std::size_t>(r.other)];
+    const Row a = classes[at(r.one)], b = classes[at(r.other)];
     pairs.emplace_back(a, b), pairs.emplace_back(b, a);
   }
   std::ranges::sort(pairs);
   const auto rest = std::ranges::unique(pairs);
   pairs.erase(rest.begin(), rest.end());
-  found.across.resize(static_cast<std::size_t>(count));
-  for (const auto& [a, b] : pairs) found.across[static_cast<std::size_t>(a)].push_back(b);
-  return found;
+  return Lists(n_classes, pairs);
 }
 
-// One lattice after the other is given axes, from a frame or from a single class on.
+bool alike(double one, double other) { return std::abs(one - other) <= kAlike * one; }
+
+bool has_three_lengths_at_most(std::span<const double> lengths) {
+  std::vector<double> found;
+  for (const double length : lengths) {
+    if (std::ranges::any_of(found, [=](double other) { return alike(length, other); })) continue;
+    if (found.size() == 3) return false;
+    found.push_back(length);
+  }
+  return true;
+}
+
+// Whether no vertex has more neighbours than one of a lattice in the plane.
+bool is_flat(const EdgesAround& graph) {
+  for (std::size_t v = 0; v + 1 < graph.starts.size(); ++v)
+    if (graph.starts[v + 1] - graph.starts[v] > 4) return false;
+  return true;
+}
+
+// One lattice after the other is given axes.
 class Axes {
  public:
-  explicit Axes(const Classes& classes)
-      : classes_(classes), axis_(classes.across.size(), kNone), seen_(classes.across.size(), 0) {}
+  Axes(const EdgesAround& graph, std::span<const Rectangle> rectangles)
+      : graph_(graph), classes_(parallel(static_cast<Index>(graph.lengths.size()), rectangles)),
+        n_classes_(1 + *std::ranges::max_element(classes_)),
+        members_(members_of(classes_, n_classes_)),
+        across_(at_right_angles(classes_, rectangles, n_classes_)),
+        axis_(at(n_classes_), kNone), excluded_(at(n_classes_), 0),
+        lattice_(graph.starts.size() - 1, kNone), full_(graph.starts.size() - 1),
+        lengths_tell_(has_three_lengths_at_most(graph.lengths)) {}
 
-  void begin(std::span<const Row> classes, bool solid) {
-    for (const Row c : classes)
-      if (axis_[at(c)] != kNone || classes_.across[at(c)].empty()) return;
-    std::vector<Row> members;
-    for (std::size_t k = 0; k < classes.size(); ++k) name(classes[k], static_cast<Row>(k), members);
-    bool sound = true;
-    for (std::size_t k = 0; k < members.size(); ++k)
-      sound &= spread(members[k], solid, members);
-    for (const Row c : members) {
-      const auto axis = static_cast<unsigned>(axis_[at(c)] % 3);
-      sound &= (seen_[at(c)] & (1U << axis)) == 0;
-    }
-    if (!sound)  // edges at right angles to themselves: no lattice
-      for (const Row c : members) axis_[at(c)] = kUnsound;
-    ++lattices_;
+  // From three classes that are mutually at right angles on.
+  void spread_from(const std::array<Row, 3>& frame) {
+    for (const Row edge : frame)
+      if (axis_[at(classes_[at(edge)])] != kNone) return;
+    for (std::size_t k = 0; k < 3; ++k) axis_length_[k] = graph_.lengths[at(frame[k])];
+    named_.clear(), sound_ = true;
+    for (std::size_t k = 0; k < 3; ++k) name(classes_[at(frame[k])], static_cast<Row>(k));
+    for (std::size_t k = 0; k < named_.size(); ++k) spread(named_[k]);
+    settle();
   }
 
-  Row of(Row c) const { return std::max(axis_[at(c)], kNone); }
+  // From any class on, in the plane, where all that meet are at right angles.
+  void spread_in_plane(Row edge) {
+    const Row begin = classes_[at(edge)];
+    if (axis_[at(begin)] != kNone || across_.of(begin).empty()) return;
+    named_.clear(), sound_ = true;
+    name(begin, 0);
+    for (std::size_t k = 0; k < named_.size(); ++k) {
+      const Row own = axis_[at(named_[k])] % 3;
+      for (const Row other : across_.of(named_[k])) {
+        if (axis_[at(other)] == kNone) name(other, 1 - own);
+        sound_ = sound_ && axis_[at(other)] % 3 != own;
+      }
+    }
+    settle();
+  }
+
+  Row of(Index edge) const { return std::max(axis_[at(classes_[at(edge)])], kNone); }
 
  private:
   static constexpr Row kUnsound = -2;
-  static std::size_t at(Row c) { return static_cast<std::size_t>(c); }
+  using Bits = unsigned char;
+  static Bits bit(Row axis) { return static_cast<Bits>(1U << axis); }
 
-  void name(Row c, Row axis, std::vector<Row>& members) {
+  void name(Row c, Row axis) {
     axis_[at(c)] = 3 * lattices_ + axis;
-    members.push_back(c);
+    named_.push_back(c);
   }
 
-  bool spread(Row c, bool solid, std::vector<Row>& members) {
-    const auto own = static_cast<unsigned>(axis_[at(c)] % 3);
-    bool sound = true;
-    for (const Row other : classes_.across[at(c)]) {
-      if (axis_[at(other)] == kUnsound) continue;
-      seen_[at(other)] |= static_cast<unsigned char>(1U << own);
-      const unsigned seen = seen_[at(other)];
-      sound &= seen != 7;
-      if (axis_[at(other)] != kNone) continue;
-      if (!solid) name(other, static_cast<Row>(1 - own), members);
-      if (solid && std::popcount(seen) == 2)
-        name(other, static_cast<Row>(std::countr_zero(~seen)), members);
+  void spread(Row c) {
+    const Row axis = axis_[at(c)] % 3;
+    sound_ = sound_ && !(excluded_[at(c)] & bit(axis));
+    for (const Row other : across_.of(c)) exclude(other, bit(axis));
+    for (const Row edge : members_.of(c))
+      for (const Index v : {graph_.ends[2 * at(edge)], graph_.ends[2 * at(edge) + 1]})
+        fill(v, axis);
+  }
+
+  // There is an edge along an axis at a vertex: with two of them there is no third.
+  void fill(Index v, Row axis) {
+    if (lattice_[at(v)] != lattices_) lattice_[at(v)] = lattices_, full_[at(v)] = {};
+    const int edges = ++full_[at(v)][at(axis)];
+    sound_ = sound_ && edges <= 2;
+    const Bits taken = edges == 2 ? bit(axis) : Bits{0};
+    if (edges != 2 && !lengths_tell_) return;
+    for (Index k = graph_.starts[at(v)]; k < graph_.starts[at(v) + 1]; ++k)
+      exclude(classes_[at(graph_.edges[at(k)])], taken);
+  }
+
+  void exclude(Row c, Bits axes) {
+    Bits& excluded = excluded_[at(c)];
+    if (axis_[at(c)] != kNone) {
+      if (axis_[at(c)] / 3 == lattices_ && axes != bit(axis_[at(c)] % 3)) excluded |= axes;
+      return;
     }
-    return sound;
+    excluded |= axes;
+    const Bits all = excluded | other_lengths(c);
+    if (std::popcount(all) == 2) name(c, static_cast<Row>(std::countr_zero<unsigned>(~all & 7U)));
   }
 
-  const Classes& classes_;
+  // The axes along which edges are of other lengths, unless those are all.
+  Bits other_lengths(Row c) const {
+    if (!lengths_tell_) return 0;
+    const double length = graph_.lengths[at(members_.of(c).front())];
+    Bits found = 0;
+    for (std::size_t k = 0; k < 3; ++k)
+      if (!alike(length, axis_length_[k])) found |= bit(static_cast<Row>(k));
+    return found == 7 ? Bits{0} : found;
+  }
+
+  void settle() {
+    if (!sound_)  // at right angles to itself, or three edges along one axis: no lattice
+      for (const Row c : named_) axis_[at(c)] = kUnsound;
+    ++lattices_;
+  }
+
+  const EdgesAround& graph_;
+  std::vector<Row> classes_;  // of parallel edges
+  Row n_classes_;
+  Lists members_, across_;
   std::vector<Row> axis_;
-  std::vector<unsigned char> seen_;  // which axes a class is at right angles to
+  std::vector<Bits> excluded_;  // axes that a class does not run along
+  std::vector<Row> lattice_;    // of a vertex, and its edges along each axis
+  std::vector<std::array<unsigned char, 3>> full_;
+  bool lengths_tell_;
+  std::array<double, 3> axis_length_{};
+  std::vector<Row> named_;
+  bool sound_ = true;
   Row lattices_ = 0;
 };
 
 }  // namespace
 
-std::vector<Row> axes_of_edges(Row n_edges, std::span<const Rectangle> rectangles,
+std::vector<Row> axes_of_edges(const EdgesAround& graph, std::span<const Rectangle> rectangles,
                                std::span<const std::array<Row, 3>> frames) {
-  const Classes classes = parallel(n_edges, rectangles);
-  Axes axes(classes);
-  for (const auto& frame : frames) {
-    std::array<Row, 3> own{};
-    for (std::size_t k = 0; k < 3; ++k) own[k] = classes.of_edge[static_cast<std::size_t>(frame[k])];
-    axes.begin(own, true);
-  }
-  if (frames.empty())
-    for (Row c = 0; c < static_cast<Row>(classes.across.size()); ++c)
-      axes.begin(std::span(&c, 1), false);
-  std::vector<Row> result(static_cast<std::size_t>(n_edges));
-  for (std::size_t e = 0; e < result.size(); ++e) result[e] = axes.of(classes.of_edge[e]);
+  Axes axes(graph, rectangles);
+  for (const auto& frame : frames) axes.spread_from(frame);
+  if (frames.empty() && is_flat(graph))
+    for (const Rectangle& rectangle : rectangles) axes.spread_in_plane(rectangle.one);
+  std::vector<Row> result(graph.lengths.size());
+  for (std::size_t e = 0; e < result.size(); ++e) result[e] = axes.of(static_cast<Index>(e));
   return result;
 }
 

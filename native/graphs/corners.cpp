@@ -82,6 +82,19 @@ double diagonal(double a, double b, double c, double d) {
   return (a * c + b * d) * (a * d + b * c) / (a * b + c * d);
 }
 
+// Whether members of a set are all reached from the first, each to those that `joined` says.
+template <class Joined>
+bool connects(Bits members, const Joined& joined) {
+  Bits reached = members & -members;
+  for (Bits fresh = reached; fresh != 0;) {
+    Bits next = 0;
+    for (; fresh != 0; fresh &= fresh - 1) next |= joined[at(std::countr_zero(fresh))];
+    fresh = next & members & ~reached;
+    reached |= fresh;
+  }
+  return reached == members;
+}
+
 // Finds the corners of the triangles and the quadrangles at one vertex after the other.
 class Finder {
  public:
@@ -90,6 +103,8 @@ class Finder {
   std::vector<Corner> corners;
   std::vector<Rectangle> rectangles;
   std::vector<std::array<Row, 3>> frames;
+  // Sums over the vertices: of neighbours, of vertices within two edges, of edges surrounded.
+  Index neighbours = 0, near = 0, closed = 0;
 
   void look_about(Index x) {
     first_ = rows_.starts[at(x)], degree_ = rows_.degree(x);
@@ -97,6 +112,9 @@ class Finder {
     for (Index s = 0; s < degree_; ++s) place_[at(end(s))] = static_cast<Row>(s);
     find_triangles();
     find_quadrangles(x);
+    neighbours += degree_, near += 1 + degree_;
+    for (Index s = 0; s < degree_; ++s)
+      closed += joined_[at(s)] != 0 && connects(joined_[at(s)], joined_);
     for (Index s = 0; s < degree_; ++s) place_[at(end(s))] = kNone;
   }
 
@@ -139,12 +157,11 @@ class Finder {
     std::ranges::sort(ways_, {}, [](const Way& way) { return std::pair(way.beyond, way.slot); });
     found_.clear();
     for (std::size_t i = 0, j; i < ways_.size(); i = j) {
-      Bits group = 0;
-      for (j = i; j < ways_.size() && ways_[j].beyond == ways_[i].beyond; ++j)
-        group |= bit(ways_[j].slot);
+      for (j = i; j < ways_.size() && ways_[j].beyond == ways_[i].beyond;) ++j;
       if (ways_[i].beyond == x) continue;
+      ++near;
       for (std::size_t p = i; p < j; ++p)
-        for (std::size_t q = p + 1; q < j; ++q) add_quadrangle(x, ways_[p], ways_[q], group);
+        for (std::size_t q = p + 1; q < j; ++q) add_quadrangle(x, ways_[p], ways_[q]);
     }
     std::ranges::sort(found_, {}, [](const Corner& c) { return std::tuple(c.one, c.other, c.across); });
     std::array<Bits, at(kMost)> right{};
@@ -164,10 +181,13 @@ class Finder {
       }
   }
 
-  void add_quadrangle(Index x, const Way& p, const Way& q, Bits group) {
+  void add_quadrangle(Index x, const Way& p, const Way& q) {
     const Bits beside = joined_[at(p.slot)];
-    if (beside & bit(q.slot)) return;                   // it has a diagonal
-    if (beside & joined_[at(q.slot)] & group) return;   // triangles about one vertex fill it
+    if (beside & bit(q.slot)) return;  // it has a diagonal
+    Bits two = beside;                 // those that a fan of two triangles leads to
+    for (Bits rest = beside; rest != 0; rest &= rest - 1)
+      two |= joined_[at(std::countr_zero(rest))];
+    if (two & joined_[at(q.slot)]) return;  // a fan of up to three fills it
     const double a = length(p.slot), b = length(q.slot), c = q.length, d = p.length;
     const bool right = std::abs(a - c) <= kAlike * a && std::abs(b - d) <= kAlike * b;
     const double across = right ? squared(a) + squared(b) : diagonal(a, b, c, d);
@@ -196,6 +216,9 @@ class Known {
     bits_[at(s)] |= bit(t - first_[at(s)]), bits_[at(t)] |= bit(s - first_[at(s)]);
   }
   Bits of(Index s) const { return bits_[at(s)]; }
+  std::span<const Bits> about(Index first, Index degree) const {
+    return std::span(bits_).subspan(at(first), at(degree));
+  }
 
  private:
   std::vector<Bits> bits_;
@@ -237,13 +260,8 @@ double covered(const Rows& rows, const Known& known) {
     if (degree < 3) continue;
     ++junctions;
     if (degree > kMost) continue;
-    Bits reached = 1, before = 0;
-    while (reached != before) {
-      Bits fresh = reached & ~before;
-      before = reached;
-      for (; fresh != 0; fresh &= fresh - 1) reached |= known.of(first + std::countr_zero(fresh));
-    }
-    whole += std::popcount(reached) == degree;
+    const Bits all = degree == kMost ? ~Bits{0} : bit(degree) - 1;
+    whole += connects(all, known.about(first, degree));
   }
   return junctions ? static_cast<double>(whole) / static_cast<double>(junctions) : 0.0;
 }
@@ -377,11 +395,14 @@ GraphCorners corners_of(Index n, std::span<const Index> edges, std::span<const d
     Known known(rows, corners);
     std::vector<Row> axes;
     if (!finder.rectangles.empty()) {
-      axes = axes_of_edges(static_cast<Row>(lengths.size()), finder.rectangles, finder.frames);
+      axes = axes_of_edges({edges, lengths, rows.starts, rows.edge}, finder.rectangles, finder.frames);
       add_right_angles(rows, axes, known, corners);
     }
     judge(corners, !finder.frames.empty(), result);
     result.covered = covered(rows, known);
+    const double sides = static_cast<double>(std::max<Index>(finder.neighbours, 1));
+    result.growth = static_cast<double>(finder.near) / sides;
+    result.closed = static_cast<double>(finder.closed) / sides;
     boxes = !finder.frames.empty();
     for (const Row axis : axes) chorded.sets.push_back(axis_set(axis));
     angles = angles_of(rows, corners);

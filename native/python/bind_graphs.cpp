@@ -22,6 +22,8 @@ void bind_graphs(nb::module_& module) {
       .def_prop_ro("n_corners",
                    [](const GraphCorners& self) { return static_cast<Index>(self.other.size()) / 2; })
       .def_prop_ro("covered", [](const GraphCorners& self) { return self.covered; })
+      .def_prop_ro("growth", [](const GraphCorners& self) { return self.growth; })
+      .def_prop_ro("closed", [](const GraphCorners& self) { return self.closed; })
       .def_prop_ro("lattice", [](const GraphCorners& self) { return self.lattice; })
       .def_prop_ro("nbytes",
                    [](const GraphCorners& self) {
