@@ -134,9 +134,15 @@ def diagnose(domain: Domain, operator: object, method: HeatMethod, reason: str =
         reached=report.reached,
         non_positive=report.non_positive,
         stages=report.stages,
-        notes={**metric.notes, **_local_dimensions(method)},
+        notes={**metric.notes, **_local_dimensions(method), **_noise(method)},
         reason=reason,
     )
+
+
+def _noise(method: HeatMethod) -> dict[str, Any]:
+    """Return which part of the squared lengths of edges fronts take for noise, and leave out."""
+    across = method.metric.across_edges
+    return {"noise": across.noise} if method.across and across is not None else {}
 
 
 def _isolated(metric: Discretization) -> int:

@@ -6,6 +6,7 @@ import numpy as np
 
 from geodesic_toolkit._typing import FloatArray
 from geodesic_toolkit.discretization import Discretization
+from geodesic_toolkit.geometry.across_edges import SOLID
 from geodesic_toolkit.geometry.along_edges import AlongEdges
 from geodesic_toolkit.geometry.lines import (
     FEW_LENGTHS,
@@ -37,10 +38,8 @@ that is 1.4 âˆšn, in a cube 0.4 n, among 15 neighbours in ten dimensions 0.06 nÂ
 cubes of 700,000 voxels and some 2,000 such samples are below.
 """
 
-SOLID, OPEN_SOLID = 3.5, 0.95
-"""Vertices within two edges for each neighbour, above which a graph samples a solid, and share of its
-edges that triangles must surround there. Neighbour graphs of squares, rolls and spheres have 2.8 to
-3.4 vertices, edges of meshes 3.1 to 3.4, of cubes 3.6 to 4.4, tetrahedra 4.7 to 5.5. Triangles
+OPEN_SOLID = 0.95
+"""Share of its edges that triangles must surround where a graph samples a solid. Triangles
 surround 80 to 94 % of the edges of 8 to 12 neighbours in cubes, where fronts are 6 to 15 % too late
 and heat 5 to 10 % off, 97 to 99 % of those of 15 and 20 (2 to 5 %, heat 5 to 10 %), and all edges of
 tetrahedra and of voxels with diagonals. Where hardly an edge has triangles, quadrangles take over.

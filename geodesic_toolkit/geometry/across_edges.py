@@ -6,6 +6,9 @@ largest. A rectangle of voxels is that as well, and what is parallel or at right
 follows from its rectangles. Vertices are settled from the nearest to the farthest, as in Dijkstra's
 algorithm; each reads the shortest of the ways along its edges and of those that a front takes
 straight across its corners.
+
+Where noise lengthens the edges between samples of a surface, that is taken off for the most part,
+unless triangles overlap so much that the shortest of many ways is short by itself.
 """
 
 from __future__ import annotations
@@ -19,9 +22,26 @@ import numpy as np
 from geodesic_toolkit import _native
 from geodesic_toolkit._frozen import FrozenArrays
 from geodesic_toolkit._typing import FloatArray, IntArray
+from geodesic_toolkit.geometry.noise import squared_noise
 from geodesic_toolkit.geometry.threads import threads_for
 
-__all__ = ["AcrossEdges"]
+__all__ = ["SOLID", "AcrossEdges"]
+
+SOLID = 3.5
+"""Vertices within two edges for each neighbour, above which a graph samples a solid. Neighbour
+graphs of squares, rolls and spheres have 2.8 to 3.4, edges of meshes 3.1 to 3.4; neighbour graphs of
+cubes 3.6 to 4.4, tetrahedra 4.7 to 5.5.
+"""
+
+DENSE, THIN = 0.99, 0.94
+"""Share of the edges that triangles surround, between which noise is taken off less and less. They
+surround 90 % with 8 neighbours in the plane, 95.5 % with 10, 98 % with 12 and 99.3 % with 15. Found
+on squares, spheres and rolls of 500 and 2,500 samples with noise of 0, 0.05, 0.1 and 0.15 mean
+distances in ten dimensions; with 0.93 and 0.98, or 0.92 and 0.99, mean errors are 1 % larger at most.
+"""
+
+SHORTEST = 0.5
+"""Part of its length that an edge keeps."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -57,10 +77,28 @@ class AcrossEdges(FrozenArrays):
     lengths: FloatArray
     representatives: IntArray = field(default_factory=lambda: np.zeros(0, dtype=np.int64))
 
-    @cached_property
+    @property
     def corners(self) -> _native.GraphCorners:
-        """The corners, found when they are first asked for."""
-        return _native.GraphCorners(self.n_vertices, self.edges, self.lengths)
+        """The corners, found when they, or `noise`, are first asked for."""
+        return self._corners_and_noise[0]
+
+    @property
+    def noise(self) -> float:
+        """What is taken off the squared lengths of edges, as a part of their median."""
+        return self._corners_and_noise[1]
+
+    @cached_property
+    def _corners_and_noise(self) -> tuple[_native.GraphCorners, float]:
+        corners = _native.GraphCorners(self.n_vertices, self.edges, self.lengths)
+        taken = float(np.clip((DENSE - corners.closed) / (DENSE - THIN), 0, 1))
+        if corners.lattice or corners.growth > SOLID or not taken or corners.closed < 1 - THIN:
+            return corners, 0.0
+        off = taken * squared_noise(self.n_vertices, self.edges, self.lengths)
+        if not off:
+            return corners, 0.0
+        shorter = np.sqrt(np.maximum(self.lengths**2 - off, (SHORTEST * self.lengths) ** 2))
+        noise = off / float(np.median(self.lengths**2))
+        return _native.GraphCorners(self.n_vertices, self.edges, shorter), noise
 
     def distances(self, begins: IntArray, vertices: IntArray, starts: FloatArray) -> FloatArray:
         """Return the distance from each of K sets of vertices.
@@ -91,4 +129,4 @@ class AcrossEdges(FrozenArrays):
         return distances[:, others] if len(others) else distances
 
     def __getstate__(self) -> dict[str, Any]:
-        return {name: value for name, value in self.__dict__.items() if name != "corners"}
+        return {name: value for name, value in self.__dict__.items() if name != "_corners_and_noise"}
