@@ -46,7 +46,8 @@ class Diagnosis:
     refined : bool
         Whether distances are refined. On a graph refined ones are the shortest ways along edges.
     across : bool
-        Whether fronts cross the corners of a graph. Where neither is so, distances are plain heat's.
+        Whether fronts cross the corners of a graph. Where neither is so, distances are plain
+        heat's.
     reason : str
         Why, where that was left open; empty where it was said.
     spacing : float

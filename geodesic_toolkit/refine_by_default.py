@@ -23,10 +23,9 @@ __all__ = ["refinement_of"]
 
 WHOLE, WHOLE_LATTICE = 0.95, 0.6
 """Share of the junctions whose edges corners must connect, for fronts to go across, and that in
-lattices, where corners are known rather than guessed. Neighbour graphs of 8 and more have 0.97 to 1,
-meshes and lattices 1, with a twentieth of the edges missing 0.93 and with a tenth 0.78, vessels two
-voxels wide 0.8; neighbour graphs of 4 to 6 have 0.71 to 0.93 and are better off with heat, by two
-parts in a hundred, and a honeycomb has 0.
+lattices, where corners are known rather than guessed. Neighbour graphs of 8 and more have 0.97 to
+1, meshes and lattices 1, with a twentieth of the edges missing 0.93 and with a tenth 0.78; neighbour
+graphs of 4 to 6 have 0.71 to 0.94 and are better off with heat, by 2 %, and a honeycomb has 0.
 """
 
 DEAR = 3e5
@@ -39,8 +38,7 @@ cubes of 700,000 voxels and some 2,000 such samples are below.
 """
 
 OPEN_SOLID = 0.95
-"""Share of its edges that triangles must surround where a graph samples a solid. Triangles
-surround 80 to 94 % of the edges of 8 to 12 neighbours in cubes, where fronts are 6 to 15 % too late
+"""Share of its edges that triangles must surround where a graph samples a solid. They surround 80 to 94 % of the edges of 8 to 12 neighbours in cubes, where fronts are 6 to 15 % too late
 and heat 5 to 10 % off, 97 to 99 % of those of 15 and 20 (2 to 5 %, heat 5 to 10 %), and all edges of
 tetrahedra and of voxels with diagonals. Where hardly an edge has triangles, quadrangles take over.
 """
@@ -88,10 +86,18 @@ def _on_graph(
             "the way along edges: junctions have up to four neighbours, and edges all kinds of "
             "lengths, as in a street network; refine=False, or a dim, takes it for samples"
         )
+    return _on_samples(ways, metric, heat_is_meant)
+
+
+def _on_samples(
+    ways: AlongEdges, metric: Discretization, heat_is_meant: bool
+) -> tuple[bool | Literal["across"], str]:
+    """Return how to measure a graph whose vertices are samples."""
+    assert isinstance(metric.gradient, EdgeGradient)  # for the type checker
     across = metric.local_scale and not heat_is_meant
-    if across and _few_lengths(ways.lengths[proper]) and _whole(metric):
+    if across and _few_lengths(ways.lengths[ways.lengths > 0]) and _whole(metric):
         return "across", "fronts can cross the corners of the lattice"
-    width = widest_level(ways.n_vertices, edges)
+    width = widest_level(ways.n_vertices, metric.gradient.edges)
     if float(width) ** 3 > DEAR * ways.n_vertices:
         return True, (
             f"the way along edges: a front from one vertex is {width} vertices wide, and a factor "

@@ -164,9 +164,9 @@ class GeodesicSolver:
         if isinstance(refine, str):
             heat_is_meant = time is not None or time_factor != 1.0 or diffusion is not None
             refine, self._reason = _refine_by_default(refine, metric, heat_is_meant)
-        across = isinstance(refine, str)
-        refine = False if across else refine
-        heat_solver, poisson_solver = resolve_solvers(solver, domain.n_vertices, refine=refine)
+        across = refine == "across"
+        refined = False if refine == "across" else refine
+        heat_solver, poisson_solver = resolve_solvers(solver, domain.n_vertices, refine=refined)
         self._seams = (
             find_seams(domain.vertices, domain.faces, metric.boundary)
             if isinstance(domain, TriangleMesh)
@@ -187,9 +187,9 @@ class GeodesicSolver:
             boundary=boundary,
             heat_solver=heat_solver,
             poisson_solver=poisson_solver,
-            refine=refine,
+            refine=refined,
             across=across,
-            bounds=bounds_of(domain) if refine else None,
+            bounds=bounds_of(domain) if refined else None,
             small_parts=small_parts,
         ).prepare()
         self._diagnosis: Diagnosis | None = None

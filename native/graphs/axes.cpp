@@ -102,12 +102,15 @@ bool is_flat(const EdgesAround& graph) {
 class Axes {
  public:
   Axes(const EdgesAround& graph, std::span<const Rectangle> rectangles)
-      : graph_(graph), classes_(parallel(static_cast<Index>(graph.lengths.size()), rectangles)),
+      : graph_(graph),
+        classes_(parallel(static_cast<Index>(graph.lengths.size()), rectangles)),
         n_classes_(1 + *std::ranges::max_element(classes_)),
         members_(members_of(classes_, n_classes_)),
         across_(at_right_angles(classes_, rectangles, n_classes_)),
-        axis_(at(n_classes_), kNone), excluded_(at(n_classes_), 0),
-        lattice_(graph.starts.size() - 1, kNone), full_(graph.starts.size() - 1),
+        axis_(at(n_classes_), kNone),
+        excluded_(at(n_classes_), 0),
+        lattice_(graph.starts.size() - 1, kNone),
+        full_(graph.starts.size() - 1),
         lengths_tell_(has_three_lengths_at_most(graph.lengths)) {}
 
   // From three classes that are mutually at right angles on.

@@ -17,10 +17,10 @@ struct Rectangle {
 // A graph as the search for axes needs it: edges by their numbers, around vertices in compressed
 // rows.
 struct EdgesAround {
-  std::span<const Index> ends;     // two of each edge
+  std::span<const Index> ends;  // two of each edge
   std::span<const double> lengths;
-  std::span<const Index> starts;   // of the edges around each vertex
-  std::span<const Row> edges;      // around the first vertex, the second, ...
+  std::span<const Index> starts;  // of the edges around each vertex
+  std::span<const Row> edges;     // around the first vertex, the second, ...
 };
 
 // The axis of every edge, so that edges of one lattice with different ones are at right angles.

@@ -31,7 +31,10 @@ struct Rows {
   std::vector<double> lengths;
 
   Rows(Index n, std::span<const Index> pairs, std::span<const double> given)
-      : starts(at(n) + 1), ends(pairs.size()), back(pairs.size()), edge(pairs.size()),
+      : starts(at(n) + 1),
+        ends(pairs.size()),
+        back(pairs.size()),
+        edge(pairs.size()),
         lengths(pairs.size()) {
     constexpr std::size_t kLargest = std::size_t{1} << 30;  // twice that is a Row
     if (pairs.size() > kLargest) throw std::length_error("more edges than corners can number");
@@ -76,8 +79,9 @@ struct Corner {
 // that comes after another the next corner does as well.
 bool is_open(Kind kind) { return kind == Kind::kQuadrangle || kind == Kind::kAxes; }
 
-// The square of a diagonal of the quadrangle with these sides in turn that is inscribed in a circle,
-// from between the first and the last to between the others (Ptolemy): its area is the largest.
+// The square of a diagonal of the quadrangle with these sides in turn that is inscribed in a
+// circle, from between the first and the last to between the others (Ptolemy): its area is the
+// largest.
 double diagonal(double a, double b, double c, double d) {
   return (a * c + b * d) * (a * d + b * c) / (a * b + c * d);
 }
@@ -163,7 +167,8 @@ class Finder {
       for (std::size_t p = i; p < j; ++p)
         for (std::size_t q = p + 1; q < j; ++q) add_quadrangle(x, ways_[p], ways_[q]);
     }
-    std::ranges::sort(found_, {}, [](const Corner& c) { return std::tuple(c.one, c.other, c.across); });
+    std::ranges::sort(found_, {},
+                      [](const Corner& c) { return std::tuple(c.one, c.other, c.across); });
     std::array<Bits, at(kMost)> right{};
     for (std::size_t k = 0; k < found_.size(); ++k) {
       const Corner& c = found_[k];
@@ -209,7 +214,8 @@ class Known {
  public:
   Known(const Rows& rows, std::span<const Corner> corners) : bits_(rows.ends.size()) {
     for (Index v = 0; v + 1 < static_cast<Index>(rows.starts.size()); ++v)
-      for (Index s = rows.starts[at(v)]; s < rows.starts[at(v) + 1]; ++s) first_.push_back(rows.starts[at(v)]);
+      for (Index s = rows.starts[at(v)]; s < rows.starts[at(v) + 1]; ++s)
+        first_.push_back(rows.starts[at(v)]);
     for (const Corner& c : corners) add(c.one, c.other);
   }
   void add(Index s, Index t) {
@@ -273,7 +279,8 @@ struct Chord {
 };
 
 void drop_repeated(std::vector<Chord>& chords) {
-  std::ranges::sort(chords, {}, [](const Chord& c) { return std::tuple(c.one, c.other, c.squared); });
+  std::ranges::sort(chords, {},
+                    [](const Chord& c) { return std::tuple(c.one, c.other, c.squared); });
   const auto rest = std::ranges::unique(
       chords, [](const Chord& c, const Chord& d) { return c.one == d.one && c.other == d.other; });
   chords.erase(rest.begin(), rest.end());
@@ -375,8 +382,8 @@ void judge(std::span<const Corner> corners, bool boxes, GraphCorners& result) {
            static_cast<double>(std::max<std::size_t>(corners.size(), 1));
   };
   result.lattice = share([](const Corner& c) {
-    return c.kind == Kind::kRectangle || c.kind == Kind::kAxes;
-  }) > 0.9;
+                     return c.kind == Kind::kRectangle || c.kind == Kind::kAxes;
+                   }) > 0.9;
   result.solid = boxes || share([](const Corner& c) { return c.kind == Kind::kTriangle; }) < 0.5;
 }
 
@@ -395,7 +402,8 @@ GraphCorners corners_of(Index n, std::span<const Index> edges, std::span<const d
     Known known(rows, corners);
     std::vector<Row> axes;
     if (!finder.rectangles.empty()) {
-      axes = axes_of_edges({edges, lengths, rows.starts, rows.edge}, finder.rectangles, finder.frames);
+      axes =
+          axes_of_edges({edges, lengths, rows.starts, rows.edge}, finder.rectangles, finder.frames);
       add_right_angles(rows, axes, known, corners);
     }
     judge(corners, !finder.frames.empty(), result);

@@ -35,6 +35,7 @@ struct GraphCorners {
 // Corners are those of triangles of the graph; of its quadrangles without diagonals, if the graph
 // does not fill them otherwise, each laid out in the plane so that its area is the largest, as a
 // rectangle where opposite sides are equal; and of edges of one lattice along different axes.
-GraphCorners corners_of(Index n_vertices, std::span<const Index> edges, std::span<const double> lengths);
+GraphCorners corners_of(Index n_vertices, std::span<const Index> edges,
+                        std::span<const double> lengths);
 
 }  // namespace geodesic

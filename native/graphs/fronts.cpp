@@ -85,7 +85,9 @@ double across_triangle(const End& a, const End& b, const End& c, double ab, doub
 class Fronts {
  public:
   Fronts(const GraphCorners& corners, std::span<double> distances)
-      : corners_(corners), distances_(distances), began_(distances.size()),
+      : corners_(corners),
+        distances_(distances),
+        began_(distances.size()),
         settled_(distances.size()) {
     std::ranges::fill(distances, kInfinity);
   }
