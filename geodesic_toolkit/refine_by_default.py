@@ -21,13 +21,6 @@ from geodesic_toolkit.refine import made_of_triangles
 
 __all__ = ["refinement_of"]
 
-WHOLE, WHOLE_LATTICE = 0.95, 0.6
-"""Share of the junctions whose edges corners must connect, for fronts to go across, and that in
-lattices, where corners are known rather than guessed. Neighbour graphs of 8 and more have 0.97 to
-1, meshes and lattices 1, with a twentieth of the edges missing 0.93 and with a tenth 0.78; neighbour
-graphs of 4 to 6 have 0.71 to 0.94 and are better off with heat, by 2 %, and a honeycomb has 0.
-"""
-
 DEAR = 3e5
 """Cube of the width of a graph, for each vertex, from which on a factor is too dear.
 
@@ -37,9 +30,18 @@ that is 1.4 âˆšn, in a cube 0.4 n, among 15 neighbours in ten dimensions 0.06 nÂ
 cubes of 700,000 voxels and some 2,000 such samples are below.
 """
 
+WHOLE, WHOLE_LATTICE = 0.95, 0.6
+"""Share of the junctions whose edges corners must connect, for fronts to go across, and that in
+lattices, where corners are known rather than guessed. Neighbour graphs of 8 and more have 0.97 to
+1, meshes and lattices 1, with a twentieth of the edges missing 0.93 and with a tenth 0.78;
+neighbour graphs of 4 to 6 have 0.71 to 0.94 and are better off with heat, by 2 %, and a honeycomb
+has 0.
+"""
+
 OPEN_SOLID = 0.95
-"""Share of its edges that triangles must surround where a graph samples a solid. They surround 80 to 94 % of the edges of 8 to 12 neighbours in cubes, where fronts are 6 to 15 % too late
-and heat 5 to 10 % off, 97 to 99 % of those of 15 and 20 (2 to 5 %, heat 5 to 10 %), and all edges of
+"""Share of its edges that triangles must surround where a graph samples a solid. They surround 80
+to 94 % of the edges of 8 to 12 neighbours in cubes, where fronts are 6 to 15 % too late and heat 5
+to 10 % off, 97 to 99 % of those of 15 and 20 (2 to 5 %, heat 5 to 10 %), and all edges of
 tetrahedra and of voxels with diagonals. Where hardly an edge has triangles, quadrangles take over.
 """
 
@@ -95,7 +97,8 @@ def _on_samples(
     """Return how to measure a graph whose vertices are samples."""
     assert isinstance(metric.gradient, EdgeGradient)  # for the type checker
     across = metric.local_scale and not heat_is_meant
-    if across and _few_lengths(ways.lengths[ways.lengths > 0]) and _whole(metric):
+    gaps = _gaps(metric) if across and _few_lengths(ways.lengths[ways.lengths > 0]) else "unknown"
+    if not gaps:
         return "across", "fronts can cross the corners of the lattice"
     width = widest_level(ways.n_vertices, metric.gradient.edges)
     if float(width) ** 3 > DEAR * ways.n_vertices:
@@ -103,9 +106,12 @@ def _on_samples(
             f"the way along edges: a front from one vertex is {width} vertices wide, and a factor "
             "would take too long; refine=False insists on it"
         )
-    if across and _whole(metric):
+    if not across:
+        return False, "heat, across the edges: the graph samples more than lines"
+    gaps = _gaps(metric)
+    if not gaps:
         return "across", "fronts can cross the triangles and quadrangles of the graph"
-    return False, "heat, across the edges: the graph samples more than lines"
+    return False, f"heat, across the edges, 5 to 15 % off: {gaps}; more neighbours would do"
 
 
 def _few_lengths(lengths: FloatArray) -> bool:
@@ -113,10 +119,12 @@ def _few_lengths(lengths: FloatArray) -> bool:
     return len(np.unique(np.round(np.log(lengths) / LIKE))) <= FEW_LENGTHS
 
 
-def _whole(metric: Discretization) -> bool:
-    """Return whether corners leave next to no gaps between the edges of a graph."""
+def _gaps(metric: Discretization) -> str:
+    """Return which gaps corners leave between the edges of a graph, "" where next to none."""
     assert metric.across_edges is not None  # graphs have both
     corners = metric.across_edges.corners
     if corners.growth > SOLID and 1 - OPEN_SOLID < corners.closed < OPEN_SOLID:
-        return False
-    return corners.covered >= (WHOLE_LATTICE if corners.lattice else WHOLE)
+        return f"in a solid, triangles surround {corners.closed:.0%} of the edges only"
+    if corners.covered < (WHOLE_LATTICE if corners.lattice else WHOLE):
+        return f"there are gaps between the edges at {1 - corners.covered:.0%} of the junctions"
+    return ""
