@@ -6,7 +6,7 @@ import numpy as np
 
 from geodesic_toolkit._typing import FloatArray
 from geodesic_toolkit.discretization import Discretization
-from geodesic_toolkit.geometry.across_edges import SOLID
+from geodesic_toolkit.geometry.across_edges import OF_TRIANGLES, SOLID
 from geodesic_toolkit.geometry.along_edges import AlongEdges
 from geodesic_toolkit.geometry.lines import (
     FEW_LENGTHS,
@@ -123,7 +123,7 @@ def _gaps(metric: Discretization) -> str:
     """Return which gaps corners leave between the edges of a graph, "" where next to none."""
     assert metric.across_edges is not None  # graphs have both
     corners = metric.across_edges.corners
-    if corners.growth > SOLID and 1 - OPEN_SOLID < corners.closed < OPEN_SOLID:
+    if corners.growth > SOLID and OF_TRIANGLES < corners.closed < OPEN_SOLID:
         return f"in a solid, triangles surround {corners.closed:.0%} of the edges only"
     if corners.covered < (WHOLE_LATTICE if corners.lattice else WHOLE):
         return f"there are gaps between the edges at {1 - corners.covered:.0%} of the junctions"

@@ -434,7 +434,12 @@ def test_a_chain_that_turns_is_not_cut_short_and_a_hole_is_gone_round():
 
 
 def test_the_edges_of_tubes_and_spheres_measure_what_they_are_the_edges_of():
-    for mesh in (shapes.tube(150, 12), shapes.tube(40, 24), shapes.icosphere(3)):
+    for mesh in (
+        shapes.tube(150, 12),
+        shapes.tube(40, 24),
+        shapes.icosphere(3),
+        shapes.grid(25),
+    ):
         solver = gt.GeodesicSolver(edges_of(mesh))
         assert solver.diagnosis.across
         assert error_of(solver, (0, 200), lambda s, m=mesh: gt.exact_distance(m, s)) < 0.01

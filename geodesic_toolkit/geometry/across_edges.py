@@ -25,7 +25,12 @@ from geodesic_toolkit._typing import FloatArray, IntArray
 from geodesic_toolkit.geometry.noise import squared_noise
 from geodesic_toolkit.geometry.threads import threads_for
 
-__all__ = ["SOLID", "AcrossEdges"]
+__all__ = ["OF_TRIANGLES", "SOLID", "AcrossEdges"]
+
+OF_TRIANGLES = 0.5
+"""Share of the edges that triangles surround above which most corners are of overlapping triangles.
+Neighbour graphs have 0.8 and more; lattices have 0, and meshes of triangles their rim, 0 to 0.3.
+"""
 
 SOLID = 3.5
 """Vertices within two edges for each neighbour, above which a graph samples a solid. Neighbour
@@ -92,7 +97,7 @@ class AcrossEdges(FrozenArrays):
     def _corners_and_noise(self) -> tuple[_native.GraphCorners, float]:
         corners = _native.GraphCorners(self.n_vertices, self.edges, self.lengths)
         taken = float(np.clip((DENSE - corners.closed) / (DENSE - THIN), 0, 1))
-        if corners.lattice or corners.growth > SOLID or not taken or corners.closed < 1 - THIN:
+        if corners.lattice or corners.growth > SOLID or not taken or corners.closed < OF_TRIANGLES:
             return corners, 0.0
         off = taken * squared_noise(self.n_vertices, self.edges, self.lengths)
         if not off:

@@ -48,7 +48,7 @@ def squared_noise(n_vertices: int, edges: IntArray, lengths: FloatArray) -> floa
     >>> edges = np.array([(i, j) for i in range(60) for j in range(i)])
     >>> lengths = np.linalg.norm(places[edges[:, 0]] - places[edges[:, 1]], axis=1)
     >>> round(squared_noise(60, edges, lengths), 3)  # of 2 * 8 * 0.03² = 0.014
-    0.013
+    0.015
     """
     squared = _connected_fours(n_vertices, edges, lengths)
     if len(squared) < FEWEST:
