@@ -4,7 +4,6 @@ from typing import Literal
 
 import numpy as np
 
-from geodesic_toolkit._typing import FloatArray
 from geodesic_toolkit.discretization import Discretization
 from geodesic_toolkit.geometry.across_edges import OF_TRIANGLES, SOLID
 from geodesic_toolkit.geometry.along_edges import AlongEdges
@@ -44,6 +43,9 @@ to 94 % of the edges of 8 to 12 neighbours in cubes, where fronts are 6 to 15 % 
 to 10 % off, 97 to 99 % of those of 15 and 20 (2 to 5 %, heat 5 to 10 %), and all edges of
 tetrahedra and of voxels with diagonals. Where hardly an edge has triangles, quadrangles take over.
 """
+
+AROUND_A_VOXEL = 26
+"""Neighbours that a vertex of a lattice has at most."""
 
 
 def refinement_of(
@@ -97,7 +99,7 @@ def _on_samples(
     """Return how to measure a graph whose vertices are samples."""
     assert isinstance(metric.gradient, EdgeGradient)  # for the type checker
     across = metric.local_scale and not heat_is_meant
-    gaps = _gaps(metric) if across and _few_lengths(ways.lengths[ways.lengths > 0]) else "unknown"
+    gaps = _gaps(metric) if across and _like_lattice(ways) else "unknown"
     if not gaps:
         return "across", "fronts can cross the corners of the lattice"
     width = widest_level(ways.n_vertices, metric.gradient.edges)
@@ -114,9 +116,12 @@ def _on_samples(
     return False, f"heat, across the edges, 5 to 15 % off: {gaps}; more neighbours would do"
 
 
-def _few_lengths(lengths: FloatArray) -> bool:
+def _like_lattice(ways: AlongEdges) -> bool:
     """Return whether edges are as those of a lattice, of which a front may be of any width."""
-    return len(np.unique(np.round(np.log(lengths) / LIKE))) <= FEW_LENGTHS
+    if np.bincount(ways.edges.ravel(), minlength=1).max() > AROUND_A_VOXEL:
+        return False
+    proper = ways.lengths[ways.lengths > 0]
+    return len(np.unique(np.round(np.log(proper) / LIKE))) <= FEW_LENGTHS
 
 
 def _gaps(metric: Discretization) -> str:

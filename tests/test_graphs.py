@@ -564,3 +564,55 @@ def test_graphs_without_corners_are_left_to_heat():
     sheet, _ = lattice(40, 2)
     torn = gt.Graph(1600, sheet.edges[rng.random(sheet.n_edges) > 0.3])
     assert not gt.GeodesicSolver(torn).diagnosis.across
+
+
+def odd_graphs():
+    rng = np.random.default_rng(0)
+    pairs = np.argwhere(np.triu(np.ones((70, 70)), 1))
+    rim = np.arange(1, 200)
+    wheel = np.concatenate([np.column_stack([0 * rim, rim]), np.column_stack([rim, rim % 199 + 1])])
+    sides = np.array([(i, 40 + j) for i in range(40) for j in range(40)])
+    ring = np.arange(300)[:, None] + [0, 1, 2]
+    jumps = np.concatenate([ring[:, :2], ring[:, ::2], rng.integers(300, size=(40, 2))]) % 300
+    cube = np.array([(i, i ^ (1 << b)) for i in range(64) for b in range(6) if i < i ^ (1 << b)])
+    return {
+        "one with edges between all": gt.Graph(70, pairs),
+        "one with lengths that no space has": gt.Graph(70, pairs, rng.uniform(0.1, 1, len(pairs))),
+        "a wheel, whose hub has 199 neighbours": gt.Graph(200, wheel),
+        "one of two sides": gt.Graph(80, sides, rng.uniform(0.5, 1, len(sides))),
+        "a ring with short cuts": gt.Graph(300, jumps),
+        "a cube of six dimensions": gt.Graph(64, cube),
+        "a triangle that is too long": gt.Graph(3, [[0, 1], [1, 2], [0, 2]], [1, 1, 5]),
+    }
+
+
+@pytest.mark.parametrize("name", odd_graphs())
+def test_fronts_stay_within_bounds_on_graphs_that_sample_nothing(name):
+    graph = odd_graphs()[name]
+    across = gt.GeodesicSolver(graph, refine="across").distances([0, [1, 2]])
+    along = gt.GeodesicSolver(graph, refine=True).distances([0, [1, 2]])
+    assert (across <= along).all()
+    assert (across >= 0).all()
+    np.testing.assert_array_equal(across[:, :3] == 0, along[:, :3] == 0)
+
+
+def test_corners_are_checked_where_they_come_in():
+    from geodesic_toolkit import _native
+
+    edges, lengths = np.array([[0, 1], [1, 2], [0, 2]]), np.ones(3)
+    corners = _native.GraphCorners(3, edges, lengths)
+    assert corners.n_corners == 3
+    assert corners.nbytes > 0
+    for wrong in ((2, edges, lengths), (3, edges, lengths[:2]), (3, edges, 0 * lengths)):
+        with pytest.raises(ValueError, match="arrays do not fit together"):
+            _native.GraphCorners(*wrong)
+    begins, sources, starts = np.array([0, 1]), np.array([0]), np.zeros(1)
+    for wrong_cross in (
+        (begins, sources, starts, np.empty((2, 3)), 1),
+        (begins, sources, starts, np.empty((1, 2)), 1),
+        (begins, sources, np.zeros(2), np.empty((1, 3)), 1),
+        (np.array([0, 2]), sources, starts, np.empty((1, 3)), 1),
+        (begins, np.array([3]), starts, np.empty((1, 3)), 1),
+    ):
+        with pytest.raises(ValueError, match="arrays do not fit together"):
+            corners.cross(*wrong_cross)

@@ -16,6 +16,9 @@ namespace {
 // Neighbours of a vertex up to which its corners are looked for, as bits of a number: neighbours of
 // samples and of voxels are 4 to 30, and hubs have none that mean anything.
 constexpr Index kMost = 64;
+// Corners for each edge up to which three at a time are looked at: voxels have 4, and with many it
+// takes the third power of their number.
+constexpr Index kAboutAnEdge = 8;
 // Relative difference up to which two sides of a rectangle are equally long.
 constexpr double kAlike = 1e-6;
 
@@ -376,7 +379,7 @@ struct Chorded {
   }
 };
 
-void judge(std::span<const Corner> corners, bool boxes, GraphCorners& result) {
+void judge(std::span<const Corner> corners, Index n_edges, bool boxes, GraphCorners& result) {
   const auto share = [&](auto is_such) {
     return static_cast<double>(std::ranges::count_if(corners, is_such)) /
            static_cast<double>(std::max<std::size_t>(corners.size(), 1));
@@ -384,7 +387,8 @@ void judge(std::span<const Corner> corners, bool boxes, GraphCorners& result) {
   result.lattice = share([](const Corner& c) {
                      return c.kind == Kind::kRectangle || c.kind == Kind::kAxes;
                    }) > 0.9;
-  result.solid = boxes || share([](const Corner& c) { return c.kind == Kind::kTriangle; }) < 0.5;
+  const double triangles = share([](const Corner& c) { return c.kind == Kind::kTriangle; });
+  result.solid = (boxes || triangles < 0.5) && count(corners) <= kAboutAnEdge * n_edges;
 }
 
 }  // namespace
@@ -406,7 +410,7 @@ GraphCorners corners_of(Index n, std::span<const Index> edges, std::span<const d
           axes_of_edges({edges, lengths, rows.starts, rows.edge}, finder.rectangles, finder.frames);
       add_right_angles(rows, axes, known, corners);
     }
-    judge(corners, !finder.frames.empty(), result);
+    judge(corners, static_cast<Index>(lengths.size()), !finder.frames.empty(), result);
     result.covered = covered(rows, known);
     const double sides = static_cast<double>(std::max<Index>(finder.neighbours, 1));
     result.growth = static_cast<double>(finder.near) / sides;
