@@ -591,7 +591,9 @@ def _refine_by_default(
             raise InvalidOptionError('refine="across" is for graphs and the "uniform" operator')
         return "across", ""
     if choice != "auto":
-        raise InvalidOptionError(f'refine must be True, False, "auto" or "across", not {choice!r}')
+        raise InvalidOptionError(
+            f'refine must be True, False or "auto", or "across" on graphs, not {choice!r}'
+        )
     return refinement_of(metric, heat_is_meant=heat_is_meant)
 
 
