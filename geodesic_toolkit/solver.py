@@ -172,7 +172,7 @@ class GeodesicSolver:
             if isinstance(domain, TriangleMesh)
             else None
         )
-        small_parts = small_parts_of(domain, metric.components) if refine else None
+        small_parts = small_parts_of(domain, metric.components) if refined else None
         if small_parts is not None:
             self._reason += f"; exact on parts of up to {MOST_FACES} faces"
         self.method = HeatMethod(
