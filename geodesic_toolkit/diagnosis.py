@@ -49,8 +49,10 @@ class Diagnosis:
         Share of the off-diagonal entries of the diffusion's stiffness that are positive, where a
         Laplacian with a maximum principle has none.
     refined : bool
-        Whether distances are refined; otherwise they are plain heat's. On a graph refined ones are
-        the shortest ways along edges.
+        Whether distances are refined. On a graph refined ones are the shortest ways along edges.
+    across : bool
+        Whether fronts cross the corners of a graph. Where neither is so, distances are plain
+        heat's.
     reason : str
         Why, where that was left open; empty where it was said.
     spacing : float
@@ -85,6 +87,7 @@ class Diagnosis:
     minimum_angle: float | None
     positive_off_diagonals: float
     refined: bool
+    across: bool
     reason: str
     spacing: float
     time: float
@@ -140,15 +143,22 @@ def diagnose(
         minimum_angle=angle,
         positive_off_diagonals=_positive_share(method.diffusion),
         refined=method.refine,
+        across=method.across,
         spacing=metric.spacing,
         time=method.time,
         probe=probe,
         reached=report.reached,
         non_positive=report.non_positive,
         stages=report.stages,
-        notes={**metric.notes, **_local_dimensions(method)},
+        notes={**metric.notes, **_local_dimensions(method), **_noise(method)},
         reason=reason,
     )
+
+
+def _noise(method: HeatMethod) -> dict[str, Any]:
+    """Return which part of the squared lengths of edges fronts take for noise, and leave out."""
+    across = method.metric.across_edges
+    return {"noise": across.noise} if method.across and across is not None else {}
 
 
 def _isolated(metric: Discretization) -> int:

@@ -15,6 +15,7 @@ from geodesic_toolkit._frozen import FrozenArrays, freeze, freeze_csr
 from geodesic_toolkit._rows import CompressedRows
 from geodesic_toolkit._typing import BoolArray, FloatArray, IntArray
 from geodesic_toolkit.errors import InvalidDiscretizationError
+from geodesic_toolkit.geometry.across_edges import AcrossEdges
 from geodesic_toolkit.geometry.along_edges import AlongEdges
 from geodesic_toolkit.geometry.components import connected_vertices
 from geodesic_toolkit.gradient import EdgeGradient, ElementGradient, Gradient
@@ -59,6 +60,8 @@ class Discretization(FrozenArrays):
     along_edges : AlongEdges, optional
         The shortest ways along the edges of a graph, which no distance exceeds, and which
         refinement takes.
+    across_edges : AcrossEdges, optional
+        The same graph for fronts that cross its corners.
     representatives : ndarray of shape (N,), int64, optional
         The vertex whose distance each vertex reads: another one where several are at one place, of
         which one has entries in the stiffness.
@@ -95,6 +98,7 @@ class Discretization(FrozenArrays):
     surface_frames: FloatArray = field(default_factory=lambda: np.zeros((0, 3)))
     surface: ElementGradient | None = None
     along_edges: AlongEdges | None = None
+    across_edges: AcrossEdges | None = None
     representatives: IntArray = field(default_factory=lambda: np.zeros(0, dtype=np.int64))
     local_scale: bool = False
     notes: Mapping[str, Any] = field(default_factory=dict)

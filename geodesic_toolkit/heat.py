@@ -80,6 +80,8 @@ class HeatMethod:
         (:mod:`geodesic_toolkit.refine`): several times more accurate, exact at the sources, and no
         Poisson system is factorised. For metrics made of triangles. On a graph, whose metric knows
         the ways along its edges, take the shortest of those instead, without any heat.
+    across : bool
+        On a graph whose metric knows its corners: let fronts cross those, without any heat.
     bounds : DistanceBounds, optional
         What refined distances are held to.
     small_parts : SmallParts, optional
@@ -128,6 +130,7 @@ class HeatMethod:
         heat_solver: LinearSolver,
         poisson_solver: LinearSolver,
         refine: bool = False,
+        across: bool = False,
         bounds: DistanceBounds | None = None,
         small_parts: SmallParts | None = None,
     ) -> None:
@@ -155,9 +158,14 @@ class HeatMethod:
         if not isinstance(refine, bool | np.bool_):
             raise InvalidOptionError(f"refine must be True or False, not {refine!r}")
         self.refine = bool(refine)
+        self.across = across
+        if across and (self.refine or metric.across_edges is None):
+            raise UnsupportedDomainError(
+                "fronts cross the corners of graphs, where distances are not refined otherwise"
+            )
         self.bounds, self.small_parts = bounds, small_parts
         ways = metric.along_edges
-        if ways is not None and ways.instead_of_heat and not self.refine:
+        if ways is not None and ways.instead_of_heat and not (self.refine or across):
             raise UnsupportedDomainError(f"{ways.instead_of_heat}; use refine=True")
         self._set_up()
 
@@ -244,8 +252,8 @@ class HeatMethod:
 
     def _solve(self, block: Sequence[SourcePoints], distances: FloatArray) -> HeatReport | None:
         """Write the distances from one block of source sets, (K, N): the paper's three steps."""
-        if self._takes_edges:
-            self._along_edges(block, distances)
+        if not self.flows:
+            self._without_heat(block, distances)
             return None
         if self._sweeper is not None:
             heat, worst = self._diffuse(block)
@@ -384,20 +392,25 @@ class HeatMethod:
     @property
     def flows(self) -> bool:
         """Whether distances come from heat, if only from its order."""
-        return not self._takes_edges
+        return not (self._takes_edges or self.across)
 
     @property
     def _takes_edges(self) -> bool:
         """Whether distances are the shortest ways along edges, and no heat flows."""
         return self.refine and self.metric.along_edges is not None
 
+    def _without_heat(self, block: Sequence[SourcePoints], distances: FloatArray) -> None:
+        """Write the ways along edges, or across them, (K, N)."""
+        if self.across:
+            assert self.metric.across_edges is not None
+            distances[:] = self.metric.across_edges.distances(*_starts_of(block))
+        else:
+            self._along_edges(block, distances)
+
     def _along_edges(self, block: Sequence[SourcePoints], distances: FloatArray) -> None:
         """Write the shortest ways along edges, (K, N)."""
         assert self.metric.along_edges is not None
-        begins = np.cumsum([0, *(len(points.vertices) for points in block)])
-        known = [points.distances + points.starts[points.rows] for points in block]
-        vertices = np.concatenate([points.vertices for points in block])
-        distances[:] = self.metric.along_edges.distances(begins, vertices, np.concatenate(known))
+        distances[:] = self.metric.along_edges.distances(*_starts_of(block))
 
     def _hold_to_graph(self, block: Sequence[SourcePoints], distances: FloatArray) -> None:
         """Lower distances (K, N) in place to the ways along edges, of all vertices at a place."""
@@ -454,7 +467,7 @@ class HeatMethod:
 
         NaN at vertices without edges; None where no local scale is taken.
         """
-        if self._takes_edges or not self.metric.local_scale:
+        if not self.flows or not self.metric.local_scale:
             return None
         gradient = self._scaled_gradient()
         assert isinstance(gradient, EdgeGradient)
@@ -515,7 +528,7 @@ class HeatMethod:
 
         The Poisson system is left out where distances are refined: they do not need it.
         """
-        if self._takes_edges:
+        if not self.flows:
             return self
         beside: Callable[[], object] = self._poisson.factor
         if self._sweeper is not None:
@@ -545,7 +558,7 @@ class HeatMethod:
         What stands when the factors are begun (the discretization and both systems), and what they
         take; 0 where the linear solver does not foresee that.
         """
-        if self._takes_edges:
+        if not self.flows:
             return array_bytes(self.metric, self.diffusion)
         systems = [system.matrix for system in self._flow.systems()]
         factors = self._factorize_heat.expected_bytes()
@@ -568,11 +581,20 @@ class HeatMethod:
         )
         boundary = "" if self.boundary == "neumann" else f", boundary={self.boundary!r}"
         boundary += ", refine=True" if self.refine else ""
+        boundary += ", across=True" if self.across else ""
         return (
             f"HeatMethod({self.n_vertices} vertices, {self.metric.gradient!r}{diffusion}, "
             f"time={self.time:.4g}{boundary}, heat_solver={self.heat_solver!r}, "
             f"poisson_solver={self.poisson_solver!r}, factors of {self.nbytes / 1e6:.1f} MB)"
         )
+
+
+def _starts_of(block: Sequence[SourcePoints]) -> tuple[IntArray, IntArray, FloatArray]:
+    """Return the vertices of source sets in a row, where each begins, and how far they start."""
+    begins = np.cumsum([0, *(len(points.vertices) for points in block)])
+    known = [points.distances + points.starts[points.rows] for points in block]
+    vertices = np.concatenate([points.vertices for points in block])
+    return begins, vertices, np.concatenate(known)
 
 
 def _worse(one: HeatReport | None, other: HeatReport | None) -> HeatReport | None:

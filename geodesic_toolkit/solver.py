@@ -39,7 +39,7 @@ if TYPE_CHECKING:
 
 __all__ = ["GeodesicSolver", "Refine", "check_solver"]
 
-Refine: TypeAlias = bool | Literal["auto"]
+Refine: TypeAlias = bool | Literal["auto", "across"]
 
 UNEVEN = 3.0
 """Scale of a part of a cloud, in mean lengths of its spokes, from which on plain heat is warned of.
@@ -80,13 +80,16 @@ class GeodesicSolver:
         Condition on the heat at boundaries.
     solver : str, class, instance or dict
         The linear solver, or ``{"heat": ..., "poisson": ...}``.
-    refine : bool or "auto"
+    refine : bool, "auto" or "across"
         True: sweep wavefronts over the triangles in the order of the heat, instead of solving the
         Poisson equation. That is several times more accurate on meshes and clouds, and exact at
         the sources. False: plain heat, the paper's own result, which is smooth. On a graph True is
-        the shortest way along its edges, and False the distance across them of what it samples.
-        "auto" refines wherever the elements are triangles, and on graphs that are made of lines, as
-        trees and streets, or whose factor would take too long; `diagnosis` says why.
+        the shortest way along its edges, and False the distance across them of what it samples,
+        by heat. "across" measures the latter by fronts that cross the triangles and quadrangles of
+        a graph. "auto" refines wherever the elements are triangles, and on graphs that are made of
+        lines, as trees and streets, or whose factor would take too long; lets fronts cross graphs
+        whose corners leave no gaps, as grids, voxels, meshes and neighbour graphs; and `diagnosis`
+        says why. Where `time`, `time_factor` or `diffusion` are given, heat is meant.
     mask : array-like of shape (N,), bool, optional
         True at vertices that paths may not cross: faces and edges that touch one do not conduct,
         and it reads ``inf`` itself. It needs no boundary of its own: what is left ends there.
@@ -157,14 +160,17 @@ class GeodesicSolver:
         self._passable: Domain = domain
         self._reason = ""
         if not isinstance(refine, bool | np.bool_):
-            refine, self._reason = _refine_by_default(refine, metric)
-        heat_solver, poisson_solver = resolve_solvers(solver, domain.n_vertices, refine=refine)
+            heat_is_meant = time is not None or time_factor != 1.0 or diffusion is not None
+            refine, self._reason = _refine_by_default(refine, metric, heat_is_meant)
+        across = refine == "across"
+        refined = False if refine == "across" else refine
+        heat_solver, poisson_solver = resolve_solvers(solver, domain.n_vertices, refine=refined)
         self._seams = (
             find_seams(domain.vertices, domain.faces, metric.boundary)
             if isinstance(domain, TriangleMesh)
             else None
         )
-        small_parts = small_parts_of(domain, metric.components) if refine else None
+        small_parts = small_parts_of(domain, metric.components) if refined else None
         if small_parts is not None:
             self._reason += f"; exact on parts of up to {MOST_FACES} faces"
         self.method = HeatMethod(
@@ -179,8 +185,9 @@ class GeodesicSolver:
             boundary=boundary,
             heat_solver=heat_solver,
             poisson_solver=poisson_solver,
-            refine=refine,
-            bounds=bounds_of(domain) if refine else None,
+            refine=refined,
+            across=across,
+            bounds=bounds_of(domain) if refined else None,
             small_parts=small_parts,
         ).prepare()
         self._diagnosis: Diagnosis | None = None
@@ -660,11 +667,19 @@ def check_solver(solver: object, what: str) -> None:
         )
 
 
-def _refine_by_default(choice: Any, metric: Discretization) -> tuple[bool, str]:
-    """Return whether "auto" refines, and why."""
+def _refine_by_default(
+    choice: Any, metric: Discretization, heat_is_meant: bool
+) -> tuple[bool | Literal["across"], str]:
+    """Return how "auto" refines, and why."""
+    if isinstance(choice, str) and choice == "across":
+        if metric.across_edges is None:
+            raise InvalidOptionError('refine="across" is for graphs and the "uniform" operator')
+        return "across", ""
     if not isinstance(choice, str) or choice != "auto":
-        raise InvalidOptionError(f'refine must be True, False or "auto", not {choice!r}')
-    return refinement_of(metric)
+        raise InvalidOptionError(
+            f'refine must be True, False or "auto", or "across" on graphs, not {choice!r}'
+        )
+    return refinement_of(metric, heat_is_meant=heat_is_meant)
 
 
 def _unusual(boundary: Boundary, *, own_time: bool) -> str:

@@ -614,7 +614,7 @@ def test_an_array_in_which_nothing_is_masked_is_an_array():
 
 @pytest.mark.parametrize("refine", [0, 1, None, "yes", 1.0])
 def test_a_refine_that_is_neither_a_truth_value_nor_auto_is_refused(refine):
-    with pytest.raises(InvalidOptionError, match='refine must be True, False or "auto", not'):
+    with pytest.raises(InvalidOptionError, match='refine must be True, False or "auto"'):
         gt.GeodesicSolver(MESH, refine=refine)
 
 

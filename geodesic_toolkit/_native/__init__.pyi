@@ -370,3 +370,35 @@ def distinct_triangles(elements: Indices) -> tuple[Indices, Indices]:
     """Return each triangle of elements (E, 3) once, (T, 3), its corners sorted, and how often it is
     there, (T,). Elements (i, j, j) are left out.
     """
+
+# -- graphs ----------------------------------------------------------------------------------------
+
+class GraphCorners:
+    """The corners of a graph, across which fronts go; edges are (E, 2), each once, no loops."""
+
+    def __init__(self, n_vertices: int, edges: Indices, lengths: Numbers) -> None: ...
+    @property
+    def n_corners(self) -> int: ...
+    @property
+    def covered(self) -> float:
+        """Share of the vertices of three edges and more whose edges corners connect."""
+    @property
+    def growth(self) -> float:
+        """Vertices up to two edges away, for each neighbour."""
+    @property
+    def closed(self) -> float:
+        """Share of the edges whose triangles surround them: their third corners connect."""
+    @property
+    def lattice(self) -> bool:
+        """Whether nine of ten corners are those of rectangles."""
+    @property
+    def nbytes(self) -> int: ...
+    def cross(
+        self,
+        begins: Indices,
+        vertices: Indices,
+        starts: Numbers,
+        distances: Numbers,
+        n_threads: int,
+    ) -> None:
+        """Write the distances (K, N) from each of K sets of vertices, infinite where none leads."""

@@ -71,7 +71,7 @@ def fingerprint_of_solver(solver: GeodesicSolver) -> dict[str, str]:
         "boundary": method.boundary,
         "heat solver": repr(method.heat_solver),
         "Poisson solver": repr(method.poisson_solver),
-        "refine": repr(method.refine),
+        "refine": "across" if method.across else repr(method.refine),
     }
 
 

@@ -7,7 +7,14 @@ import numpy as np
 from geodesic_toolkit._typing import BoolArray, FloatArray, IntArray
 from geodesic_toolkit.geometry.components import connected_by_edges
 
-__all__ = ["NEARLY_EVERYWHERE", "is_network", "share_of_meshes", "widest_level"]
+__all__ = [
+    "FEW_LENGTHS",
+    "LIKE",
+    "NEARLY_EVERYWHERE",
+    "is_network",
+    "share_of_meshes",
+    "widest_level",
+]
 
 NEARLY_EVERYWHERE = 0.05
 """Share of the vertices that may lie in meshes of a graph of lines. Trees, chains and streets with

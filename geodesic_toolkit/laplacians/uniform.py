@@ -11,6 +11,7 @@ from geodesic_toolkit._typing import BoolArray, FloatArray, IntArray
 from geodesic_toolkit.discretization import Discretization
 from geodesic_toolkit.domains import Domain, Graph, TriangleMesh
 from geodesic_toolkit.errors import InvalidOptionError, UnsupportedDomainError
+from geodesic_toolkit.geometry.across_edges import AcrossEdges
 from geodesic_toolkit.geometry.along_edges import AlongEdges, shortest_parallel_edges
 from geodesic_toolkit.geometry.components import connected_by_edges
 from geodesic_toolkit.geometry.lines import NEARLY_EVERYWHERE, share_of_meshes
@@ -129,6 +130,9 @@ class UniformLaplacian(LaplaceOperator):
             part,
             boundary,
             along_edges=None if ways is None else replace(ways, instead_of_heat=fault),
+            across_edges=(
+                None if ways is None else AcrossEdges(count, edges, lengths, representatives)
+            ),
             representatives=representatives,
             local_scale=local,
             notes={"dim": "local" if local else dim},

@@ -94,6 +94,7 @@ inline MatrixView matrix_of(const In<Row>& indptr, const In<Row>& indices, const
 void bind_bounds(nb::module_& module);
 void bind_clouds(nb::module_& module);
 void bind_errors(nb::module_& module);
+void bind_graphs(nb::module_& module);
 void bind_heat(nb::module_& module);
 void bind_linear(nb::module_& module);
 void bind_matrix(nb::module_& module);

@@ -11,6 +11,7 @@ NB_MODULE(GT_MODULE, module) {
   geodesic::bind_matrix(module);
   geodesic::bind_linear(module);
   geodesic::bind_triangles(module);
+  geodesic::bind_graphs(module);
   geodesic::bind_heat(module);
   geodesic::bind_wavefront(module);
   geodesic::bind_bounds(module);
