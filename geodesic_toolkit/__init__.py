@@ -48,7 +48,6 @@ if TYPE_CHECKING:
     from geodesic_toolkit.linear.supernodal import Supernodal
     from geodesic_toolkit.merging import merge_vertices
     from geodesic_toolkit.queries import interpolate
-    from geodesic_toolkit.refine import WavefrontSweeper
     from geodesic_toolkit.registry import PluginStatus, Registry
     from geodesic_toolkit.solver import GeodesicSolver
     from geodesic_toolkit.source_points import SourcePoints
@@ -87,7 +86,6 @@ __all__ = [
     "TriangleMesh",
     "UniformLaplacian",
     "Variant",
-    "WavefrontSweeper",
     "__version__",
     "as_domain",
     "compare",
@@ -149,7 +147,6 @@ _HOMES = {
     "TriangleMesh": "domains",
     "UniformLaplacian": "laplacians.uniform",
     "Variant": "analysis.variants",
-    "WavefrontSweeper": "refine",
     "as_domain": "conversion",
     "compare": "analysis.comparison",
     "distance_matrix": "analysis.matrix",

@@ -169,6 +169,10 @@ class Registry(Mapping[str, Plugin], Generic[Plugin]):
     def unregister(self, name: str) -> None:
         """Take back a :meth:`register`.
 
+        Parameters
+        ----------
+        name : str
+
         Raises
         ------
         UnknownPluginError
@@ -188,7 +192,15 @@ class Registry(Mapping[str, Plugin], Generic[Plugin]):
     def resolve(self, choice: object, **options: Any) -> Any:
         """Return an instance for a name, a class or an instance.
 
-        Options go to the constructor of a name or class; an instance has its own.
+        Parameters
+        ----------
+        choice : str, class or instance
+        **options
+            For the constructor of a name or class; an instance has its own.
+
+        Returns
+        -------
+        object
 
         Raises
         ------

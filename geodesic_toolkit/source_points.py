@@ -62,12 +62,32 @@ class SourcePoints:
 
     @classmethod
     def at_vertices(cls, vertices: IntArray, n_vertices: int) -> SourcePoints:
-        """Return sources at vertices."""
+        """Return sources at vertices.
+
+        Parameters
+        ----------
+        vertices : ndarray of shape (P,), int64
+        n_vertices : int
+            Number N of vertices of the domain.
+
+        Returns
+        -------
+        SourcePoints
+        """
         count = len(vertices)
         return cls(vertices, np.ones(count), np.arange(count + 1), n_vertices, np.zeros(count))
 
     def moved_to(self, representatives: IntArray) -> SourcePoints:
-        """Return the same sources at the representatives of their vertices, of shape (N,)."""
+        """Return the same sources at the representatives of their vertices.
+
+        Parameters
+        ----------
+        representatives : ndarray of shape (N,), int64
+
+        Returns
+        -------
+        SourcePoints
+        """
         return replace(self, vertices=representatives[self.vertices])
 
     @property
@@ -100,6 +120,14 @@ class SourcePoints:
         """Return what values at the vertices, (N,), are in the points, less what they begin with.
 
         That is their weighted mean, less how far the vertices are from the point, and its start.
+
+        Parameters
+        ----------
+        values : ndarray of shape (N,), float64
+
+        Returns
+        -------
+        ndarray of shape (P,), float64
         """
         above = self.shares * (values[self.vertices] - self.distances)
         return np.add.reduceat(above, self.begins[:-1]) - self.starts
@@ -115,11 +143,16 @@ class SourcePoints:
         return bool((self.curvatures > 0).all() and not self.delayed)
 
     def first_to_start(self, components: IntArray) -> BoolArray:
-        """Return the points of which none in the same component starts earlier, of shape (P,).
+        """Return the points of which none in the same component starts earlier.
 
         Parameters
         ----------
         components : ndarray of shape (P,), int64
+            The connected component that each point lies in.
+
+        Returns
+        -------
+        ndarray of shape (P,), bool
         """
         if not self.delayed:
             return np.ones(self.count, dtype=np.bool_)
@@ -151,6 +184,11 @@ class SourcePoints:
             The connected component that each point lies in; they do not hear of one another.
         decay : ndarray of shape (P,), float64
             Powers of e by which heat falls in a unit of length there.
+
+        Returns
+        -------
+        list of tuple
+            Each as :meth:`load` returns it.
         """
         vertices, weights, _ = self.load()
         least = np.full(components.max() + 1, np.inf)
@@ -166,7 +204,16 @@ class SourcePoints:
         return loads
 
     def components(self, discretization: Discretization) -> IntArray:
-        """Return the connected component that each point lies in, of shape (P,)."""
+        """Return the connected component that each point lies in.
+
+        Parameters
+        ----------
+        discretization : Discretization
+
+        Returns
+        -------
+        ndarray of shape (P,), int64
+        """
         return discretization.components[self.first_vertices]
 
     @property

@@ -111,6 +111,14 @@ class Comparison:
     def row(self, name: str) -> Row:
         """Return the row of a variant by its name.
 
+        Parameters
+        ----------
+        name : str
+
+        Returns
+        -------
+        Row
+
         Raises
         ------
         InvalidOptionError
@@ -124,6 +132,14 @@ class Comparison:
 
     def error(self, name: str = DEFAULT) -> FloatArray:
         """Return the relative error of a variant at every vertex: 0 at sources, NaN where unknown.
+
+        Parameters
+        ----------
+        name : str
+
+        Returns
+        -------
+        ndarray of shape (N,), float64
 
         Raises
         ------

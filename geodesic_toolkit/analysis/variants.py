@@ -61,6 +61,12 @@ def variants_for(domain: Domain) -> list[Variant]:
     Returns
     -------
     list of Variant
+
+    Examples
+    --------
+    >>> import geodesic_toolkit as gt
+    >>> [variant.name for variant in gt.variants_for(gt.testing.shapes.grid(3))][:2]
+    ['auto', 'plain heat']
     """
     found = [Variant(DEFAULT, "default"), _plain(PLAIN, "refinement")]
     found += _operators(domain)
