@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from geodesic_toolkit import _native
 from geodesic_toolkit._frozen import FrozenArrays
 from geodesic_toolkit._typing import FloatArray, IndexArray, IntArray
 from geodesic_toolkit.errors import NotEnoughMemoryError
@@ -101,7 +102,7 @@ class CompressedRows(FrozenArrays):
     @cached_property
     def diagonal_places(self) -> IntArray:
         """Where the entries of the diagonal are, row by row."""
-        return np.flatnonzero(self.indices == self.row_of_entry)
+        return _native.diagonal_places(self.indptr, self.indices)
 
     def with_data(self, data: FloatArray) -> CompressedRows:
         """Return the matrix of other values at the same places."""

@@ -13,6 +13,7 @@ from typing import Any, TypeAlias
 import numpy as np
 from numpy.typing import ArrayLike
 
+from geodesic_toolkit._arrays import empty
 from geodesic_toolkit._typing import FloatArray, IntArray
 from geodesic_toolkit._warning import warn
 from geodesic_toolkit.bounds import DistanceBounds
@@ -190,7 +191,7 @@ class HeatMethod:
         InvalidSourceError
             No source, an index out of range, something that is no index.
         """
-        distances = np.empty((1, self.n_vertices))
+        distances = empty((1, self.n_vertices), np.float64)
         self._warn_of(self._solve([self._source_points(sources)], distances))
         return np.asarray(distances[0])
 
@@ -223,7 +224,7 @@ class HeatMethod:
             8.0 * len(points) * self.n_vertices,
             f"the table of distances from {len(points)} source sets to {self.n_vertices} vertices",
         )
-        distances = np.empty((len(points), self.n_vertices))
+        distances = empty((len(points), self.n_vertices), np.float64)
         done, worst = 0, None
         for rows, report in self._solve_blocks(points, distances):
             done += rows

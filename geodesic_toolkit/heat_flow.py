@@ -8,6 +8,7 @@ from typing import Literal, NamedTuple, TypeAlias
 
 import numpy as np
 
+from geodesic_toolkit._arrays import distinct, empty
 from geodesic_toolkit._rows import CompressedRows
 from geodesic_toolkit._typing import BoolArray, FloatArray, IntArray
 from geodesic_toolkit.discretization import Discretization
@@ -258,11 +259,10 @@ class HeatFlow:
     ) -> tuple[FloatArray, FloatArray, IntArray]:
         """Return right-hand sides (N, K'), the logarithms of their scales, and whose they are."""
         if not any(points.delayed for points in block):
-            if room is None:
-                columns = np.zeros((self.diffusion.n_vertices, len(block)))
-            else:
-                columns = room
-                columns.fill(0.0)
+            columns = room
+            if columns is None:
+                columns = empty((self.diffusion.n_vertices, len(block)), np.float64)
+            columns.fill(0.0)
             for column, points in enumerate(block):
                 np.add.at(columns[:, column], points.vertices, points.shares)
             return columns, np.zeros(len(block)), np.arange(len(block))
@@ -300,7 +300,7 @@ class HeatFlow:
             return int(self.reached(points).sum())
         if len(self._part_sizes) == 1:
             return self.diffusion.n_vertices
-        return int(self._part_sizes[np.unique(points.components(self.diffusion))].sum())
+        return int(self._part_sizes[distinct(points.components(self.diffusion))].sum())
 
     @cached_property
     def _part_sizes(self) -> IntArray:

@@ -6,6 +6,7 @@ from functools import cached_property
 
 import numpy as np
 
+from geodesic_toolkit._arrays import distinct
 from geodesic_toolkit._typing import BoolArray, FloatArray, IntArray
 from geodesic_toolkit.discretization import Discretization
 from geodesic_toolkit.heat_flow import Heat
@@ -94,7 +95,7 @@ class PoissonStep:
         """Choose the constants of a potential (N,) in place, and pin it at several sources."""
         components = self.metric.components
         home = points.components(self.metric)
-        parts = np.unique(home)
+        parts = distinct(home)
         crowded = np.bincount(home) > 1
         for part in parts[~crowded[parts]].tolist():
             inside = components == part
@@ -146,7 +147,7 @@ class PoissonStep:
         rows, rim = self.metric.rows, np.flatnonzero(held)
         if len(rim) > FEW:  # what lies within a region is cut off by its rim
             across = held[rows.row_of_entry] & ~held[rows.indices] & (rows.data != 0)
-            rim = np.unique(rows.row_of_entry[across])
+            rim = distinct(rows.row_of_entry[across])
         if len(rim) <= FEW:
             return self._by_schur_complement(rim, gap)
         apart = held[rows.row_of_entry] | held[rows.indices]

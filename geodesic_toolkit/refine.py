@@ -14,10 +14,12 @@ curvature: second order on smooth surfaces.
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import accumulate
 
 import numpy as np
 
 from geodesic_toolkit import _native
+from geodesic_toolkit._arrays import empty, joined
 from geodesic_toolkit._typing import BoolArray, FloatArray, IntArray
 from geodesic_toolkit.discretization import Discretization
 from geodesic_toolkit.errors import UnsupportedDomainError
@@ -124,7 +126,7 @@ class WavefrontSweeper:
 
     def distance(self, log_heat: FloatArray, points: SourcePoints) -> FloatArray:
         """Return refined distances (N,) from one set of sources, in the order of log u, (N,)."""
-        distances = np.empty((1, len(log_heat)))
+        distances = empty((1, len(log_heat)), np.float64)
         self.fill(distances, log_heat[:, None], [points], logarithmic=True)
         return np.asarray(distances[0])
 
@@ -154,11 +156,8 @@ class WavefrontSweeper:
         """
         count = self._gradient.n_vertices
         fronts = [self._fronts_at(points) for points in block]
-        vertices, known, curvatures = (
-            np.ascontiguousarray(np.concatenate(parts)) for parts in zip(*fronts, strict=True)
-        )
-        begins = np.zeros(len(block) + 1, dtype=np.int64)
-        np.cumsum([len(front[0]) for front in fronts], out=begins[1:])
+        vertices, known, curvatures = (joined(parts) for parts in zip(*fronts, strict=True))
+        begins = np.array([0, *accumulate(len(own) for own, _, _ in fronts)], dtype=np.int64)
         self._fronts.sweep(
             np.ascontiguousarray(heat),
             logarithmic,
@@ -186,7 +185,7 @@ class WavefrontSweeper:
         vertices, known, curvatures = points.vertices, points.distances, points.curvatures
         if points.delayed:
             known = known + points.starts[points.rows]
-        if not self._unheard.any():
+        if not len(self._unheard):
             return vertices, known, curvatures
         for place in np.flatnonzero(self._unheard[vertices] & (points.distances == 0)):
             others, lengths = self._ring(int(vertices[place]))
@@ -208,13 +207,17 @@ class WavefrontSweeper:
 
     @cached_property
     def _unheard(self) -> BoolArray:
-        """Which points are in the stars of fewer than 3 of 4 of those in theirs, of shape (N,)."""
+        """Which points are in the stars of fewer than 3 of 4 of those in theirs, of shape (N,).
+
+        Empty where none is.
+        """
         gradient = self._gradient
         if not gradient.stars:
-            return np.zeros(1, dtype=np.bool_)
+            return np.zeros(0, dtype=np.bool_)
         own = np.bincount(gradient.elements[:, 0], minlength=gradient.n_vertices)
         others = np.bincount(gradient.elements[:, 1:].ravel(), minlength=gradient.n_vertices)
-        return np.asarray(2 * others < 3 * own)  # a star that has a point has two triangles with it
+        unheard = 2 * others < 3 * own  # a star that has a point has two triangles with it
+        return np.asarray(unheard if unheard.any() else unheard[:0])
 
     @cached_property
     def _fronts(self) -> _native.Sweeper:

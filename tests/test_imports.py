@@ -55,3 +55,25 @@ for refine in (False, True):
     solver.distance(0), solver.distances([1, 2])
 """
     assert "scipy" not in loaded_after(statement)
+
+
+def test_the_way_from_a_mesh_with_a_boundary_to_its_distances_does_without_masked_arrays():
+    code = """
+import sys, numpy as np
+import geodesic_toolkit as gt
+rows = np.arange(36).reshape(6, 6)
+places = np.stack([*np.divmod(rows.ravel(), 6), 0 * rows.ravel()], axis=1)
+a, b, c, d = (part.ravel() for part in (rows[:-1, :-1], rows[:-1, 1:], rows[1:, :-1], rows[1:, 1:]))
+faces = np.concatenate([np.stack([a, b, d], axis=1), np.stack([a, d, c], axis=1)])
+square = gt.TriangleMesh(places, faces)
+apart = gt.TriangleMesh(np.concatenate([places, places + 9]), np.concatenate([faces, faces + 36]))
+for mesh in (square, apart):
+    for refine in (False, True):
+        solver = gt.GeodesicSolver(mesh, refine=refine)
+        solver.distance(0), solver.distances([1, 2]), solver.distance([3, 30])
+assert "numpy.ma" not in sys.modules
+"""
+    result = subprocess.run(
+        [sys.executable, "-c", code], check=False, capture_output=True, text=True
+    )
+    assert result.returncode == 0, result.stderr

@@ -147,11 +147,16 @@ def calls():
     analysis = _native.analyze(INDPTR, INDICES)
     factor = _native.Factor(analysis, DATA)
     table = np.ones((4, 3))
+    diagonal = (np.array([0, 3, 4, 7]), np.full(4, 2.0), np.arange(4.0))
     return {
         "components": (_native.components, INDPTR, INDICES),
         "components_of_edges": (_native.components_of_edges, EDGES, 4),
         "is_sound": (_native.is_sound, INDPTR, INDICES, DATA),
         "obtuse_excess": (_native.obtuse_excess, INDPTR, INDICES, DATA, np.ones(4), 2),
+        "diagonal_places": (_native.diagonal_places, INDPTR, INDICES),
+        "plus_diagonal": (_native.plus_diagonal, INDPTR, INDICES, DATA, *diagonal),
+        "row_sums": (_native.row_sums, INDPTR, INDICES, DATA),
+        "faces_at": (_native.faces_at, FACES, HELD),
         "is_symmetric": (_native.is_symmetric, INDPTR, INDICES),
         "minimum_degree": (_native.minimum_degree, INDPTR, INDICES),
         "analyze": (_native.analyze, INDPTR, INDICES),
@@ -245,6 +250,12 @@ def test_what_may_not_be_written_to_is_not(name, place):
         ("components", 0, np.array([1, 2, 4, 6, 8], np.int32)),
         ("components", 0, np.array([], np.int32)),
         ("components_of_edges", 0, np.zeros((2, 3), np.int64)),
+        ("diagonal_places", 1, INDICES[:-1]),
+        ("plus_diagonal", 3, np.array([0, 3, 4])),
+        ("plus_diagonal", 4, np.ones(2)),
+        ("plus_diagonal", 5, np.ones(5)),
+        ("row_sums", 2, DATA[:-1]),
+        ("faces_at", 0, np.zeros((3, 2), np.int64)),
         ("is_symmetric", 1, INDICES[:-1]),
         ("minimum_degree", 1, INDICES[:-1]),
         ("eliminate_front", 0, np.ones(5)),
@@ -284,6 +295,19 @@ def test_what_may_not_be_written_to_is_not(name, place):
 def test_shapes_that_do_not_fit_are_told(name, place, array):
     with pytest.raises(ValueError, match="arrays do not fit together: "):
         call(name, place, array)
+
+
+def test_memory_for_numbers_is_had_and_given_back():
+    large = _native.empty(1_000_000)
+    large[:] = np.arange(1_000_000)
+    other = _native.empty(1_000_000)
+    other[:] = 0
+    np.testing.assert_array_equal(large, np.arange(1_000_000))
+    del large, other
+    _native.trim()
+    assert _native.empty(0).shape == (0,)
+    with pytest.raises(ValueError, match="a number of numbers"):
+        _native.empty(-1)
 
 
 def test_a_number_is_no_column():

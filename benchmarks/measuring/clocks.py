@@ -1,6 +1,7 @@
 """Time and memory of this process; standard library alone, so that imports can be timed."""
 
 import gc
+import sys
 import time
 from collections.abc import Callable
 from pathlib import Path
@@ -40,13 +41,16 @@ def forget_peak() -> None:
 
 
 def trim() -> None:
-    """Give back what the allocator keeps, where it has a function for that."""
+    """Give back what allocators keep: this package's, and the C library's if it has a way."""
     import ctypes
     import ctypes.util
 
     name = ctypes.util.find_library("c")
     if name is not None:
         getattr(ctypes.CDLL(name), "malloc_trim", int)(0)
+    kernels = sys.modules.get("geodesic_toolkit._native")
+    if kernels is not None:
+        getattr(kernels, "trim", int)()
 
 
 def go_first() -> None:

@@ -19,6 +19,14 @@ LEVEL: int
 LANES: int
 """Numbers in one of its registers."""
 
+# -- memory ---------------------------------------------------------------------------------------
+
+def empty(size: int) -> Numbers:
+    """Return an array of so many numbers, in memory that kernels take theirs from."""
+
+def trim() -> None:
+    """Give what waits for the next array back to the system."""
+
 # -- distances -----------------------------------------------------------------------------------
 
 def hold_within_bounds(
@@ -77,6 +85,20 @@ def obtuse_excess(indptr: Rows, indices: Rows, data: Numbers, mass: Numbers, rin
 
     What lies right of the diagonal is enough.
     """
+
+def diagonal_places(indptr: Rows, indices: Rows) -> Indices:
+    """Return where the diagonal entries are, row by row; of rows that have one."""
+
+def plus_diagonal(
+    indptr: Rows, indices: Rows, data: Numbers, places: Indices, scales: Numbers, diagonal: Numbers
+) -> Numbers:
+    """Return the entries of diag(diagonal) + diag(scales) A, whose diagonal has these places.
+
+    `scales` has a number for each row or one for all.
+    """
+
+def row_sums(indptr: Rows, indices: Rows, data: Numbers) -> Numbers:
+    """Return the sum of the entries of each row."""
 
 # -- the Cholesky solver ---------------------------------------------------------------------------
 
@@ -197,6 +219,9 @@ def measure_lengths(lengths: Numbers) -> tuple[Numbers, Numbers]:
 
 def edge_lengths(frames: Numbers) -> Numbers:
     """Return the edges opposite the corners, (F, 3), from inverse frames."""
+
+def faces_at(faces: Indices, marked: Bools) -> Indices:
+    """Return the triangles (F, 3) that have a marked vertex, by number."""
 
 @final
 class HalfEdges:

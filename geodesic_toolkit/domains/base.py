@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
+from geodesic_toolkit._arrays import copied
 from geodesic_toolkit._checks import check_nothing_masked
 from geodesic_toolkit._frozen import FrozenArrays
 from geodesic_toolkit._typing import FloatArray, IntArray
@@ -63,7 +64,7 @@ def as_floats(values: ArrayLike, name: str, shape: tuple[int | None, ...]) -> Fl
     array = _as_array(values, name)
     _check_shape(array, name, shape)
     with np.errstate(over="ignore", invalid="ignore"):
-        return np.array(array, dtype=np.float64, order="C")
+        return copied(array, np.float64)
 
 
 def as_indices(values: ArrayLike, name: str, row: str, shape: tuple[int | None, ...]) -> IntArray:
@@ -90,7 +91,7 @@ def as_indices(values: ArrayLike, name: str, row: str, shape: tuple[int | None, 
             raise InvalidDomainError(
                 f"{row} {bad} of {name} holds {_row_text(array[bad])}: too large"
             )
-    return np.array(array, dtype=np.int64, order="C")
+    return copied(array, np.int64)
 
 
 def check_corners(faces: Any) -> None:

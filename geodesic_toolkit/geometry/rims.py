@@ -19,6 +19,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from geodesic_toolkit import _native
 from geodesic_toolkit._typing import BoolArray, FloatArray, IntArray
 from geodesic_toolkit.geometry.triangles import measured_by_lengths
 
@@ -69,8 +70,10 @@ def rim_edges(faces: IntArray, boundary: BoolArray) -> IntArray:
     boundary : ndarray of shape (N,), bool
         Whether a vertex is at the end of one.
     """
-    at = boundary[faces]
-    candidates = np.flatnonzero(at[:, [1, 2, 0]] & at[:, [2, 0, 1]])
+    beside = _native.faces_at(faces, boundary)
+    at = boundary[faces[beside]]
+    found = np.flatnonzero(at[:, [1, 2, 0]] & at[:, [2, 0, 1]])
+    candidates = 3 * beside[found // 3] + found % 3
     edges = _edge_numbers(faces, candidates, len(boundary))
     _, first, count = np.unique(edges, return_index=True, return_counts=True)
     return np.asarray(candidates[np.sort(first[count == 1])])

@@ -4,6 +4,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from geodesic_toolkit import _native
+from geodesic_toolkit._arrays import distinct
 from geodesic_toolkit._typing import BoolArray, FloatArray, IntArray
 from geodesic_toolkit.geometry.components import connected_by_edges, connected_by_faces
 from geodesic_toolkit.geometry.triangles import proper_faces
@@ -125,8 +127,8 @@ class _Rim:
     """The boundary of a mesh, in vertices of its own."""
 
     def __init__(self, vertices: FloatArray, faces: IntArray, boundary: BoolArray) -> None:
-        beside = boundary[faces].any(axis=1)
-        self._all = bool(beside.all())
+        beside = _native.faces_at(faces, boundary)
+        self._all = len(beside) == len(faces)
         around = faces[beside]
         around = around[proper_faces(around)]
         used, corners = np.unique(around, return_inverse=True)
@@ -136,7 +138,7 @@ class _Rim:
         inside = boundary[used][edges].all(axis=1)
         self.edges = edges[(counts == 1) & inside]
         places = vertices[used]
-        on_rim = np.unique(self.edges)
+        on_rim = distinct(self.edges)
         self.points = places[on_rim]
         self._limit = movable_by(places, edges, rounding_of(places))[on_rim]
         own = np.zeros(len(used), dtype=np.int64)
@@ -177,7 +179,7 @@ class _Rim:
 
     def seams(self, joined: _Joined) -> Seams:
         """Return what is to be said of edges that lie upon others."""
-        on_seams = np.unique(joined.owner[self.edges[joined.upon]])
+        on_seams = distinct(joined.owner[self.edges[joined.upon]])
         corners = np.flatnonzero(np.isin(joined.owner, on_seams))
         steps = self.points[corners] - self.points[joined.owner[corners]]
         gap = float(np.linalg.norm(steps, axis=1).max())

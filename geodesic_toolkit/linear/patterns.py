@@ -4,6 +4,7 @@ import threading
 
 import numpy as np
 
+from geodesic_toolkit import _native
 from geodesic_toolkit._rows import CompressedRows
 from geodesic_toolkit._typing import FloatArray
 from geodesic_toolkit.linear.base import Factor, Factorizer, LinearSolver
@@ -36,15 +37,16 @@ def plus_diagonal(
     array([[ 7., -2.],
            [-2.,  8.]])
     """
-    scales = scale if np.ndim(scale) == 0 else np.repeat(scale, np.diff(matrix.indptr))
     places = matrix.diagonal_places  # first, so that the other matrix has them too
-    scaled = matrix.with_data(matrix.data * scales)
+    scales = np.ascontiguousarray(scale, dtype=np.float64).reshape(-1)
     if len(places) != len(diagonal):
         from scipy.sparse import csr_array, diags_array
 
+        rows = np.repeat(np.broadcast_to(scales, len(diagonal)), np.diff(matrix.indptr))
+        scaled = matrix.with_data(matrix.data * rows)
         return CompressedRows.of(csr_array(scaled.scipy + diags_array(diagonal)))
-    scaled.data[places] += diagonal
-    return scaled
+    diagonal = np.ascontiguousarray(diagonal, dtype=np.float64)
+    return matrix.with_data(_native.plus_diagonal(*matrix.arrays, places, scales, diagonal))
 
 
 class SharedAnalysis:

@@ -238,8 +238,7 @@ def _is_accurate(factor: SupernodalFactor, matrix: CompressedRows) -> bool:
     That is nearly in the null space of a Laplacian, so its equations are those that errors of the
     factor hurt most.
     """
-    with np.errstate(over="ignore"):
-        row_sums = np.add.reduceat(matrix.data, matrix.indptr[:-1])  # no row of a factor is empty
+    row_sums = _native.row_sums(*matrix.arrays)
     try:
         error = np.abs(factor.solve_over(row_sums) - 1).max(initial=0.0)
     except SolverError:  # the sums overflow, which is for the full factor to report

@@ -5,14 +5,9 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
-#include <new>
 #include <span>
 #include <type_traits>
 #include <utility>
-
-#if defined(__linux__)
-#include <sys/mman.h>
-#endif
 
 namespace geodesic {
 
@@ -21,20 +16,24 @@ using Row = std::int32_t;    // of a row or an entry of a sparse matrix: half of
 
 inline constexpr Row kNone = -1;
 
-// `kWhole` begins and ends with a page of 2 MB, for what is read often: it costs more to come by,
-// and a solve takes 0.75 to 0.9 of the time.
-enum class Pages : std::size_t { kAny = 64, kWhole = std::size_t{1} << 21 };
+// Memory for an array: from the pool if it is of a size for that, or else from the system, which is
+// asked for large pages.
+void* allocate(std::size_t bytes);
+void release(void* memory, std::size_t bytes) noexcept;
+// Release what lies behind, as far as that is possible; return the bytes to release in the end.
+std::size_t release_rest(void* memory, std::size_t bytes, std::size_t needed) noexcept;
 
-// Numbers in memory that it owns, in which anything may stand at first. The system is asked for
-// large pages.
+// Numbers in memory that it owns, in which anything may stand at first.
 template <class T>
 class Array {
   static_assert(std::is_trivially_copyable_v<T>);
 
  public:
   Array() = default;
-  explicit Array(Index size, Pages pages = Pages::kAny)
-      : size_(size), data_(allocate(size, pages)) {}
+  explicit Array(Index size) : size_(size) {
+    const std::size_t bytes = bytes_of(size);
+    data_ = Owner(static_cast<T*>(allocate(bytes)), Free{bytes});
+  }
   Array(Index size, T value) : Array(size) { std::fill(begin(), end(), value); }
 
   T* data() { return data_.get(); }
@@ -51,32 +50,21 @@ class Array {
   operator std::span<T>() { return {data(), static_cast<std::size_t>(size_)}; }
   operator std::span<const T>() const { return {data(), static_cast<std::size_t>(size_)}; }
 
-  // Forget what lies behind; the memory stays.
-  void shorten(Index size) { size_ = size; }
+  // Forget what lies behind.
+  void shorten(Index size) {
+    size_ = size;
+    std::size_t& bytes = data_.get_deleter().bytes;
+    bytes = release_rest(data_.get(), bytes, bytes_of(size));
+  }
 
  private:
   struct Free {
-    std::align_val_t alignment{};
-    void operator()(T* memory) const { ::operator delete(memory, alignment); }
+    std::size_t bytes = 0;
+    void operator()(T* memory) const { release(memory, bytes); }
   };
   using Owner = std::unique_ptr<T, Free>;
-  static constexpr std::size_t kLarge = std::size_t{1} << 22;  // bytes worth large pages
 
-  static Owner allocate(Index size, Pages pages) {
-    std::size_t bytes = static_cast<std::size_t>(size) * sizeof(T);
-    const auto unit = static_cast<std::size_t>(bytes < kLarge ? Pages::kAny : pages);
-    bytes = (bytes + unit) / unit * unit;
-    void* const memory = ::operator new(bytes, std::align_val_t{unit});
-#if defined(__linux__)
-    if (bytes >= kLarge) {
-      constexpr std::uintptr_t kPage = 4096;
-      const auto begin = (reinterpret_cast<std::uintptr_t>(memory) + kPage - 1) / kPage * kPage;
-      const auto end = (reinterpret_cast<std::uintptr_t>(memory) + bytes) / kPage * kPage;
-      madvise(reinterpret_cast<void*>(begin), end - begin, MADV_HUGEPAGE);
-    }
-#endif
-    return Owner(static_cast<T*>(memory), Free{std::align_val_t{unit}});
-  }
+  static std::size_t bytes_of(Index size) { return static_cast<std::size_t>(size) * sizeof(T); }
 
   Index size_ = 0;
   Owner data_;

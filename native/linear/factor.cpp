@@ -41,10 +41,10 @@ Factor::Factor(std::shared_ptr<const Analysis> analysis, std::span<const double>
     : analysis_(std::move(analysis)) {
   const Index size = analysis_->n_stored() + kReach;
   if (compact) {
-    halves_ = Array<Half>(size, Pages::kWhole);
+    halves_ = Array<Half>(size);
     check_definite(*analysis_, factorize<Half>(*analysis_, data, halves_));
   } else {
-    numbers_ = Array<double>(size, Pages::kWhole);
+    numbers_ = Array<double>(size);
     check_definite(*analysis_, factorize<double>(*analysis_, data, numbers_));
   }
 }

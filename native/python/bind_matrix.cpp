@@ -37,6 +37,33 @@ void bind_matrix(nb::module_& module) {
       },
       "indptr"_a.noconvert(), "indices"_a.noconvert(), "data"_a.noconvert(), "mass"_a.noconvert(),
       "rings"_a);
+  module.def(
+      "diagonal_places",
+      [](In<Row> indptr, In<Row> indices) {
+        const Pattern pattern = pattern_of(indptr, indices);
+        return give(unlocked([&] { return diagonal_places(pattern); }));
+      },
+      "indptr"_a.noconvert(), "indices"_a.noconvert());
+  module.def(
+      "plus_diagonal",
+      [](In<Row> indptr, In<Row> indices, In<double> data, In<Index> places, In<double> scales,
+         In<double> diagonal) {
+        const MatrixView matrix = matrix_of(indptr, indices, data);
+        require(n_rows(places) == matrix.size() && n_rows(diagonal) == matrix.size() &&
+                    (scales.size() == 1 || n_rows(scales) == matrix.size()),
+                "a place and a number for each row, and a scale for each or for all");
+        return give(unlocked(
+            [&] { return plus_diagonal(matrix, span(places), span(scales), span(diagonal)); }));
+      },
+      "indptr"_a.noconvert(), "indices"_a.noconvert(), "data"_a.noconvert(), "places"_a.noconvert(),
+      "scales"_a.noconvert(), "diagonal"_a.noconvert());
+  module.def(
+      "row_sums",
+      [](In<Row> indptr, In<Row> indices, In<double> data) {
+        const MatrixView matrix = matrix_of(indptr, indices, data);
+        return give(unlocked([&] { return row_sums(matrix); }));
+      },
+      "indptr"_a.noconvert(), "indices"_a.noconvert(), "data"_a.noconvert());
 }
 
 }  // namespace geodesic

@@ -29,6 +29,13 @@ void bind_triangles(nb::module_& module) {
       },
       "faces"_a.noconvert(), "n_vertices"_a);
   module.def(
+      "faces_at",
+      [](In<Index, 2> faces, In<bool> marked) {
+        require_triangles(faces);
+        return give(unlocked([&] { return faces_at(span(faces), span(marked)); }));
+      },
+      "faces"_a.noconvert(), "marked"_a.noconvert());
+  module.def(
       "measure_triangles",
       [](In<double, 2> vertices, In<Index, 2> faces) {
         require_triangles(faces);

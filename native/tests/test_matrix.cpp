@@ -1,4 +1,4 @@
-// What a stiffness is like: its parts, its soundness, its signs.
+// What a stiffness is like: its parts, its soundness, its signs, its diagonal.
 #include <cmath>
 #include <limits>
 
@@ -120,4 +120,25 @@ TEST(obtuse_excess_is_that_of_plain_loops) {
       for (Row v = 0; v < n; ++v) CHECK(std::abs(found[v] - expected[v]) < 1e-13);
     }
   }
+}
+
+TEST(a_diagonal_is_added_where_it_is) {
+  const Sparse matrix({{{0, 2.0}, {2, -1.0}}, {{1, 3.0}}, {{0, -1.0}, {2, 4.0}}});
+  const Array<Index> places = diagonal_places(matrix.pattern());
+  CHECK(std::ranges::equal(places, std::vector<Index>{0, 2, 4}));
+  const std::vector<double> diagonal{10, 20, 30}, one{2.0}, each{1.0, 2.0, 3.0};
+  CHECK(std::ranges::equal(plus_diagonal(matrix.view(), places, one, diagonal),
+                           std::vector<double>{14, -2, 26, -2, 38}));
+  CHECK(std::ranges::equal(plus_diagonal(matrix.view(), places, each, diagonal),
+                           std::vector<double>{12, -1, 26, -3, 42}));
+}
+
+TEST(rows_without_a_diagonal_entry_have_no_place) {
+  const Sparse matrix({{{1, 1.0}}, {{0, 1.0}, {1, 2.0}}, {}});
+  CHECK(std::ranges::equal(diagonal_places(matrix.pattern()), std::vector<Index>{2}));
+}
+
+TEST(rows_are_summed) {
+  const Sparse matrix({{{0, 2.0}, {2, -1.0}}, {}, {{0, -1.0}, {2, 4.0}}});
+  CHECK(std::ranges::equal(row_sums(matrix.view()), std::vector<double>{1, 0, 3}));
 }

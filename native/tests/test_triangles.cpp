@@ -236,3 +236,13 @@ TEST(mean_edge_length_is_that_of_a_pattern) {
   const Sparse matrix(cotangent_stiffness(mesh));
   CHECK(std::abs(mean_edge_length(mesh.vertices, matrix.pattern()) - expected) < kClose);
 }
+
+TEST(faces_at_marked_vertices_are_found_by_number) {
+  const std::vector<Index> faces{0, 1, 2, 2, 3, 4, 4, 5, 6};
+  Array<bool> marked(7, false);
+  CHECK(faces_at(faces, marked).empty());
+  marked[2] = marked[6] = true;
+  CHECK(std::ranges::equal(faces_at(faces, marked), std::vector<Index>{0, 1, 2}));
+  marked[2] = false;
+  CHECK(std::ranges::equal(faces_at(faces, marked), std::vector<Index>{2}));
+}

@@ -64,4 +64,16 @@ Array<bool> proper_faces(std::span<const Index> faces, Index n_vertices) {
   return proper;
 }
 
+Array<Index> faces_at(std::span<const Index> faces, std::span<const bool> marked) {
+  Array<Index> found(count(faces) / 3);
+  Index n_found = 0;
+  for (Index f = 0; f < found.size(); ++f) {
+    const Index* const face = &faces[3 * f];
+    found[n_found] = f;
+    n_found += marked[face[0]] | marked[face[1]] | marked[face[2]];
+  }
+  found.shorten(n_found);
+  return found;
+}
+
 }  // namespace geodesic
