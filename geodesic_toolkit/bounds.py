@@ -2,11 +2,15 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
 
 import numpy as np
 
 from geodesic_toolkit import _native
-from geodesic_toolkit._typing import FloatArray, IntArray
+from geodesic_toolkit._arrays import joined
+from geodesic_toolkit._typing import FloatArray, IndexArray, IntArray
+from geodesic_toolkit.discretization import Discretization
 from geodesic_toolkit.domains import Domain, PointCloud, TriangleMesh
 from geodesic_toolkit.source_points import SourcePoints
 
@@ -21,12 +25,14 @@ class DistanceBounds:
     ----------
     vertices : ndarray of shape (N, 3), float64
         NaN where no triangle is.
-    triangles : ndarray of shape (E, 3), int64
-        Those whose edges are ways along the surface; none where that is not certain.
+    indptr, indices : ndarray of int32
+        Edges that are ways along the surface, as a symmetric pattern in compressed rows with sorted
+        columns; none where that is not certain.
     """
 
     vertices: FloatArray
-    triangles: IntArray
+    indptr: IndexArray
+    indices: IndexArray
 
     def hold(
         self, distances: FloatArray, block: Sequence[SourcePoints], *, n_threads: int = 1
@@ -36,17 +42,26 @@ class DistanceBounds:
         None stays below the straight line to the nearest source, and none above the shortest way
         along edges. Infinite ones stay.
         """
-        begins = np.cumsum([0, *(points.count for points in block)])
-        places = np.concatenate([self._places(points) for points in block])
-        starts = np.concatenate(
-            [
-                points.starts - self._reach(points, places[first : first + points.count])
-                for points, first in zip(block, begins[:-1].tolist(), strict=True)
-            ]
+        begins, places, starts = [0], [], []
+        for points in block:
+            begins.append(begins[-1] + points.count)
+            places.append(self._places(points))
+            starts.append(points.starts - self._reach(points, places[-1]))
+        self._kernel.hold(
+            np.array(begins, dtype=np.int64), joined(places), joined(starts), distances, n_threads
         )
-        _native.hold_within_bounds(
-            self.vertices, self.triangles, begins, places, starts, distances, n_threads
-        )
+
+    @cached_property
+    def _kernel(self) -> _native.Bounds:
+        return _native.Bounds(self.vertices, self.indptr, self.indices)
+
+    def __getstate__(self) -> dict[str, Any]:
+        """Leave out what derives from the rest."""
+        return {name: value for name, value in self.__dict__.items() if name != "_kernel"}
+
+    def prepare(self) -> None:
+        """Compute what all sources share."""
+        _ = self._kernel
 
     def _places(self, points: SourcePoints) -> FloatArray:
         """Return where the (P, 3) points are."""
@@ -68,18 +83,23 @@ class DistanceBounds:
         return float(np.linalg.norm(np.diff(places, axis=0), axis=1).max()) / 2
 
 
-def bounds_of(domain: Domain) -> DistanceBounds | None:
+def bounds_of(domain: Domain, metric: Discretization) -> DistanceBounds | None:
     """Return the bounds for distances on a domain, None where it is not a surface in space.
 
-    The stars of a cloud have edges that are no way along the surface, across thin gaps.
+    The stars of a cloud have edges that are no way along the surface, across thin gaps. Those of a
+    mesh are in its stiffness already, where the triangles are those that were given.
     """
     if isinstance(domain, TriangleMesh):
         vertices = domain.vertices
         if not np.isfinite(vertices).all():  # where no face is; as a source each still reads 0
             vertices = np.where(np.isfinite(vertices), vertices, 0.0)
-        return DistanceBounds(vertices, _without_repeats(domain.faces))
+        if metric.notes.get("triangulation") == "given":
+            return DistanceBounds(vertices, metric.rows.indptr, metric.rows.indices)
+        faces = np.ascontiguousarray(_without_repeats(domain.faces))
+        return DistanceBounds(vertices, *_native.edges_of(faces, domain.n_vertices))
     if isinstance(domain, PointCloud):
-        return DistanceBounds(domain.points, np.empty((0, 3), dtype=np.int64))
+        none = np.zeros(domain.n_vertices + 1, dtype=np.int32)
+        return DistanceBounds(domain.points, none, none[:0])
     return None
 
 

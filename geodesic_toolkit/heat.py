@@ -533,7 +533,7 @@ class HeatMethod:
             return self
         beside: Callable[[], object] = self._poisson.factor
         if self._sweeper is not None:
-            beside = self._sweeper.prepare
+            beside = self._prepare_sweeps
         if self.n_vertices < WORTH_A_THREAD:
             self._flow.systems()
             beside()
@@ -545,6 +545,12 @@ class HeatMethod:
             other.result()
         self._scaled_gradient()
         return self
+
+    def _prepare_sweeps(self) -> None:
+        assert self._sweeper is not None
+        self._sweeper.prepare()
+        if self.bounds is not None:
+            self.bounds.prepare()
 
     @property
     def nbytes(self) -> int:

@@ -187,7 +187,7 @@ class GeodesicSolver:
             poisson_solver=poisson_solver,
             refine=refined,
             across=across,
-            bounds=bounds_of(domain) if refined else None,
+            bounds=bounds_of(domain, metric) if refined else None,
             small_parts=small_parts,
         ).prepare()
         self._diagnosis: Diagnosis | None = None

@@ -150,9 +150,8 @@ def test_a_point_in_a_face_and_a_curve_hold_them_too():
 
 def held(mesh, distances, sources, offsets):
     rows = np.array(distances, dtype=float, ndmin=2)
-    _native.hold_within_bounds(
-        mesh.vertices,
-        mesh.faces,
+    edges = _native.edges_of(mesh.faces, mesh.n_vertices)
+    _native.Bounds(mesh.vertices, *edges).hold(
         np.array([0, len(sources)]),
         mesh.vertices[sources],
         np.asarray(offsets, dtype=float),
@@ -175,6 +174,16 @@ def test_the_kernel_gives_the_nearest_values_that_are_possible(seed, count):
     np.testing.assert_allclose(found, expected, atol=1e-12)
 
 
+def test_edges_of_triangles_are_each_there_from_both_ends_and_once():
+    faces = np.array([[3, 1, 2], [2, 1, 0], [0, 1, 2], [5, 3, 2]])
+    indptr, indices = _native.edges_of(faces, 7)
+    rows = [part.tolist() for part in np.split(indices, indptr[1:-1])]
+    assert rows == [[1, 2], [0, 2, 3], [0, 1, 3, 5], [1, 2, 5], [], [2, 3], []]
+    assert [part.tolist() for part in _native.edges_of(faces[:0], 1)] == [[0, 0], []]
+    with pytest.raises(ValueError, match="three vertices for each triangle"):
+        _native.edges_of(faces[:, :2].copy(), 7)
+
+
 def test_what_is_infinite_stays():
     two = shapes.disjoint_union(shapes.icosphere(1), shapes.icosphere(1))
     distance = np.where(np.arange(two.n_vertices) < 42, 1.0, np.inf)
@@ -189,22 +198,42 @@ def test_what_is_infinite_stays():
         ({"begins": np.array([0, 2])}, "the places of each set"),
         ({"begins": np.array([0, 0, 1])}, "the places of each set"),
         ({"distances": np.zeros((1, 7))}, "a distance for each vertex"),
-        ({"places": np.zeros((1, 2))}, "three coordinates"),
+        ({"places": np.zeros((1, 2))}, "three coordinates for each place"),
         ({"n_threads": 0}, "at least one thread"),
     ],
 )
 def test_arrays_that_do_not_fit_are_refused(change, message):
     mesh = shapes.icosphere(1)
+    bounds = _native.Bounds(mesh.vertices, *_native.edges_of(mesh.faces, mesh.n_vertices))
     given = {
-        "vertices": mesh.vertices,
-        "triangles": mesh.faces,
         "begins": np.array([0, 1]),
         "places": mesh.vertices[:1].copy(),
         "starts": np.zeros(1),
         "distances": np.zeros((1, mesh.n_vertices)),
     }
     with pytest.raises(ValueError, match=message):
-        _native.hold_within_bounds(**given | change)
+        bounds.hold(**given | change)
+
+
+def test_edges_that_do_not_fit_to_vertices_are_refused():
+    mesh = shapes.icosphere(1)
+    indptr, indices = _native.edges_of(mesh.faces, mesh.n_vertices)
+    with pytest.raises(ValueError, match="the edges of each vertex"):
+        _native.Bounds(mesh.vertices[:-1], indptr, indices)
+    with pytest.raises(ValueError, match="indptr runs from 0"):
+        _native.Bounds(mesh.vertices, indptr, indices[:-1])
+    with pytest.raises(ValueError, match="three coordinates for each vertex"):
+        _native.Bounds(mesh.vertices[:, :2].copy(), indptr, indices)
+
+
+@pytest.mark.parametrize("scale", [1e-60, 1e60])
+def test_lengths_beyond_single_precision_hold_distances_too(scale):
+    mesh = shapes.icosphere(2)
+    large = gt.TriangleMesh(mesh.vertices * scale, mesh.faces)
+    wild = np.random.default_rng(0).uniform(0, 5, mesh.n_vertices)
+    wild[0] = 0
+    found = held(large, wild * scale, np.array([0]), [0.0])
+    np.testing.assert_allclose(found / scale, held(mesh, wild, np.array([0]), [0.0]), rtol=1e-12)
 
 
 @pytest.mark.parametrize("face", [(0, 0, 3), (0, 3, 3), (0, 3, 0)])

@@ -148,6 +148,8 @@ def calls():
     factor = _native.Factor(analysis, DATA)
     table = np.ones((4, 3))
     diagonal = (np.array([0, 3, 4, 7]), np.full(4, 2.0), np.arange(4.0))
+    edges = _native.edges_of(FACES, 4)
+    bounds = _native.Bounds(VERTICES, *edges)
     return {
         "components": (_native.components, INDPTR, INDICES),
         "components_of_edges": (_native.components_of_edges, EDGES, 4),
@@ -156,6 +158,9 @@ def calls():
         "diagonal_places": (_native.diagonal_places, INDPTR, INDICES),
         "plus_diagonal": (_native.plus_diagonal, INDPTR, INDICES, DATA, *diagonal),
         "row_sums": (_native.row_sums, INDPTR, INDICES, DATA),
+        "edges_of": (_native.edges_of, FACES, 4),
+        "Bounds": (_native.Bounds, VERTICES, *edges),
+        "hold": (bounds.hold, np.array([0, 1]), VERTICES[:1], np.zeros(1), np.ones((1, 4))),
         "faces_at": (_native.faces_at, FACES, HELD),
         "is_symmetric": (_native.is_symmetric, INDPTR, INDICES),
         "minimum_degree": (_native.minimum_degree, INDPTR, INDICES),
@@ -182,7 +187,7 @@ def calls():
 
 
 CALLS = calls()
-WRITES = {"solve", "solve_table", "flip_edges", "fill"}
+WRITES = {"solve", "solve_table", "flip_edges", "fill", "hold"}
 ARRAYS = [
     (name, place)
     for name, (_, *arguments) in CALLS.items()
@@ -234,6 +239,7 @@ def test_arrays_with_gaps_are_not_copied(name, place):
         ("flip_edges", 2),
         ("fill", 3),
         ("fill", 4),
+        ("hold", 3),
     ],
 )
 def test_what_may_not_be_written_to_is_not(name, place):
@@ -255,6 +261,9 @@ def test_what_may_not_be_written_to_is_not(name, place):
         ("plus_diagonal", 4, np.ones(2)),
         ("plus_diagonal", 5, np.ones(5)),
         ("row_sums", 2, DATA[:-1]),
+        ("edges_of", 0, np.zeros((3, 2), np.int64)),
+        ("Bounds", 0, np.ones((5, 3))),
+        ("hold", 3, np.ones((1, 3))),
         ("faces_at", 0, np.zeros((3, 2), np.int64)),
         ("is_symmetric", 1, INDICES[:-1]),
         ("minimum_degree", 1, INDICES[:-1]),

@@ -29,20 +29,30 @@ def trim() -> None:
 
 # -- distances -----------------------------------------------------------------------------------
 
-def hold_within_bounds(
-    vertices: Numbers,
-    triangles: Indices,
-    begins: Indices,
-    places: Numbers,
-    starts: Numbers,
-    distances: Numbers,
-    n_threads: int = 1,
-) -> None:
-    """Hold distances (K, N) between the straight line and the way along edges, in place.
+def edges_of(triangles: Indices, n_vertices: int) -> tuple[Rows, Rows]:
+    """Return the edges of triangles (E, 3) as (indptr, indices), with sorted rows."""
 
-    The places of set k are ``begins[k] <= p < begins[k + 1]``, and ``starts`` is read at them.
-    Infinite distances stay.
+@final
+class Bounds:
+    """Vertices, and the edges between them as a symmetric pattern with sorted rows.
+
+    The diagonal is of no account; there are no entries where there are no edges to hold to.
     """
+
+    def __init__(self, vertices: Numbers, indptr: Rows, indices: Rows) -> None: ...
+    def hold(
+        self,
+        begins: Indices,
+        places: Numbers,
+        starts: Numbers,
+        distances: Numbers,
+        n_threads: int = 1,
+    ) -> None:
+        """Hold distances (K, N) between the straight line and the way along edges, in place.
+
+        The places of set k are ``begins[k] <= p < begins[k + 1]``, and ``starts`` is read at them.
+        Infinite distances stay.
+        """
 
 @final
 class Polyhedron:

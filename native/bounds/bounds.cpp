@@ -1,8 +1,11 @@
 #include "bounds/bounds.hpp"
 
+#include <algorithm>
 #include <cmath>
+#include <limits>
 #include <queue>
 #include <utility>
+#include <vector>
 
 namespace geodesic {
 namespace {
@@ -10,48 +13,44 @@ namespace {
 // Share of a distance by which rounding may make it longer than the sum of two others.
 constexpr double kRounding = 1e-13;
 
+// A number of single precision that is less than a length, be that beyond their range.
+float below(double length) {
+  using Single = std::numeric_limits<float>;
+  const double less = length * (1 - 1e-6);  // by more than it is rounded
+  return less < Single::min() ? 0.0f : static_cast<float>(std::min<double>(less, Single::max()));
+}
+
 double square_of_length(const double* a, const double* b) {
   const double x = a[0] - b[0], y = a[1] - b[1], z = a[2] - b[2];
   return x * x + y * y + z * z;
 }
 
-class Edges {
+// A search along edges from those that are too short.
+class Search {
  public:
-  Edges(const Surface& surface, std::span<double> distances)
-      : vertices_(surface.vertices), triangles_(surface.triangles), distances_(distances) {}
+  Search(std::span<const double> vertices, const Pattern& edges, std::span<double> distances)
+      : vertices_(vertices), edges_(edges), distances_(distances) {}
 
-  // Lower what lies behind edges that are too short; return whether there were any.
-  bool find() {
-    for (std::size_t i = 0; i < triangles_.size(); i += 3) {
-      const Index* const corners = &triangles_[i];
-      compare(corners[0], corners[1]);
-      compare(corners[1], corners[2]);
-      compare(corners[2], corners[0]);
-    }
-    return !fronts_.empty();
+  // What the edge from a to b allows.
+  void compare(Index a, Index b) {
+    const double gap = distances_[a] - distances_[b];
+    const double square = square_of_length(&vertices_[3 * a], &vertices_[3 * b]);
+    if (gap * gap > square) lower(gap > 0 ? b : a, gap > 0 ? a : b, std::sqrt(square));
   }
 
-  // Carry that on along edges.
+  // Carry on what was lowered.
   void settle() {
-    gather_rings();
     while (!fronts_.empty()) {
       const auto [distance, vertex] = fronts_.top();
       fronts_.pop();
       if (distance > distances_[vertex]) continue;  // lowered again since
-      for (Index i = starts_[vertex]; i < starts_[vertex + 1]; ++i) compare(vertex, ring_[i]);
+      for (Row i = edges_.indptr[vertex]; i < edges_.indptr[vertex + 1]; ++i)
+        compare(vertex, edges_.indices[i]);
     }
   }
 
  private:
   using Front = std::pair<double, Index>;
-
-  // What the edge from a to b allows; nothing, as a rule.
-  void compare(Index a, Index b) {
-    const double gap = distances_[a] - distances_[b];
-    const double square = square_of_length(&vertices_[3 * a], &vertices_[3 * b]);
-    if (gap * gap > square) [[unlikely]]
-      lower(gap > 0 ? b : a, gap > 0 ? a : b, std::sqrt(square));
-  }
 
   void lower(Index near, Index far, double edge) {
     const double most = distances_[near] + edge, now = distances_[far];
@@ -60,30 +59,34 @@ class Edges {
     fronts_.emplace(most, far);
   }
 
-  // The other two corners of every triangle around a vertex.
-  void gather_rings() {
-    const Index n_vertices = count(distances_);
-    starts_ = Array<Index>(n_vertices + 1, Index{0});
-    for (const Index vertex : triangles_) starts_[vertex + 1] += 2;
-    for (Index v = 0; v < n_vertices; ++v) starts_[v + 1] += starts_[v];
-    ring_ = Array<Index>(starts_[n_vertices]);
-    Array<Index> next(n_vertices);
-    std::copy_n(starts_.begin(), n_vertices, next.begin());
-    for (std::size_t i = 0; i < triangles_.size(); ++i) {
-      const std::size_t first = i - i % 3;
-      for (const std::size_t step : {std::size_t{1}, std::size_t{2}})
-        ring_[next[triangles_[i]]++] = triangles_[first + (i - first + step) % 3];
-    }
-  }
-
   std::span<const double> vertices_;
-  std::span<const Index> triangles_;
+  Pattern edges_;
   std::span<double> distances_;
   std::priority_queue<Front, std::vector<Front>, std::greater<>> fronts_;
-  Array<Index> starts_, ring_;
 };
 
 }  // namespace
+
+Matrix edges_of(std::span<const Index> triangles, Index n_vertices) {
+  Matrix rings{Array<Row>(n_vertices + 1, 0), Array<Row>(2 * count(triangles)), {}};
+  Row *const starts = rings.indptr.data(), *const ring = rings.indices.data();
+  for (const Index vertex : triangles) starts[vertex + 1] += 2;
+  for (Index v = 0; v < n_vertices; ++v) starts[v + 1] += starts[v];
+  Array<Row> next(n_vertices);
+  std::copy_n(starts, n_vertices, next.begin());
+  for (std::size_t i = 0; i < triangles.size(); ++i)
+    for (const std::size_t step : {std::size_t{1}, std::size_t{2}})
+      ring[next[triangles[i]]++] = static_cast<Row>(triangles[i - i % 3 + (i + step) % 3]);
+  Row kept = 0;  // each neighbour is there for both of its triangles
+  for (Index v = 0; v < n_vertices; ++v) {
+    Row *const begin = ring + std::exchange(starts[v], kept), *const end = ring + next[v];
+    std::sort(begin, end);
+    kept += static_cast<Row>(std::unique_copy(begin, end, ring + kept) - (ring + kept));
+  }
+  starts[n_vertices] = kept;
+  rings.indices.shorten(kept);
+  return rings;
+}
 
 void raise_to_straight_line(std::span<const double> vertices, const Starts& starts,
                             std::span<double> distances) {
@@ -96,9 +99,33 @@ void raise_to_straight_line(std::span<const double> vertices, const Starts& star
   }
 }
 
-void lower_to_edges(const Surface& surface, std::span<double> distances) {
-  Edges edges(surface, distances);
-  if (edges.find()) edges.settle();
+Ways::Ways(std::span<const double> vertices, const Pattern& edges)
+    : vertices_(vertices), edges_(edges) {
+  Index size = 0;
+  for (Index v = 0; v < edges.size(); ++v)
+    for (Row i = edges.indptr[v]; i < edges.indptr[v + 1]; ++i) size += edges.indices[i] > v;
+  spans_ = {Array<Row>(size), Array<Row>(size), Array<float>(size)};
+  Index k = 0;
+  for (Index v = 0; v < edges.size(); ++v) {
+    for (Row i = edges.indptr[v + 1]; i-- > edges.indptr[v] && edges.indices[i] > v; ++k) {
+      const Row head = edges.indices[i];
+      spans_.tails[k] = static_cast<Row>(v);
+      spans_.heads[k] = head;
+      spans_.lengths[k] = below(std::sqrt(square_of_length(&vertices[3 * v], &vertices[3 * head])));
+    }
+  }
+}
+
+void Ways::lower(std::span<double> distances) const {
+  Search search(vertices_, edges_, distances);
+  const Row *const tails = spans_.tails.data(), *const heads = spans_.heads.data();
+  const float* const lengths = spans_.lengths.data();
+  for (Index k = 0; k < spans_.tails.size(); ++k) {
+    const double gap = distances[tails[k]] - distances[heads[k]];
+    if (std::abs(gap) > lengths[k]) [[unlikely]]
+      search.compare(tails[k], heads[k]);
+  }
+  search.settle();
 }
 
 }  // namespace geodesic

@@ -74,11 +74,12 @@ TEST(distances_are_raised_to_the_straight_line_and_no_farther) {
 
 TEST(no_edge_is_shorter_than_what_distances_differ_by_at_its_ends) {
   const Mesh mesh = sheared_grid(15, 0.2);
+  const Matrix edges = edges_of(mesh.faces, mesh.n_vertices());
   std::vector<double> distances = random_numbers(mesh.n_vertices(), 8);
   for (double& distance : distances) distance *= 3;
   distances[30] = kNowhere;
   const std::vector<double> before = distances;
-  lower_to_edges({mesh.vertices, mesh.faces}, distances);
+  Ways(mesh.vertices, {edges.indptr, edges.indices}).lower(distances);
   CHECK(distances[30] == kNowhere);
   for (std::size_t i = 0; i < mesh.faces.size(); ++i) {
     const Index a = mesh.faces[i], b = mesh.faces[i - i % 3 + (i + 1) % 3];
@@ -90,11 +91,12 @@ TEST(no_edge_is_shorter_than_what_distances_differ_by_at_its_ends) {
 
 TEST(distances_that_are_possible_stay_to_the_bit) {
   const Mesh mesh = sheared_grid(15, 0.2);
+  const Matrix edges = edges_of(mesh.faces, mesh.n_vertices());
   std::vector<double> distances;
   for (Index v = 0; v < mesh.n_vertices(); ++v) distances.push_back(edge_length(mesh, v, 40));
   const std::vector<double> before = distances, at_zero{0.0};
   const std::vector<double> place(&mesh.vertices[120], &mesh.vertices[120] + 3);
-  lower_to_edges({mesh.vertices, mesh.faces}, distances);
+  Ways(mesh.vertices, {edges.indptr, edges.indices}).lower(distances);
   CHECK(distances == before);
   raise_to_straight_line(mesh.vertices, {place, at_zero}, distances);
   for (Index v = 0; v < mesh.n_vertices(); ++v) CHECK(std::abs(distances[v] - before[v]) < 1e-14);
