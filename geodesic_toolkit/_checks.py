@@ -1,5 +1,6 @@
 """Checks that the data of a discretization share, and those of arrays that users give."""
 
+import sys
 from typing import Any
 
 import numpy as np
@@ -24,6 +25,8 @@ def check_nothing_masked(values: Any, name: str, error: type[Exception], cure: s
     cure : str
         What to give instead, in code, where ``{}`` stands for the array.
     """
+    if "numpy.ma" not in sys.modules:  # to import it takes 9 ms; who has such an array has done so
+        return
     if not isinstance(values, np.ma.MaskedArray):
         return
     masked = np.ma.getmaskarray(values)

@@ -13,6 +13,7 @@ from collections.abc import Iterable, Sequence
 
 import numpy as np
 
+from geodesic_toolkit._arrays import distinct
 from geodesic_toolkit._typing import FloatArray, IntArray
 from geodesic_toolkit._warning import warn
 from geodesic_toolkit.domains import TriangleMesh
@@ -90,7 +91,7 @@ class Judge:
         return max(((error, part) for part, error in found.items()), default=(0.0, 0))
 
     def _single(self, places: SourcePoints, plain: FloatArray) -> tuple[float, int]:
-        parts = np.unique(places.components(self._metric))
+        parts = distinct(places.components(self._metric))
         own = self._sizes[parts]
         parts = parts[(own > 1) & (bool(self._unusual) | (own <= LARGEST))].tolist()
         with self._lock:
