@@ -7,7 +7,7 @@ import pytest
 
 import geodesic_toolkit as gt
 from geodesic_toolkit import _native
-from geodesic_toolkit.errors import FragmentedCloudWarning, UnevenCloudWarning
+from geodesic_toolkit.errors import CurveWarning, FragmentedCloudWarning, UnevenCloudWarning
 from geodesic_toolkit.geometry.crowds import representatives, restored
 from geodesic_toolkit.geometry.neighbours import nearest_neighbours
 from geodesic_toolkit.laplacians.cloud_parts import CloudParts, warn_of_fragments
@@ -163,6 +163,84 @@ def test_two_lines_alone_are_no_surface():
     assert (distance[400:] == np.inf).all()
 
 
+def length_along(points):
+    steps = np.linalg.norm(np.diff(points, axis=0), axis=1)
+    return np.concatenate([[0], np.cumsum(steps)])
+
+
+def helix(turns, count, pitch, random=False):
+    turn = np.linspace(0, 2 * np.pi * turns, count)
+    if random:
+        turn = np.sort(np.random.default_rng(0).uniform(0, 2 * np.pi * turns, count))
+    return np.column_stack([np.cos(turn), np.sin(turn), pitch * turn / (2 * np.pi)])
+
+
+def broken_line():
+    corners = np.array([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 1], [0.5, 0, 1]])
+    pairs = zip(corners[:-1], corners[1:], strict=True)
+    return np.concatenate([np.linspace(a, b, 60)[:-1] for a, b in pairs])
+
+
+@pytest.mark.parametrize("refine", [True, False])
+@pytest.mark.parametrize(
+    "curve",
+    [
+        helix(3, 300, 1.0),
+        helix(3, 300, 0.3),
+        helix(3, 1000, 0.3),
+        helix(10, 300, 2.0),
+        helix(3, 300, 1.9, random=True),
+        broken_line(),
+    ],
+    ids=["15 apart", "5 apart", "thinned", "ten turns", "random", "broken"],
+)
+def test_a_curve_in_space_is_as_long_as_it_is(curve, refine):
+    distance = solver_of(curve, refine=refine).distance(0)
+    np.testing.assert_allclose(distance, length_along(curve), rtol=2e-3, atol=1e-9)
+
+
+def test_a_shaken_curve_is_hardly_longer():
+    curve = helix(3, 300, 1.9)
+    shaken = curve + 0.1 * 0.07 * np.random.default_rng(0).normal(size=curve.shape)
+    distance = solver_of(shaken).distance(0)
+    np.testing.assert_allclose(distance, length_along(curve), rtol=0.03, atol=0.05)
+
+
+def test_wires_that_cross_are_connected_there():
+    along = np.linspace(-1, 1, 201)
+    none = np.zeros(201)
+    one, other = np.column_stack([along, none, none]), np.column_stack([none, along + 0.003, none])
+    distance = solver_of(np.concatenate([one, other])).distance(0)
+    np.testing.assert_allclose(distance[:201], 1 + along, atol=0.01)
+    np.testing.assert_allclose(distance[201:], 1 + np.abs(along + 0.003), atol=0.01)
+
+
+def test_a_coil_that_passes_for_a_surface_is_told():
+    with pytest.warns(CurveWarning, match="of the points follow one line.*gt.Graph"):
+        solver_of(helix(10, 1000, 0.3))
+
+
+def test_a_torn_ring_is_bridged_in_either_direction():
+    # One gap is as wide as eleven points are apart, and stars see across it from one side only.
+    turn = np.sort(np.random.default_rng(9).uniform(0, 2 * np.pi, 3000))
+    turn = turn[(turn < 1.0) | (turn > 1.02)]
+    height = np.random.default_rng(1).uniform(-0.003, 0.003, len(turn))
+    points = np.column_stack([np.cos(turn), np.sin(turn), height])
+    for source in (0, int(np.searchsorted(turn, 1.0)) - 1, int(np.searchsorted(turn, 1.02))):
+        away = np.abs((turn - turn[source] + np.pi) % (2 * np.pi) - np.pi)
+        true = np.hypot(away, height - height[source])
+        assert errors(solver_of(points).distance(source), true, least=0.05).max() < 0.05
+
+
+def test_a_slit_wider_than_near_points_is_not_bridged():
+    side = np.arange(40) / 10
+    grid = np.stack(np.meshgrid(side, side), axis=-1).reshape(-1, 2)
+    left = np.column_stack([grid, np.zeros(1600)])
+    right = left + np.array([side[-1] + 0.8, 0, 0])  # eight spacings away
+    distance = solver_of(np.concatenate([left, right])).distance(0)
+    assert np.isinf(distance[1600:]).all()
+
+
 # -- who stands for whom -------------------------------------------------------------------------
 
 
@@ -259,7 +337,7 @@ def test_separate_clouds_are_parts_and_nothing_is_said():
 
 
 @pytest.mark.parametrize("seed", range(3))
-@pytest.mark.parametrize("width", [0.02, 0.05, 0.1])  # 3 to 7 spacings
+@pytest.mark.parametrize("width", [0.002, 0.004, 0.006, 0.02, 0.1])  # 1 to 7 spacings
 def test_a_narrow_band_is_no_line_of_a_scan(width, seed):
     rng = np.random.default_rng(seed)
     turn, height = rng.uniform(0, 2 * np.pi, 3000), rng.uniform(-width / 2, width / 2, 3000)
@@ -267,5 +345,5 @@ def test_a_narrow_band_is_no_line_of_a_scan(width, seed):
     away = np.abs((turn - turn[0] + np.pi) % (2 * np.pi) - np.pi)
     true = np.hypot(away, height - height[0])
     off = errors(solver_of(points).distance(0), true, least=0.2)
-    assert off.mean() < 0.01
-    assert off.max() < 0.03
+    assert off.mean() < (0.01 if width > 0.002 else 0.03)
+    assert off.max() < (0.03 if width > 0.002 else 0.1)

@@ -11,16 +11,18 @@ from geodesic_toolkit._typing import BoolArray, FloatArray, IntArray
 from geodesic_toolkit.discretization import Discretization
 from geodesic_toolkit.domains import Domain, PointCloud
 from geodesic_toolkit.errors import InvalidOptionError, MissingDependencyError, NormalsWarning
-from geodesic_toolkit.geometry.components import connected_by_faces
+from geodesic_toolkit.geometry.components import connected_by_edges, connected_by_faces
 from geodesic_toolkit.geometry.crowds import Representatives, representatives, restored
+from geodesic_toolkit.geometry.curves import curve_links, largest_chain, lie_on_lines
 from geodesic_toolkit.geometry.neighbours import distinct_points, nearest_among, normalised
 from geodesic_toolkit.geometry.normals import open3d_normals, pca_normals, roughness
 from geodesic_toolkit.geometry.poles import pole_normals
 from geodesic_toolkit.geometry.stars import delaunay_stars, tie_breakers
+from geodesic_toolkit.geometry.tears import bridges
 from geodesic_toolkit.geometry.triangles import face_areas, hat_gradients, inverse_frames
 from geodesic_toolkit.gradient import ElementGradient
 from geodesic_toolkit.laplacians.base import LaplaceOperator
-from geodesic_toolkit.laplacians.cloud_parts import CloudParts, warn_of_fragments
+from geodesic_toolkit.laplacians.cloud_parts import CloudParts, warn_of_fragments, warn_of_lines
 from geodesic_toolkit.positivity import positive_part
 
 __all__ = ["PointCloudLaplacian"]
@@ -55,6 +57,14 @@ wide as its next ring, and more."""
 CLOSED = 0.1
 """Share of closed stars below which a thinned part of a cloud is taken for curves. Measured: two
 lines have 0, scan lines of surfaces 0.5 to 0.9."""
+
+CLOSED_LINES = 0.4
+"""The same of parts most of whose points lie on lines, whether they were thinned or not: three lines
+side by side have a third."""
+
+ON_LINES = 0.8
+"""Share of the points of a part that lie on lines from which on it may be curves. Measured: wires
+have 0.95 and more, a band of random points as wide as their spacing 0.6."""
 
 BYSTANDER = 1e-4
 """Weight of the stars of points that others stand for. They hear of the others, and the others
@@ -201,10 +211,13 @@ class PointCloudLaplacian(LaplaceOperator):
         thin = representatives(points, wanted)
         stars = partial(self._stars, points, domain=domain, representative=everywhere[first], k=k)
         soup, whose, in_space = stars(thin)
-        curved = _on_curves(soup, thin)
+        on_lines = np.zeros(count, dtype=np.bool_)
+        on_lines[thin.kept] = lie_on_lines(points[thin.kept], thin.own)
+        curved = _on_curves(soup, thin, on_lines)
         if curved.any():
             thin = restored(points, thin, curved)
-            soup, whose, in_space = stars(thin)
+            soup, whose, in_space = stars(thin, curved=curved)
+        share = _share_of_longest_line(points, thin, on_lines & ~curved)
         spacing = soup.spacing * scale if soup.spacing > 0 else 1.0  # one place: there is no length
 
         representative = everywhere[first]
@@ -243,7 +256,9 @@ class PointCloudLaplacian(LaplaceOperator):
         scales = np.full(domain.n_vertices, spacing)
         scales[everywhere] = scale_of_part[parts.parts][place]
         notes |= parts.notes(thin.neighbours, unit)
+        notes["longest_line"] = share
         warn_of_fragments(notes, count)
+        warn_of_lines(notes)
         return Discretization(
             mass=mass,
             stiffness=gradient.stiffness(),
@@ -281,13 +296,20 @@ class PointCloudLaplacian(LaplaceOperator):
         domain: PointCloud,
         representative: IntArray,
         k: int,
+        curved: BoolArray | None = None,
     ) -> tuple["_Soup", str, float]:
-        """Return the stars, whose normals they were made with, and how far space measures them."""
+        """Return the stars, whose normals they were made with, and how far space measures them.
+
+        Points of curves, if it is known which they are, have none.
+        """
         rough, growth = _roughness_and_growth(points, thin)
         noisy = rough > 0.15 and growth < 0.85
         normals, whose = self._normals(points, thin, domain, representative, noisy)
         in_space = float(np.clip((growth - SMOOTH[0]) / (SMOOTH[1] - SMOOTH[0]), 0, 1))
-        soup = _soup(points, normals, thin, k, oriented=whose == "given", smooth=in_space == 1)
+        if curved is None:
+            curved = np.zeros(len(points), dtype=np.bool_)
+        given = whose == "given"
+        soup = _soup(points, normals, thin, k, curved, oriented=given, smooth=in_space == 1)
         return soup, whose, in_space
 
     def _normals(
@@ -377,6 +399,7 @@ def _soup(
     normals: FloatArray,
     thin: Representatives,
     k: int,
+    curved: BoolArray,
     *,
     oriented: bool,
     smooth: bool,
@@ -399,11 +422,19 @@ def _soup(
             triangles = np.concatenate([triangles[stay], grown])
             frames = np.concatenate([frames[stay], grown_frames])
     order = np.argsort(triangles[:, 0], kind="stable")
+    if curved.any():
+        order = order[~curved[triangles[order]].any(axis=1)]
     triangles, frames = triangles[order], frames[order]
     alone = np.bincount(triangles.ravel(), minlength=count) == 0
-    links = _links(points, neighbours, np.flatnonzero(alone))
+    links = curve_links(points, neighbours, np.flatnonzero(alone))
     ends = np.bincount(links.ravel(), minlength=count) == 1
     boundary = np.where(alone, ends, boundary)
+    edges = np.concatenate([triangles[:, :2], triangles[:, ::2], links, links[:, ::-1]])
+    torn = (boundary | alone) & thin.stands
+    across = bridges(
+        points, normals, neighbours, edges, torn, oriented=oriented, curved=curved | alone
+    )
+    links = np.concatenate([links, across])
     steps = points[links[:, 1]] - points[links[:, 0]]
     lengths = np.sqrt(np.einsum("ed,ed->e", steps, steps))
     shares = np.where(thin.stands[triangles[:, 0]], 1.0, BYSTANDER)
@@ -439,35 +470,41 @@ def _surface_frames(
     return inverse
 
 
-def _on_curves(soup: _Soup, thin: Representatives) -> BoolArray:
-    """Return which points have been thinned although they are of curves, of shape (N,).
+def _share_of_longest_line(
+    points: FloatArray, thin: Representatives, on_lines: BoolArray
+) -> float:
+    """Return the share of all points that the longest line of a surface holds."""
+    on_lines = on_lines[thin.kept]
+    if not on_lines.any():
+        return 0.0
+    return largest_chain(points[thin.kept], thin.own, on_lines)
+
+
+def _on_curves(soup: _Soup, thin: Representatives, on_lines: BoolArray) -> BoolArray:
+    """Return which points are of curves and not of surfaces, of shape (N,).
 
     Lines of a surface have others on either side, so that most of their stars are closed. Where
     hardly any is, what the stars connect is a wire, or a few lines at most.
     """
+    count = len(on_lines)
     crowded = thin.reaches > 0
-    if not crowded.any():
+    if not (crowded.any() or on_lines.any()):
         return crowded
-    alone = np.bincount(soup.triangles.ravel(), minlength=len(crowded)) == 0
-    part = connected_by_faces(soup.triangles, len(crowded))
-    stars = np.bincount(part[crowded], minlength=part.max() + 1)
-    closed = np.bincount(part[crowded & ~soup.boundary & ~alone], minlength=len(stars))
+    alone = np.bincount(soup.triangles.ravel(), minlength=count) == 0
+    # A line goes on where it bends, although the points there have triangles.
+    steps = np.concatenate([soup.triangles[:, :2], soup.triangles[:, 1:], soup.links])
+    part = connected_by_edges(steps, count)
+
+    def number_of(points: BoolArray) -> IntArray:
+        return np.bincount(part[points], minlength=part.max() + 1)
+
+    whole = ~soup.boundary & ~alone
+    open_crowds = number_of(crowded & whole) < CLOSED * number_of(crowded)
+    few_lines = number_of(thin.stands & whole) < CLOSED_LINES * number_of(thin.stands)
+    few_lines &= number_of(on_lines) > ON_LINES * number_of(thin.stands)
     stands_alone = alone[thin.kept][thin.nearest]
-    return np.asarray(crowded & (alone | stands_alone | (closed < CLOSED * stars)[part]))
-
-
-def _links(points: FloatArray, neighbours: IntArray, alone: IntArray) -> IntArray:
-    """Return edges (L, 2) from points of no triangle to their nearest neighbours on either side."""
-    if neighbours.shape[1] == 0:
-        return np.empty((0, 2), dtype=np.int64)
-    near = neighbours[alone]
-    offsets = points[near] - points[alone][:, None]
-    behind = np.einsum("nkd,nd->nk", offsets, offsets[:, 0]) < 0
-    other = near[np.arange(len(alone)), behind.argmax(axis=1)]
-    two_sided = behind.any(axis=1)
-    ends = np.concatenate([near[:, 0], other[two_sided]])
-    starts = np.concatenate([alone, alone[two_sided]])
-    return np.unique(np.sort(np.column_stack([starts, ends]), axis=1), axis=0)
+    curved = crowded & (alone | stands_alone | open_crowds[part])
+    return np.asarray(curved | few_lines[part])
 
 
 def _areas(soup: _Soup, count: int) -> FloatArray:
