@@ -99,6 +99,24 @@ def test_one_sweep_of_sixteen_beams_reaches_its_outermost_ring(noise):
     assert solver.distance(source)[inner] > 1.02 * true[inner]
 
 
+def test_rings_next_to_a_scanner_on_a_slope_are_ground_and_not_blades():
+    # What noise in range spreads out lies on the cones of the beams, 33 degrees from the ground.
+    rng, slope = np.random.default_rng(0), 0.15
+    down, turn = np.meshgrid(np.radians(np.linspace(-25, 5, 24)), np.radians(np.arange(0, 360, 0.3)))
+    down, turn = down.ravel(), turn.ravel()
+    rays = np.column_stack([np.cos(down) * np.cos(turn), np.cos(down) * np.sin(turn), np.sin(down)])
+    reach = 1.8 / (slope * rays[:, 0] - rays[:, 2])
+    rays, reach = rays[(reach > 0) & (reach < 60)], reach[(reach > 0) & (reach < 60)]
+    true_points = reach[:, None] * rays
+    points = (reach + 0.02 * rng.normal(size=reach.shape))[:, None] * rays
+    source = int(np.argmin(np.linalg.norm(true_points[:, :2] - [6.0, 0.0], axis=1)))
+    true = np.linalg.norm(true_points - true_points[source], axis=1)
+    ahead = (true_points[:, 0] > 2.9) & (np.abs(true_points[:, 1]) < 0.3 * true_points[:, 0])
+    off = errors(solver_of(points).distance(source)[ahead], true[ahead], least=2)
+    assert off.mean() < 0.01
+    assert off.max() < 0.06
+
+
 @pytest.mark.parametrize("noise", [0.0, 0.001, 0.03, 0.1])
 @pytest.mark.parametrize("times", [2, 5, 10, 20, 40])
 def test_repeated_passes_are_one_surface(times, noise):

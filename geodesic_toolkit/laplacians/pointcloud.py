@@ -14,7 +14,12 @@ from geodesic_toolkit.errors import InvalidOptionError, MissingDependencyError, 
 from geodesic_toolkit.geometry.components import connected_by_edges, connected_by_faces
 from geodesic_toolkit.geometry.crowds import Representatives, representatives, restored
 from geodesic_toolkit.geometry.curves import curve_links, largest_chain, lie_on_lines
-from geodesic_toolkit.geometry.neighbours import distinct_points, nearest_among, normalised
+from geodesic_toolkit.geometry.neighbours import (
+    distinct_points,
+    nearest_among,
+    nearest_neighbours,
+    normalised,
+)
 from geodesic_toolkit.geometry.normals import open3d_normals, pca_normals, roughness
 from geodesic_toolkit.geometry.poles import pole_normals
 from geodesic_toolkit.geometry.stars import delaunay_stars, tie_breakers
@@ -73,6 +78,9 @@ hardly of them: forty to one are less than a hundredth."""
 SAMPLE = 2000
 """Points that tell how noisy a cloud is."""
 
+REGION = 25
+"""As many of them tell it in one region."""
+
 SMOOTH = (0.95, 1.15)
 """Growth of the roughness (:func:`_roughness_and_growth`) up to which fronts are measured in the
 tangent planes, and from which on in space; in between in part. Of points with hardly any noise the
@@ -84,6 +92,16 @@ and 0.18 %, of a 20th (0.97) 0.27 and 0.27 %, of a 6th (0.70) 0.47 and 0.84 %.""
 CURVED = 1.58
 """Growth of the roughness of a smooth surface: neighbourhoods of 30 points are wider than those of
 12 by that factor, and as much rougher."""
+
+BLADES = 3.0
+"""Growth of the roughness from which on the nearest points are no sample of the surface. What a ring
+of a scanner's noise spreads out lies on the cone of its beam, a flat blade across the ground, and
+the next ones are on blades beside it: near a scanner on a slope growth is 20 to 40, and normals
+from few neighbours are those of the blades. They are estimated as in noise."""
+
+STANDING = 0.05
+"""Roughness of the wider neighbourhoods from which on that matters. It is 0.12 to 0.23 there; rings
+that are far apart, and are thinned, have 0.02. From 0.02 to 0.1 the same sweeps are right."""
 
 FLATTEST = 1e-16
 """Squared height of a triangle to its edge below which it is taken for rounding."""
@@ -297,19 +315,20 @@ class PointCloudLaplacian(LaplaceOperator):
         representative: IntArray,
         k: int,
         curved: BoolArray | None = None,
-    ) -> tuple["_Soup", str, float]:
+    ) -> tuple["_Soup", str, FloatArray]:
         """Return the stars, whose normals they were made with, and how far space measures them.
 
         Points of curves, if it is known which they are, have none.
         """
-        rough, growth = _roughness_and_growth(points, thin)
-        noisy = rough > 0.15 and growth < 0.85
+        rough, growth, blades = _roughness_and_growth(points, thin)
+        noisy = blades | (rough > 0.15 and growth < 0.85)
         normals, whose = self._normals(points, thin, domain, representative, noisy)
-        in_space = float(np.clip((growth - SMOOTH[0]) / (SMOOTH[1] - SMOOTH[0]), 0, 1))
+        flat = float(np.clip((growth - SMOOTH[0]) / (SMOOTH[1] - SMOOTH[0]), 0, 1))
+        in_space = np.where(blades, 0.0, flat)
         if curved is None:
             curved = np.zeros(len(points), dtype=np.bool_)
         given = whose == "given"
-        soup = _soup(points, normals, thin, k, curved, oriented=given, smooth=in_space == 1)
+        soup = _soup(points, normals, thin, k, curved, in_space == 1, oriented=given)
         return soup, whose, in_space
 
     def _normals(
@@ -318,7 +337,7 @@ class PointCloudLaplacian(LaplaceOperator):
         thin: Representatives,
         domain: PointCloud,
         representative: IntArray,
-        noisy: bool,
+        noisy: BoolArray,
     ) -> tuple[FloatArray, str]:
         """Return a unit normal for every distinct point, and whose they are."""
         if domain.normals is not None:
@@ -327,14 +346,15 @@ class PointCloudLaplacian(LaplaceOperator):
         if count < 3:
             return np.tile([0.0, 0.0, 1.0], (count, 1)), "none"
         kept, near = points[thin.kept], thin.own
+        noisy = noisy[thin.kept]
         normals, whose = self._estimate(
-            kept, near[:, : NOISY_NEIGHBOURS if noisy else NORMAL_NEIGHBOURS]
+            kept, near[:, : NOISY_NEIGHBOURS if noisy.all() else NORMAL_NEIGHBOURS]
         )
-        crowded = np.flatnonzero(thin.reaches[thin.kept] > 0)
-        if len(crowded) and not noisy:
-            normals[crowded] = pca_normals(kept, near[crowded, :NOISY_NEIGHBOURS], crowded)
-        if not noisy:  # from noise, too, neighbours are steep
-            normals = pole_normals(kept, near[:, :POLE_NEIGHBOURS], normals)
+        more = np.flatnonzero((noisy | (thin.reaches[thin.kept] > 0)) & ~noisy.all())
+        normals[more] = pca_normals(kept, near[more], more)
+        if not noisy.all():  # from noise, too, neighbours are steep
+            poles = pole_normals(kept, near[:, :POLE_NEIGHBOURS], normals)
+            normals = np.where(noisy[:, None], normals, poles)
         return normals[thin.nearest], whose
 
     def _estimate(self, points: FloatArray, near: IntArray) -> tuple[FloatArray, str]:
@@ -357,23 +377,36 @@ class PointCloudLaplacian(LaplaceOperator):
         return pca_normals(points, near), "pca"
 
 
-def _roughness_and_growth(points: FloatArray, thin: Representatives) -> tuple[float, float]:
-    """Return how far points stand off their neighbourhoods' planes, and its growth with the width.
+def _roughness_and_growth(
+    points: FloatArray, thin: Representatives
+) -> tuple[float, float, BoolArray]:
+    """Return how rough neighbourhoods are, how that grows with their width, and where blades are.
 
-    A wider neighbourhood of a curved surface is rougher relative to its width, one of a noisy
-    surface smoother. Measured, as the median ratio of both: spheres, meshes and fused scans 0.86
-    to 1.5; noise from a sixth of the spacing on, a raw object scan and a depth image 0.6 to 0.8.
-    Too few points to tell are taken for a surface, and so are planes.
+    The roughness is how far points stand off their neighbourhood's plane. A wider neighbourhood of
+    a curved surface is rougher relative to its width, one of a noisy surface smoother. Measured, as
+    the median ratio of both: spheres, meshes and fused scans 0.86 to 1.5; noise from a sixth of the
+    spacing on, a raw object scan and a depth image 0.6 to 0.8. Too few points to tell are taken for
+    a surface, and so are planes.
+
+    Both are medians over the cloud; blades are a matter of regions.
     """
-    kept = thin.kept
+    kept, count = thin.kept, len(points)
+    blades = np.zeros(count, dtype=np.bool_)
     if len(kept) <= 4 * NOISY_NEIGHBOURS:
-        return 0.0, CURVED
+        return 0.0, CURVED, blades
     chosen = kept[np.linspace(0, len(kept) - 1, min(SAMPLE, len(kept))).astype(np.int64)]
     wide = thin.neighbours[chosen, :NOISY_NEIGHBOURS]
-    rough = roughness(points, wide[:, :NORMAL_NEIGHBOURS])
+    rough, wide_rough = roughness(points, wide[:, :NORMAL_NEIGHBOURS]), roughness(points, wide)
     growth = np.full_like(rough, CURVED)
-    np.divide(roughness(points, wide), rough, out=growth, where=rough > EVEN)
-    return float(np.median(rough)), float(np.median(growth))
+    np.divide(wide_rough, rough, out=growth, where=rough > EVEN)
+    if len(chosen) > 2 * REGION:
+        region = nearest_neighbours(points[chosen], REGION)
+        found = np.median(wide_rough[region], axis=1) > STANDING
+        found &= np.median(growth[region], axis=1) > BLADES
+        if found.any():
+            nearest = nearest_among(points, chosen, np.arange(count), 1)[:, 0]
+            blades = found[np.searchsorted(chosen, nearest)]
+    return float(np.median(rough)), float(np.median(growth)), blades
 
 
 @dataclass(frozen=True)
@@ -400,24 +433,22 @@ def _soup(
     thin: Representatives,
     k: int,
     curved: BoolArray,
+    smooth: BoolArray,
     *,
     oriented: bool,
-    smooth: bool,
 ) -> _Soup:
     count = len(points)
     neighbours = np.ascontiguousarray(thin.neighbours[:, : 2 * k])
     weights = tie_breakers(points, neighbours)
-    star = partial(
-        delaunay_stars, points, normals, k=k, oriented=oriented, smooth=smooth, weights=weights
-    )
-    triangles, frames, boundary = star(neighbours)
+    star = partial(_stars_of, points, normals, smooth, k=k, oriented=oriented, weights=weights)
+    triangles, frames, boundary = star(neighbours, np.arange(count))
     for far in FAR_NEIGHBOURS:
         asked = np.flatnonzero(boundary & (thin.reaches > 0))
         for begin in range(0, len(asked), AT_ONCE):
             some = asked[begin : begin + AT_ONCE]
             wide = nearest_among(points, thin.kept, some, min(far, len(thin.kept) - 1))
             reaches = FARTHEST * thin.reaches[some]
-            grown, grown_frames, boundary[some] = star(wide, centres=some, reaches=reaches)
+            grown, grown_frames, boundary[some] = star(wide, some, reaches=reaches)
             stay = ~np.isin(triangles[:, 0], some)
             triangles = np.concatenate([triangles[stay], grown])
             frames = np.concatenate([frames[stay], grown_frames])
@@ -448,20 +479,52 @@ def _soup(
     return _Soup(triangles, frames, shares, links, lengths, spacing, boundary)
 
 
+def _stars_of(  # noqa: PLR0917 - what it needs, in the order of its doing
+    points: FloatArray,
+    normals: FloatArray,
+    smooth: BoolArray,
+    neighbours: IntArray,
+    centres: IntArray,
+    reaches: FloatArray | None = None,
+    **options: Any,
+) -> tuple[IntArray, FloatArray, BoolArray]:
+    """Return the stars of some points, of which the smooth ones are made more strictly."""
+    is_open = np.zeros(len(centres), dtype=np.bool_)
+    stars = []
+    for strict in (True, False):
+        rows = np.flatnonzero(smooth[centres] == strict)
+        if len(rows) == 0:
+            continue
+        found = delaunay_stars(
+            points,
+            normals,
+            neighbours if len(rows) == len(centres) else neighbours[rows],
+            centres=centres[rows],
+            reaches=None if reaches is None else reaches[rows],
+            smooth=strict,
+            **options,
+        )
+        stars.append(found[:2])
+        is_open[rows] = found[2]
+    triangles, frames = (np.concatenate(parts) for parts in zip(*stars, strict=True))
+    return triangles, frames, is_open
+
+
 def _surface_frames(
-    points: FloatArray, soup: _Soup, gradient: ElementGradient, in_space: float, scale: float
+    points: FloatArray, soup: _Soup, gradient: ElementGradient, in_space: FloatArray, scale: float
 ) -> FloatArray:
     """Return all elements' inverse frames, the triangles' measured in space as far as told.
 
     Between both the products of the two edges from the centre are averaged: those of a triangle.
     """
-    if in_space == 0:
+    if not in_space.any():
         return np.zeros((0, 3))
+    share = in_space[soup.triangles[:, 0]]
     frames, (centre, second, third) = soup.frames, soup.triangles.T
     p, q = points[second] - points[centre], points[third] - points[centre]
     flat = (frames[:, 0] ** 2, frames[:, 0] * frames[:, 1], frames[:, 1] ** 2 + frames[:, 2] ** 2)
     solid = (np.einsum("ed,ed->e", *pair) for pair in ((p, p), (p, q), (q, q)))
-    pp, pq, qq = (s * in_space + f * (1 - in_space) for s, f in zip(solid, flat, strict=True))
+    pp, pq, qq = (s * share + f * (1 - share) for s, f in zip(solid, flat, strict=True))
     length = np.sqrt(pp)
     height = np.sqrt(np.maximum(qq - (pq / length) ** 2, FLATTEST * qq))
     inverse = gradient.inverse_frames.copy()
