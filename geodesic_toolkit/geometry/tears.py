@@ -16,8 +16,8 @@ from geodesic_toolkit.geometry.curves import AHEAD, directions
 __all__ = ["bridges"]
 
 NEAR = 12
-"""Neighbours that are taken for near. At the rim of a surface they lie within 2.8 spacings, and what
-is that near across a gap in a plane has a triangle in its star anyway."""
+"""Neighbours that are taken for near. At the rim of a surface they lie within 2.8 spacings, and
+what is that near across a gap in a plane has a triangle in its star anyway."""
 
 OFF = 0.2
 """Square of the sine of the elevation up to which a neighbour lies on the sheet of a point: that
@@ -30,7 +30,7 @@ AT_ONCE = 50_000
 """Pairs that are looked at together: each has some forty points about either end."""
 
 
-def bridges(  # noqa: PLR0917 - what it needs, in the order of its doing
+def bridges(
     points: FloatArray,
     normals: FloatArray,
     near: IntArray,
@@ -42,7 +42,8 @@ def bridges(  # noqa: PLR0917 - what it needs, in the order of its doing
 ) -> IntArray:
     """Return links (L, 2) across tears: between near points that are more than four edges apart.
 
-    Of each open point the nearest such one counts, if each lies on the sheet of the other. Where
+    Of each open point the nearest such one counts, if the point is near to it, too, so that a
+    few points that float by themselves stay alone, and each lies on the sheet of the other. Where
     nearly all are open, normals mean little, and it is enough to lie ahead or behind; on curves
     they mean nothing, and it has to.
 
@@ -63,9 +64,10 @@ def bridges(  # noqa: PLR0917 - what it needs, in the order of its doing
     asked = np.flatnonzero(is_open)
     if len(asked) == 0 or near.shape[1] == 0:
         return np.empty((0, 2), dtype=np.int64)
-    near = near[asked, :NEAR]
+    wider, near = near[:, : 2 * NEAR], near[asked, :NEAR]
     pairs = np.column_stack([asked.repeat(near.shape[1]), near.ravel()])  # of each nearest first
-    agree = _share_a_sheet(points, normals, pairs, oriented) & ~curved[pairs].any(axis=1)
+    agree = (wider[pairs[:, 1]] == pairs[:, :1]).any(axis=1)
+    agree &= _share_a_sheet(points, normals, pairs, oriented) & ~curved[pairs].any(axis=1)
     narrow = is_open[near].mean(axis=1) >= NARROW
     if narrow.any():
         agree |= _share_a_line(points, pairs, asked[narrow], near[narrow])
@@ -109,6 +111,13 @@ def _are_far(pairs: IntArray, edges: IntArray, n_points: int, *, steps: int) -> 
     """Return which pairs are more than twice so many edges apart."""
     from scipy.sparse import csr_array
 
+    if len(pairs) == 0:
+        return np.zeros(0, dtype=np.bool_)
+    about = np.zeros(n_points, dtype=np.bool_)  # all that is so many steps away
+    about[pairs] = True
+    for _ in range(steps):
+        about[edges[about[edges[:, 0]], 1]] = True
+    edges = edges[about[edges[:, 0]] & about[edges[:, 1]]]
     ones = np.ones(len(edges), dtype=np.float32)
     adjacency: Any = csr_array((ones, tuple(edges.T)), shape=(n_points, n_points))
     asked, place = np.unique(pairs, return_inverse=True)

@@ -25,8 +25,8 @@ FEW = 100
 """Points up to which a cloud is no scan, and nothing is said."""
 
 ONE_LINE = 0.5
-"""Share of the points that one line may hold in a surface before it is said. The lines of a scan are
-many; a coil, the way of a probe and a skeleton are one."""
+"""Share of the points that one line may hold in a surface before it is said. The lines of a scan
+are many; a coil, the way of a probe and a skeleton are one."""
 
 
 @dataclass(frozen=True)
@@ -152,9 +152,10 @@ def warn_of_lines(notes: dict[str, Any]) -> None:
     if notes["longest_line"] <= ONE_LINE:
         return
     warn(
-        f"{notes['longest_line']:.0%} of the points follow one line, whose turns are near enough to "
-        "be taken for a surface: distances go across from one turn to the next. If the line itself "
-        "is the shape (a coil, a wire, a track), connect its points by gt.Graph(n_vertices, edges, "
-        "lengths); if it is the way of a probe over a surface, they are right",
+        f"{notes['longest_line']:.0%} of the points follow one line, whose turns are near enough "
+        "to be taken for a surface: distances go across from one turn to the next. If the line "
+        "itself is the shape (a coil, a wire, a track), connect its points by "
+        "gt.Graph(n_vertices, edges, lengths); if it is the way of a probe over a surface, they "
+        "are right",
         CurveWarning,
     )

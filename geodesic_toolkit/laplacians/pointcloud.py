@@ -15,6 +15,7 @@ from geodesic_toolkit.geometry.components import connected_by_edges, connected_b
 from geodesic_toolkit.geometry.crowds import Representatives, representatives, restored
 from geodesic_toolkit.geometry.curves import curve_links, largest_chain, lie_on_lines
 from geodesic_toolkit.geometry.neighbours import (
+    along_curve,
     distinct_points,
     nearest_among,
     nearest_neighbours,
@@ -64,12 +65,22 @@ CLOSED = 0.1
 lines have 0, scan lines of surfaces 0.5 to 0.9."""
 
 CLOSED_LINES = 0.4
-"""The same of parts most of whose points lie on lines, whether they were thinned or not: three lines
-side by side have a third."""
+"""The same of parts most of whose points lie on lines, whether they were thinned or not: three
+lines side by side have a third."""
 
 ON_LINES = 0.8
 """Share of the points of a part that lie on lines from which on it may be curves. Measured: wires
 have 0.95 and more, a band of random points as wide as their spacing 0.6."""
+
+BYTES, FIRST_BYTES, FIRST = 2900.0, 1000.0, 100_000
+"""Memory that each point takes while stars are made, at the most, and what the first of them take
+beside that: twice 40 neighbours, 20 triangles with frames and gradients, and room to query. On
+50,000, 200,000, 500,000 and a million random points of a sphere the sum is 0.95, 0.91, 1.02 and
+1.00 of the peak."""
+
+LARGE = 100_000
+"""Points from which on they are taken in an order in which near ones are together: those of a cloud
+drawn at random are all over the memory otherwise."""
 
 BYSTANDER = 1e-4
 """Weight of the stars of points that others stand for. They hear of the others, and the others
@@ -94,9 +105,9 @@ CURVED = 1.58
 12 by that factor, and as much rougher."""
 
 BLADES = 3.0
-"""Growth of the roughness from which on the nearest points are no sample of the surface. What a ring
-of a scanner's noise spreads out lies on the cone of its beam, a flat blade across the ground, and
-the next ones are on blades beside it: near a scanner on a slope growth is 20 to 40, and normals
+"""Growth of the roughness from which on the nearest points are no sample of the surface. What a
+ring of a scanner's noise spreads out lies on the cone of its beam, a flat blade across the ground,
+and the next ones are on blades beside it: near a scanner on a slope growth is 20 to 40, and normals
 from few neighbours are those of the blades. They are estimated as in noise."""
 
 STANDING = 0.05
@@ -112,8 +123,12 @@ EVEN = 1e-3
 TIE_LENGTH = 1e-9
 """Distance of duplicates from their representative, in spacings."""
 
+STIFFEST = 100.0
+"""Largest width of a link in shares of its length, which is its stiffness. Points a millionth of
+the spacing apart are as good as one, and factors that have to tell them apart come to nothing."""
+
 TIE_WEIGHT = 1e6
-"""Stiffness between them; ordinary edges have about 1."""
+"""Stiffness between them, in shares of what holds the representative."""
 
 
 @final
@@ -225,6 +240,9 @@ class PointCloudLaplacian(LaplaceOperator):
         count = len(first)
         k = self._neighbours_of(count)
         points = points[first]
+        if count > LARGE:
+            order = along_curve(points)
+            first, points, place = first[order], points[order], np.argsort(order)[place]
         wanted = max(2 * k, POLE_NEIGHBOURS, NOISY_NEIGHBOURS)
         thin = representatives(points, wanted)
         stars = partial(self._stars, points, domain=domain, representative=everywhere[first], k=k)
@@ -245,10 +263,9 @@ class PointCloudLaplacian(LaplaceOperator):
             representative[soup.triangles],
             soup.frames * scale,
             soup.shares,
-            [
-                (representative[soup.links], soup.link_lengths * scale, spacing),
-                (ties, np.full(len(ties), TIE_LENGTH * spacing), TIE_WEIGHT * TIE_LENGTH * spacing),
-            ],
+            (representative[soup.links], soup.link_lengths * scale, soup.link_widths * scale),
+            ties,
+            TIE_LENGTH * spacing,
             domain.n_vertices,
         )
         area = _areas(soup, count) * scale**2
@@ -275,6 +292,7 @@ class PointCloudLaplacian(LaplaceOperator):
         scales[everywhere] = scale_of_part[parts.parts][place]
         notes |= parts.notes(thin.neighbours, unit)
         notes["longest_line"] = share
+        notes["assembly_bytes"] = BYTES * count + FIRST_BYTES * min(count, FIRST)
         warn_of_fragments(notes, count)
         warn_of_lines(notes)
         return Discretization(
@@ -362,7 +380,7 @@ class PointCloudLaplacian(LaplaceOperator):
         # Open3D guesses from fewer than four points; three have one plane, whoever finds it.
         if self.normals != "pca" and len(points) > 3:
             try:
-                normals = open3d_normals(points, near.shape[1])
+                normals = open3d_normals(points, near)
             except MissingDependencyError as error:
                 if self.normals == "open3d":
                     raise
@@ -421,13 +439,18 @@ class _Soup:
     spacing: float
     boundary: BoolArray
 
+    @property
+    def link_widths(self) -> FloatArray:
+        """How wide links are: as points are apart, but for those that would be too stiff."""
+        return np.minimum(self.spacing, STIFFEST * self.link_lengths)
+
     def parts(self, parts: IntArray) -> CloudParts:
         """Return what is connected, where `parts` are the (N,) parts of places."""
         stars = (self.triangles, self.frames, self.shares)
         return CloudParts(*stars, self.links, self.link_lengths, parts)
 
 
-def _soup(
+def _soup(  # noqa: PLR0917 - what it needs, in the order of its doing
     points: FloatArray,
     normals: FloatArray,
     thin: Representatives,
@@ -533,9 +556,7 @@ def _surface_frames(
     return inverse
 
 
-def _share_of_longest_line(
-    points: FloatArray, thin: Representatives, on_lines: BoolArray
-) -> float:
+def _share_of_longest_line(points: FloatArray, thin: Representatives, on_lines: BoolArray) -> float:
     """Return the share of all points that the longest line of a surface holds."""
     on_lines = on_lines[thin.kept]
     if not on_lines.any():
@@ -557,46 +578,60 @@ def _on_curves(soup: _Soup, thin: Representatives, on_lines: BoolArray) -> BoolA
     # A line goes on where it bends, although the points there have triangles.
     steps = np.concatenate([soup.triangles[:, :2], soup.triangles[:, 1:], soup.links])
     part = connected_by_edges(steps, count)
-
-    def number_of(points: BoolArray) -> IntArray:
-        return np.bincount(part[points], minlength=part.max() + 1)
-
     whole = ~soup.boundary & ~alone
-    open_crowds = number_of(crowded & whole) < CLOSED * number_of(crowded)
-    few_lines = number_of(thin.stands & whole) < CLOSED_LINES * number_of(thin.stands)
-    few_lines &= number_of(on_lines) > ON_LINES * number_of(thin.stands)
+    open_crowds = _shares(part, whole, crowded) < CLOSED
+    few_lines = _shares(part, whole, thin.stands) < CLOSED_LINES
+    few_lines &= _shares(part, on_lines, thin.stands) > ON_LINES
     stands_alone = alone[thin.kept][thin.nearest]
     curved = crowded & (alone | stands_alone | open_crowds[part])
     return np.asarray(curved | few_lines[part])
 
 
+def _shares(part: IntArray, chosen: BoolArray, among: BoolArray) -> FloatArray:
+    """Return which share of some points of each part is chosen; 1 where there are none."""
+    count = int(part.max()) + 1
+    total = np.bincount(part[among], minlength=count)
+    found = np.bincount(part[among & chosen], minlength=count)
+    return np.divide(found, total, out=np.ones(count), where=total > 0)
+
+
 def _areas(soup: _Soup, count: int) -> FloatArray:
     """Return the measure of every place: a third of a third of its triangles, half of its links."""
     thirds = np.repeat(soup.shares * face_areas(soup.frames) / 9, 3)
-    halves = np.repeat(soup.link_lengths * soup.spacing / 2, 2)
+    halves = np.repeat(soup.link_lengths * soup.link_widths / 2, 2)
     area = np.bincount(soup.triangles.ravel(), thirds, minlength=count)
     return np.asarray(area + np.bincount(soup.links.ravel(), halves, minlength=count))
 
 
-def _with_segments(
+def _with_segments(  # noqa: PLR0917 - what it needs, in the order of its doing
     triangles: IntArray,
     frames: FloatArray,
     shares: FloatArray,
-    segments: list[tuple[IntArray, FloatArray, float]],
+    links: tuple[IntArray, FloatArray, FloatArray],
+    ties: IntArray,
+    tie_length: float,
     n_vertices: int,
 ) -> ElementGradient:
-    """Return the gradient on triangles, a third of each, and on segments of given widths.
+    """Return the gradient on triangles, a third of each, on links of given widths, and on ties.
 
     A segment (i, j) is the element (i, j, j) on which the gradient has one component, along it.
+    Ties are stiff beside what holds their first end: outliers hang by a thousandth of a millionth,
+    and a factor could not tell that from nothing beside ties that are equally stiff everywhere.
     """
     elements, coefficients = [triangles], [hat_gradients(frames)]
     measures = [shares * face_areas(frames) / 3]
-    for ends, lengths, width in segments:
-        slope = np.zeros((len(ends), 2, 3))
-        slope[:, 0, 0], slope[:, 0, 1] = -1 / lengths, 1 / lengths
-        elements.append(ends[:, [0, 1, 1]])
+    ends, lengths, widths = links
+    held = np.bincount(ends.ravel(), np.repeat(widths / lengths, 2), minlength=n_vertices)
+    each = measures[0][:, None] * np.einsum("edc,edc->ec", coefficients[0], coefficients[0])
+    held = held + np.bincount(triangles.ravel(), each.ravel(), minlength=n_vertices)
+    stiff = TIE_WEIGHT * np.where(held > 0, held, 1.0)[ties[:, 0]]
+    lengths_of_ties = np.full(len(ties), tie_length)
+    for pairs, long, wide in (links, (ties, lengths_of_ties, stiff * tie_length)):
+        slope = np.zeros((len(pairs), 2, 3))
+        slope[:, 0, 0], slope[:, 0, 1] = -1 / long, 1 / long
+        elements.append(pairs[:, [0, 1, 1]])
         coefficients.append(slope)
-        measures.append(lengths * width)
+        measures.append(long * wide)
     return ElementGradient(
         np.concatenate(elements),
         np.concatenate(coefficients),
