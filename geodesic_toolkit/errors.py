@@ -7,6 +7,7 @@ Catching :class:`GeodesicError` catches all of them; catching the builtin
 __all__ = [
     "CoarseMeshWarning",
     "ConformanceError",
+    "CurveWarning",
     "FarSourceWarning",
     "FragmentedCloudWarning",
     "GeodesicError",
@@ -112,6 +113,10 @@ class ReadWarning(GeodesicWarning):
 
 class CoarseMeshWarning(GeodesicWarning):
     """Plain heat is 4 % off, or more, on a part of a mesh; the refined distance is better."""
+
+
+class CurveWarning(GeodesicWarning):
+    """The points of a cloud follow one line, and have been taken for a surface."""
 
 
 class FragmentedCloudWarning(GeodesicWarning):

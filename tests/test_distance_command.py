@@ -404,6 +404,13 @@ def test_pictures_show_the_shape_wherever_the_points_are(sphere_file, tmp_path, 
     assert look["sources"] == [150]
 
 
+def test_distance_draws_the_parts(sphere_file, tmp_path):
+    picture = tmp_path / "parts.png"
+    result = run("distance", sphere_file, "--source", 0, "--parts", picture)
+    assert result.exit_code == 0, result.output
+    assert picture.read_bytes().startswith(b"\x89PNG")
+
+
 def test_distance_draws_a_picture_and_a_page(sphere_file, tmp_path):
     pytest.importorskip("pyvista")
     pytest.importorskip("k3d")

@@ -424,7 +424,9 @@ def test_importing_viz_imports_none_of_the_packages_behind_it():
         "print(sorted(heavy & set(sys.modules)), dir(geodesic_toolkit.viz))"
     )
     answer = run(code)
-    assert answer.stdout.strip() == "[] ['plot', 'polyscope', 'save_html', 'show']"
+    assert answer.stdout.strip() == (
+        "[] ['OF_PARTS', 'by_part', 'plot', 'polyscope', 'save_html', 'show']"
+    )
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="displays are X's there only")
@@ -498,3 +500,23 @@ def test_the_bar_has_arrows_where_values_lie_beyond_it(limits, arrows):
     sphere = shapes.icosphere(2)
     scene = make_scene(sphere, sphere.vertices[:, 2], limits=limits)
     assert Page._beyond(SimpleNamespace(scene=scene)) == arrows
+
+
+def test_a_picture_can_colour_by_part(tmp_path):
+    small, large = shapes.icosphere(2).vertices, shapes.icosphere(3).vertices
+    aside, alone = np.array([4.0, 0, 0]), np.full((1, 3), np.nan)
+    cloud = gt.PointCloud(np.concatenate([small, large + aside, alone]))
+    parts = gt.viz.by_part(gt.GeodesicSolver(cloud).method.metric.components)
+    assert set(parts[: len(small)]) == {1.0}
+    assert set(parts[len(small) : -1]) == {0.0}
+    assert np.isnan(parts[-1])
+    image = gt.viz.plot(cloud, parts, path=tmp_path / "parts.png", size=SIZE, **gt.viz.OF_PARTS)
+    assert (tmp_path / "parts.png").stat().st_size > 0
+    assert count_coloured(bar_free(image)) > 500
+
+
+def test_parts_behind_the_twentieth_share_colours_but_the_first():
+    shown = gt.viz.by_part(np.repeat(np.arange(45), 2))
+    assert shown[0] == 0
+    assert (shown[2:] >= 1).all()
+    assert shown.max() == 19

@@ -1,5 +1,6 @@
 """Are clouds as sensors write them right: sweeps, scan lines, heaps, repeated passes?"""
 
+import itertools
 import warnings
 
 import numpy as np
@@ -7,7 +8,7 @@ import pytest
 
 import geodesic_toolkit as gt
 from geodesic_toolkit import _native
-from geodesic_toolkit.errors import FragmentedCloudWarning, UnevenCloudWarning
+from geodesic_toolkit.errors import CurveWarning, FragmentedCloudWarning, UnevenCloudWarning
 from geodesic_toolkit.geometry.crowds import representatives, restored
 from geodesic_toolkit.geometry.neighbours import nearest_neighbours
 from geodesic_toolkit.laplacians.cloud_parts import CloudParts, warn_of_fragments
@@ -99,6 +100,26 @@ def test_one_sweep_of_sixteen_beams_reaches_its_outermost_ring(noise):
     assert solver.distance(source)[inner] > 1.02 * true[inner]
 
 
+def test_rings_next_to_a_scanner_on_a_slope_are_ground_and_not_blades():
+    # What noise in range spreads out lies on the cones of the beams, 33 degrees from the ground.
+    rng, slope = np.random.default_rng(0), 0.15
+    down, turn = np.meshgrid(
+        np.radians(np.linspace(-25, 15, 32)), np.radians(np.arange(0, 360, 0.2))
+    )
+    down, turn = down.ravel(), turn.ravel()
+    rays = np.column_stack([np.cos(down) * np.cos(turn), np.cos(down) * np.sin(turn), np.sin(down)])
+    reach = 1.8 / (slope * rays[:, 0] - rays[:, 2])
+    rays, reach = rays[(reach > 0) & (reach < 60)], reach[(reach > 0) & (reach < 60)]
+    true_points = reach[:, None] * rays
+    points = (reach + 0.02 * rng.normal(size=reach.shape))[:, None] * rays
+    source = int(np.argmin(np.linalg.norm(true_points[:, :2] - [5.6, 0.7], axis=1)))
+    true = np.linalg.norm(true_points - true_points[source], axis=1)
+    ahead = np.abs(np.arctan2(true_points[:, 1], true_points[:, 0]) - 0.13) < 0.5
+    off = errors(solver_of(points).distance(source)[ahead], true[ahead], least=2)
+    assert off.mean() < 0.01
+    assert off.max() < 0.06
+
+
 @pytest.mark.parametrize("noise", [0.0, 0.001, 0.03, 0.1])
 @pytest.mark.parametrize("times", [2, 5, 10, 20, 40])
 def test_repeated_passes_are_one_surface(times, noise):
@@ -161,6 +182,84 @@ def test_two_lines_alone_are_no_surface():
     distance = solver_of(np.concatenate([line, line + np.array([0.0, 3.0, 0.0])])).distance(0)
     np.testing.assert_allclose(distance[:400], line[:, 0], atol=1e-6)
     assert (distance[400:] == np.inf).all()
+
+
+def length_along(points):
+    steps = np.linalg.norm(np.diff(points, axis=0), axis=1)
+    return np.concatenate([[0], np.cumsum(steps)])
+
+
+def helix(turns, count, pitch, random=False):
+    turn = np.linspace(0, 2 * np.pi * turns, count)
+    if random:
+        turn = np.sort(np.random.default_rng(0).uniform(0, 2 * np.pi * turns, count))
+    return np.column_stack([np.cos(turn), np.sin(turn), pitch * turn / (2 * np.pi)])
+
+
+def broken_line():
+    corners = np.array([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 1], [0.5, 0, 1]])
+    sides = itertools.pairwise(corners)
+    return np.concatenate([np.linspace(a, b, 60)[:-1] for a, b in sides])
+
+
+@pytest.mark.parametrize("refine", [True, False])
+@pytest.mark.parametrize(
+    "curve",
+    [
+        helix(3, 300, 1.0),
+        helix(3, 300, 0.3),
+        helix(3, 1000, 0.3),
+        helix(10, 300, 6.0),
+        helix(3, 300, 1.9, random=True),
+        broken_line(),
+    ],
+    ids=["15 apart", "5 apart", "thinned", "ten turns", "random", "broken"],
+)
+def test_a_curve_in_space_is_as_long_as_it_is(curve, refine):
+    distance = solver_of(curve, refine=refine).distance(0)
+    np.testing.assert_allclose(distance, length_along(curve), rtol=2e-3, atol=1e-9)
+
+
+def test_a_shaken_curve_is_hardly_longer():
+    curve = helix(3, 300, 1.9)
+    shaken = curve + 0.1 * 0.07 * np.random.default_rng(0).normal(size=curve.shape)
+    distance = solver_of(shaken).distance(0)
+    np.testing.assert_allclose(distance, length_along(curve), rtol=0.03, atol=0.05)
+
+
+def test_wires_that_cross_are_connected_there():
+    along = np.linspace(-1, 1, 201)
+    none = np.zeros(201)
+    one, other = np.column_stack([along, none, none]), np.column_stack([none, along + 0.003, none])
+    distance = solver_of(np.concatenate([one, other])).distance(0)
+    np.testing.assert_allclose(distance[:201], 1 + along, atol=0.01)
+    np.testing.assert_allclose(distance[201:], 1 + np.abs(along + 0.003), atol=0.01)
+
+
+def test_a_coil_that_passes_for_a_surface_is_told():
+    with pytest.warns(CurveWarning, match="of the points follow one line.*gt.Graph"):
+        solver_of(helix(10, 1000, 0.3))
+
+
+def test_a_torn_ring_is_bridged_in_either_direction():
+    # One gap is as wide as eleven points are apart, and stars see across it from one side only.
+    turn = np.sort(np.random.default_rng(9).uniform(0, 2 * np.pi, 3000))
+    turn = turn[(turn < 1.0) | (turn > 1.02)]
+    height = np.random.default_rng(1).uniform(-0.003, 0.003, len(turn))
+    points = np.column_stack([np.cos(turn), np.sin(turn), height])
+    for source in (0, int(np.searchsorted(turn, 1.0)) - 1, int(np.searchsorted(turn, 1.02))):
+        away = np.abs((turn - turn[source] + np.pi) % (2 * np.pi) - np.pi)
+        true = np.hypot(away, height - height[source])
+        assert errors(solver_of(points).distance(source), true, least=0.05).max() < 0.05
+
+
+def test_a_slit_wider_than_near_points_is_not_bridged():
+    side = np.arange(40) / 10
+    grid = np.stack(np.meshgrid(side, side), axis=-1).reshape(-1, 2)
+    left = np.column_stack([grid, np.zeros(1600)])
+    right = left + np.array([side[-1] + 0.8, 0, 0])  # eight spacings away
+    distance = solver_of(np.concatenate([left, right])).distance(0)
+    assert np.isinf(distance[1600:]).all()
 
 
 # -- who stands for whom -------------------------------------------------------------------------
@@ -259,7 +358,7 @@ def test_separate_clouds_are_parts_and_nothing_is_said():
 
 
 @pytest.mark.parametrize("seed", range(3))
-@pytest.mark.parametrize("width", [0.02, 0.05, 0.1])  # 3 to 7 spacings
+@pytest.mark.parametrize("width", [0.002, 0.004, 0.006, 0.02, 0.1])  # 1 to 7 spacings
 def test_a_narrow_band_is_no_line_of_a_scan(width, seed):
     rng = np.random.default_rng(seed)
     turn, height = rng.uniform(0, 2 * np.pi, 3000), rng.uniform(-width / 2, width / 2, 3000)
@@ -267,5 +366,21 @@ def test_a_narrow_band_is_no_line_of_a_scan(width, seed):
     away = np.abs((turn - turn[0] + np.pi) % (2 * np.pi) - np.pi)
     true = np.hypot(away, height - height[0])
     off = errors(solver_of(points).distance(0), true, least=0.2)
-    assert off.mean() < 0.01
-    assert off.max() < 0.03
+    assert off.mean() < (0.01 if width > 0.002 else 0.03)
+    assert off.max() < (0.03 if width > 0.002 else 0.1)
+
+
+def test_outliers_that_were_hit_twice_do_not_spoil_the_factors():
+    points = sweep(16, -15, -1, 360, noise=0.02)
+    pair = np.array([[60.0, 40.0, 8.0], [60.0, 40.0, 8.0]])
+    distance = solver_of(np.concatenate([points, pair])).distance(0)
+    assert np.isfinite(distance[:-2]).all()
+    assert distance[-1] == distance[-2]
+
+
+@pytest.mark.parametrize("count", [20_000, 60_000])
+def test_the_memory_of_stars_is_foreseen(count):
+    points = np.random.default_rng(0).normal(size=(count, 3))
+    points /= np.linalg.norm(points, axis=1, keepdims=True)
+    expected = solver_of(points).method.expected_bytes
+    assert 2900 * count < expected < 4500 * count

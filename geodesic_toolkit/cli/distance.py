@@ -124,6 +124,10 @@ def distance(
         Path | None,
         typer.Option(metavar="FILE", help="Write an .html page to turn the shape in a browser."),
     ] = None,
+    parts: Annotated[
+        Path | None,
+        typer.Option(metavar="FILE", help="Render a .png picture of what is connected."),
+    ] = None,
     cmap: Annotated[
         str | None,
         typer.Option(metavar="NAME", help="Colour map of matplotlib for picture and page."),
@@ -142,7 +146,9 @@ def distance(
     check_weld(weld)
     check_thin(thin, mask)
     check_plugins(solver, operator, diffusion)
-    targets = Targets(tables=tuple(output or ()), picture=picture, html=html, cmap=cmap)
+    targets = Targets(
+        tables=tuple(output or ()), picture=picture, html=html, parts=parts, cmap=cmap
+    )
     marked = [mask, *map(find_marked, source)]
     used = [at, *(None if file is None else file.path for file in marked)]
     targets.check(path, *(file for file in used if file is not None))
@@ -185,7 +191,15 @@ def distance(
                     distances, geodesic, sources=places, progress=run.advance
                 )
         own = shape.values(distances)
-        targets.write(run, shape.file, own, sources, asked=asked, like=path if at is None else at)
+        targets.write(
+            run,
+            shape.file,
+            own,
+            sources,
+            parts=shape.values(_parts(geodesic, thinned)),
+            asked=asked,
+            like=path if at is None else at,
+        )
         summed_up = own if asked is None else asked[1]
         result = Result(
             path, shape, geodesic, sources, at, mask, thinned, summed_up, targets.paths, run
@@ -317,6 +331,20 @@ def _shape(
     if masked is not None:
         check_unmasked(places, masked)
     return shape, masked, places
+
+
+def _parts(solver: "GeodesicSolver", thinned: "Thinned | None") -> "FloatArray":
+    """Return the connected part of each vertex, to draw; of a thinned cloud, of what was kept."""
+    import numpy as np
+
+    from geodesic_toolkit.viz import by_part
+
+    found = by_part(solver.method.metric.components)
+    if thinned is None:
+        return found
+    parts = np.full(thinned.full.n_vertices, np.nan)
+    parts[thinned.index] = found
+    return parts
 
 
 def _points(at: Path | None, domain: "Domain") -> "PointCloud | None":

@@ -24,24 +24,28 @@ class Targets:
     tables : tuple of Path
         Files of numbers, by suffix.
     picture, html : Path, optional
+    parts : Path, optional
+        Picture of the connected parts.
     cmap : str, optional
-        Colour map of these two; theirs by default.
+        Colour map of picture and page; theirs by default.
     """
 
     tables: tuple[Path, ...] = ()
     picture: Path | None = None
     html: Path | None = None
+    parts: Path | None = None
     cmap: str | None = None
 
     @property
     def paths(self) -> list[Path]:
         """All of them, in the order in which they are written."""
-        return [*self.tables, *(path for path in (self.picture, self.html) if path is not None)]
+        drawn = (self.picture, self.html, self.parts)
+        return [*self.tables, *(path for path in drawn if path is not None)]
 
     @property
     def drawn(self) -> bool:
         """Whether there is something to draw."""
-        return self.picture is not None or self.html is not None
+        return len(self.paths) > len(self.tables)
 
     def check(self, *inputs: Path) -> None:
         """Raise before any work where something could not be written after it.
@@ -66,8 +70,9 @@ class Targets:
             seen[path.resolve()] = "another output"
         for path in self.tables:
             check_distance_output(path)
-        if self.picture is not None:
-            check_output(self.picture, (".png",))
+        for picture in (self.picture, self.parts):
+            if picture is not None:
+                check_output(picture, (".png",))
         if self.html is not None:
             check_output(self.html, (".html",))
         if self.cmap is not None:
@@ -98,7 +103,7 @@ class Targets:
         """
         from geodesic_toolkit.viz.extras import require
 
-        if self.picture is not None:
+        if self.picture is not None or self.parts is not None:
             require("pyvista", "viz", "Pictures")
         if self.html is not None:
             require("k3d", "viz", "HTML pages")
@@ -110,6 +115,7 @@ class Targets:
         distances: "FloatArray",
         sources: Sequence[int] | Sequence[Sequence[float]],
         *,
+        parts: "FloatArray | None" = None,
         asked: "tuple[Domain, FloatArray] | None" = None,
         like: Path | None = None,
     ) -> None:
@@ -121,6 +127,8 @@ class Targets:
         domain : Domain
         distances : ndarray of shape (N,)
         sources : sequence
+        parts : ndarray of shape (N,), optional
+            What :func:`geodesic_toolkit.viz.by_part` gives, where a picture of them is asked for.
         asked : tuple, optional
             Points and the distances there, for the tables; pictures still show the `domain`.
         like : Path, optional
@@ -151,3 +159,5 @@ class Targets:
                     viz.plot(domain, distances, path=self.picture, sources=sources, **look)
                 if self.html is not None:
                     viz.save_html(domain, distances, self.html, sources=sources, **look)
+                if self.parts is not None and parts is not None:
+                    viz.plot(domain, parts, path=self.parts, sources=sources, **viz.OF_PARTS)

@@ -5,11 +5,27 @@ import numpy as np
 from geodesic_toolkit._typing import BoolArray, FloatArray, IntArray
 from geodesic_toolkit.geometry.threads import threads_for
 
-__all__ = ["GRID", "distinct_points", "nearest_among", "nearest_neighbours", "normalised"]
+__all__ = [
+    "GRID",
+    "along_curve",
+    "distinct_points",
+    "nearest_among",
+    "nearest_neighbours",
+    "normalised",
+]
 
 AT_ONCE = 100_000
 """Points whose neighbours are asked for at once: distances, which are not kept, take as much memory
 as the neighbours do."""
+
+SPREAD = (
+    (32, 0x1F00000000FFFF),
+    (16, 0x1F0000FF0000FF),
+    (8, 0x100F00F00F00F00F),
+    (4, 0x10C30C30C30C30C3),
+    (2, 0x1249249249249249),
+)
+"""Steps that put two zeros between any two of 21 bits."""
 
 GRID = 2.0**-36
 """Points closer than this share of the cloud's size are one: what follows divides by distances."""
@@ -66,6 +82,23 @@ def distinct_points(points: FloatArray) -> tuple[IntArray, IntArray]:
     place = np.empty(len(points), dtype=np.int64)
     place[order] = rank[group]
     return first[ascending], place
+
+
+def along_curve(points: FloatArray) -> IntArray:
+    """Return the order of points of :func:`normalised` along a Z-curve, of shape (N,).
+
+    References
+    ----------
+    G. M. Morton, *A computer oriented geodetic data base*, IBM, 1966
+    """
+    cells = ((points + 1) * (2**20 - 1) / 2).astype(np.uint64)
+    code = np.zeros(len(points), dtype=np.uint64)
+    for axis in range(3):
+        bits = cells[:, axis]
+        for shift, mask in SPREAD:
+            bits = (bits | (bits << np.uint64(shift))) & np.uint64(mask)
+        code |= bits << np.uint64(axis)
+    return np.argsort(code, kind="stable")
 
 
 def nearest_neighbours(points: FloatArray, k: int) -> IntArray:

@@ -29,6 +29,9 @@ SYSTEM_PACKAGES = {
 }
 """Debian's and Ubuntu's names of the system packages that hold the libraries Open3D loads."""
 
+AT_ONCE = 10_000
+"""Points whose neighbourhoods are gathered together."""
+
 
 def pca_normals(
     points: FloatArray, neighbours: IntArray, centres: IntArray | None = None
@@ -43,13 +46,22 @@ def pca_normals(
     centres : ndarray of shape (M,), optional
         The points whose neighbours these are; all of them unless given.
     """
-    k = neighbours.shape[1]
     own = np.arange(len(points)) if centres is None else centres
-    places = points[np.concatenate([own[:, None], neighbours], axis=1)]
+    normals = np.empty((len(own), 3))
+    for begin in range(0, len(own), AT_ONCE):
+        some = slice(begin, begin + AT_ONCE)
+        normals[some] = np.linalg.eigh(_covariances(points, neighbours[some], own[some]))[1][
+            :, :, 0
+        ]
+    return normals
+
+
+def _covariances(points: FloatArray, neighbours: IntArray, own: IntArray) -> FloatArray:
+    """Return the covariances (M, 3, 3) of points and their neighbours."""
+    places = points[np.column_stack([own, neighbours])]
     places -= places.mean(axis=1, keepdims=True)
-    spread = places.transpose(0, 2, 1) @ places / (k + 1)
-    _, axes = np.linalg.eigh(spread)
-    return np.ascontiguousarray(axes[:, :, 0])
+    covariances: FloatArray = places.transpose(0, 2, 1) @ places / (neighbours.shape[1] + 1)
+    return covariances
 
 
 def roughness(points: FloatArray, neighbours: IntArray) -> FloatArray:
@@ -68,14 +80,17 @@ def roughness(points: FloatArray, neighbours: IntArray) -> FloatArray:
     return share
 
 
-def open3d_normals(points: FloatArray, k: int) -> FloatArray:
-    """Return Open3D's unit normals of every point and its k nearest neighbours, of shape (N, 3).
+def open3d_normals(points: FloatArray, neighbours: IntArray) -> FloatArray:
+    """Return Open3D's unit normals of every point and its neighbours, of shape (N, 3).
+
+    It is given the covariances, and need not search for the neighbours again.
 
     Parameters
     ----------
     points : ndarray of shape (N, 3)
         Finite, distinct and at least four: Open3D crashes or guesses on others.
-    k : int
+    neighbours : ndarray of shape (N, k)
+        The point itself is added.
 
     Raises
     ------
@@ -88,9 +103,15 @@ def open3d_normals(points: FloatArray, k: int) -> FloatArray:
         raise MissingDependencyError(
             f"Open3D cannot be imported ({error}); {missing_package(error)}"
         ) from error
-    cloud = open3d.geometry.PointCloud(open3d.utility.Vector3dVector(points))
-    cloud.estimate_normals(open3d.geometry.KDTreeSearchParamKNN(k + 1))  # counts the point itself
-    return np.array(cloud.normals, dtype=np.float64)
+    normals = np.empty((len(points), 3))
+    for begin in range(0, len(points), AT_ONCE):
+        some = np.arange(begin, min(begin + AT_ONCE, len(points)))
+        covariances = _covariances(points, neighbours[some], some)
+        cloud = open3d.geometry.PointCloud(open3d.utility.Vector3dVector(points[some]))
+        cloud.covariances = open3d.utility.Matrix3dVector(covariances)
+        cloud.estimate_normals()
+        normals[some] = np.asarray(cloud.normals)
+    return normals
 
 
 def missing_package(error: Exception) -> str:

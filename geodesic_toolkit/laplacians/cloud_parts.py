@@ -7,9 +7,9 @@ import numpy as np
 
 from geodesic_toolkit._typing import FloatArray, IntArray
 from geodesic_toolkit._warning import warn
-from geodesic_toolkit.errors import FragmentedCloudWarning
+from geodesic_toolkit.errors import CurveWarning, FragmentedCloudWarning
 
-__all__ = ["CloudParts", "warn_of_fragments"]
+__all__ = ["CloudParts", "warn_of_fragments", "warn_of_lines"]
 
 SLIVER = 0.01
 """Height of a triangle over its longest edge below which it is a sliver."""
@@ -23,6 +23,10 @@ scans have outliers."""
 
 FEW = 100
 """Points up to which a cloud is no scan, and nothing is said."""
+
+ONE_LINE = 0.5
+"""Share of the points that one line may hold in a surface before it is said. The lines of a scan
+are many; a coil, the way of a probe and a skeleton are one."""
 
 
 @dataclass(frozen=True)
@@ -134,4 +138,24 @@ def warn_of_fragments(notes: dict[str, Any], count: int) -> None:
         "wider gaps, gt.thin(cloud, spacing) evens out dense places, and given normals that are "
         "right keep neighbours which estimated ones leave out",
         FragmentedCloudWarning,
+    )
+
+
+def warn_of_lines(notes: dict[str, Any]) -> None:
+    """Warn where most points follow one line that was taken for a surface.
+
+    Parameters
+    ----------
+    notes : mapping
+        Of the discretization.
+    """
+    if notes["longest_line"] <= ONE_LINE:
+        return
+    warn(
+        f"{notes['longest_line']:.0%} of the points follow one line, whose turns are near enough "
+        "to be taken for a surface: distances go across from one turn to the next. If the line "
+        "itself is the shape (a coil, a wire, a track), connect its points by "
+        "gt.Graph(n_vertices, edges, lengths); if it is the way of a probe over a surface, they "
+        "are right",
+        CurveWarning,
     )

@@ -11,16 +11,24 @@ from geodesic_toolkit._typing import BoolArray, FloatArray, IntArray
 from geodesic_toolkit.discretization import Discretization
 from geodesic_toolkit.domains import Domain, PointCloud
 from geodesic_toolkit.errors import InvalidOptionError, MissingDependencyError, NormalsWarning
-from geodesic_toolkit.geometry.components import connected_by_faces
+from geodesic_toolkit.geometry.components import connected_by_edges, connected_by_faces
 from geodesic_toolkit.geometry.crowds import Representatives, representatives, restored
-from geodesic_toolkit.geometry.neighbours import distinct_points, nearest_among, normalised
+from geodesic_toolkit.geometry.curves import curve_links, largest_chain, lie_on_lines
+from geodesic_toolkit.geometry.neighbours import (
+    along_curve,
+    distinct_points,
+    nearest_among,
+    nearest_neighbours,
+    normalised,
+)
 from geodesic_toolkit.geometry.normals import open3d_normals, pca_normals, roughness
 from geodesic_toolkit.geometry.poles import pole_normals
 from geodesic_toolkit.geometry.stars import delaunay_stars, tie_breakers
+from geodesic_toolkit.geometry.tears import bridges
 from geodesic_toolkit.geometry.triangles import face_areas, hat_gradients, inverse_frames
 from geodesic_toolkit.gradient import ElementGradient
 from geodesic_toolkit.laplacians.base import LaplaceOperator
-from geodesic_toolkit.laplacians.cloud_parts import CloudParts, warn_of_fragments
+from geodesic_toolkit.laplacians.cloud_parts import CloudParts, warn_of_fragments, warn_of_lines
 from geodesic_toolkit.positivity import positive_part
 
 __all__ = ["PointCloudLaplacian"]
@@ -56,12 +64,33 @@ CLOSED = 0.1
 """Share of closed stars below which a thinned part of a cloud is taken for curves. Measured: two
 lines have 0, scan lines of surfaces 0.5 to 0.9."""
 
+CLOSED_LINES = 0.4
+"""The same of parts most of whose points lie on lines, whether they were thinned or not: three
+lines side by side have a third."""
+
+ON_LINES = 0.8
+"""Share of the points of a part that lie on lines from which on it may be curves. Measured: wires
+have 0.95 and more, a band of random points as wide as their spacing 0.6."""
+
+BYTES, FIRST_BYTES, FIRST = 2900.0, 1000.0, 100_000
+"""Memory that each point takes while stars are made, at the most, and what the first of them take
+beside that: twice 40 neighbours, 20 triangles with frames and gradients, and room to query. On
+50,000, 200,000, 500,000 and a million random points of a sphere the sum is 0.95, 0.91, 1.02 and
+1.00 of the peak."""
+
+LARGE = 100_000
+"""Points from which on they are taken in an order in which near ones are together: those of a cloud
+drawn at random are all over the memory otherwise."""
+
 BYSTANDER = 1e-4
 """Weight of the stars of points that others stand for. They hear of the others, and the others
 hardly of them: forty to one are less than a hundredth."""
 
 SAMPLE = 2000
 """Points that tell how noisy a cloud is."""
+
+REGION = 25
+"""As many of them tell it in one region."""
 
 SMOOTH = (0.95, 1.15)
 """Growth of the roughness (:func:`_roughness_and_growth`) up to which fronts are measured in the
@@ -75,6 +104,16 @@ CURVED = 1.58
 """Growth of the roughness of a smooth surface: neighbourhoods of 30 points are wider than those of
 12 by that factor, and as much rougher."""
 
+BLADES = 3.0
+"""Growth of the roughness from which on the nearest points are no sample of the surface. What a
+ring of a scanner's noise spreads out lies on the cone of its beam, a flat blade across the ground,
+and the next ones are on blades beside it: near a scanner on a slope growth is 20 to 40, and normals
+from few neighbours are those of the blades. They are estimated as in noise."""
+
+STANDING = 0.05
+"""Roughness of the wider neighbourhoods from which on that matters. It is 0.12 to 0.23 there; rings
+that are far apart, and are thinned, have 0.02. From 0.02 to 0.1 the same sweeps are right."""
+
 FLATTEST = 1e-16
 """Squared height of a triangle to its edge below which it is taken for rounding."""
 
@@ -84,8 +123,12 @@ EVEN = 1e-3
 TIE_LENGTH = 1e-9
 """Distance of duplicates from their representative, in spacings."""
 
+STIFFEST = 100.0
+"""Largest width of a link in shares of its length, which is its stiffness. Points a millionth of
+the spacing apart are as good as one, and factors that have to tell them apart come to nothing."""
+
 TIE_WEIGHT = 1e6
-"""Stiffness between them; ordinary edges have about 1."""
+"""Stiffness between them, in shares of what holds the representative."""
 
 
 @final
@@ -197,14 +240,20 @@ class PointCloudLaplacian(LaplaceOperator):
         count = len(first)
         k = self._neighbours_of(count)
         points = points[first]
+        if count > LARGE:
+            order = along_curve(points)
+            first, points, place = first[order], points[order], np.argsort(order)[place]
         wanted = max(2 * k, POLE_NEIGHBOURS, NOISY_NEIGHBOURS)
         thin = representatives(points, wanted)
         stars = partial(self._stars, points, domain=domain, representative=everywhere[first], k=k)
         soup, whose, in_space = stars(thin)
-        curved = _on_curves(soup, thin)
+        on_lines = np.zeros(count, dtype=np.bool_)
+        on_lines[thin.kept] = lie_on_lines(points[thin.kept], thin.own)
+        curved = _on_curves(soup, thin, on_lines)
         if curved.any():
             thin = restored(points, thin, curved)
-            soup, whose, in_space = stars(thin)
+            soup, whose, in_space = stars(thin, curved=curved)
+        share = _share_of_longest_line(points, thin, on_lines & ~curved)
         spacing = soup.spacing * scale if soup.spacing > 0 else 1.0  # one place: there is no length
 
         representative = everywhere[first]
@@ -214,10 +263,9 @@ class PointCloudLaplacian(LaplaceOperator):
             representative[soup.triangles],
             soup.frames * scale,
             soup.shares,
-            [
-                (representative[soup.links], soup.link_lengths * scale, spacing),
-                (ties, np.full(len(ties), TIE_LENGTH * spacing), TIE_WEIGHT * TIE_LENGTH * spacing),
-            ],
+            (representative[soup.links], soup.link_lengths * scale, soup.link_widths * scale),
+            ties,
+            TIE_LENGTH * spacing,
             domain.n_vertices,
         )
         area = _areas(soup, count) * scale**2
@@ -243,7 +291,10 @@ class PointCloudLaplacian(LaplaceOperator):
         scales = np.full(domain.n_vertices, spacing)
         scales[everywhere] = scale_of_part[parts.parts][place]
         notes |= parts.notes(thin.neighbours, unit)
+        notes["longest_line"] = share
+        notes["assembly_bytes"] = BYTES * count + FIRST_BYTES * min(count, FIRST)
         warn_of_fragments(notes, count)
+        warn_of_lines(notes)
         return Discretization(
             mass=mass,
             stiffness=gradient.stiffness(),
@@ -281,13 +332,21 @@ class PointCloudLaplacian(LaplaceOperator):
         domain: PointCloud,
         representative: IntArray,
         k: int,
-    ) -> tuple["_Soup", str, float]:
-        """Return the stars, whose normals they were made with, and how far space measures them."""
-        rough, growth = _roughness_and_growth(points, thin)
-        noisy = rough > 0.15 and growth < 0.85
+        curved: BoolArray | None = None,
+    ) -> tuple["_Soup", str, FloatArray]:
+        """Return the stars, whose normals they were made with, and how far space measures them.
+
+        Points of curves, if it is known which they are, have none.
+        """
+        rough, growth, blades = _roughness_and_growth(points, thin)
+        noisy = blades | (rough > 0.15 and growth < 0.85)
         normals, whose = self._normals(points, thin, domain, representative, noisy)
-        in_space = float(np.clip((growth - SMOOTH[0]) / (SMOOTH[1] - SMOOTH[0]), 0, 1))
-        soup = _soup(points, normals, thin, k, oriented=whose == "given", smooth=in_space == 1)
+        flat = float(np.clip((growth - SMOOTH[0]) / (SMOOTH[1] - SMOOTH[0]), 0, 1))
+        in_space = np.where(blades, 0.0, flat)
+        if curved is None:
+            curved = np.zeros(len(points), dtype=np.bool_)
+        given = whose == "given"
+        soup = _soup(points, normals, thin, k, curved, in_space == 1, oriented=given)
         return soup, whose, in_space
 
     def _normals(
@@ -296,7 +355,7 @@ class PointCloudLaplacian(LaplaceOperator):
         thin: Representatives,
         domain: PointCloud,
         representative: IntArray,
-        noisy: bool,
+        noisy: BoolArray,
     ) -> tuple[FloatArray, str]:
         """Return a unit normal for every distinct point, and whose they are."""
         if domain.normals is not None:
@@ -305,14 +364,15 @@ class PointCloudLaplacian(LaplaceOperator):
         if count < 3:
             return np.tile([0.0, 0.0, 1.0], (count, 1)), "none"
         kept, near = points[thin.kept], thin.own
+        noisy = noisy[thin.kept]
         normals, whose = self._estimate(
-            kept, near[:, : NOISY_NEIGHBOURS if noisy else NORMAL_NEIGHBOURS]
+            kept, near[:, : NOISY_NEIGHBOURS if noisy.all() else NORMAL_NEIGHBOURS]
         )
-        crowded = np.flatnonzero(thin.reaches[thin.kept] > 0)
-        if len(crowded) and not noisy:
-            normals[crowded] = pca_normals(kept, near[crowded, :NOISY_NEIGHBOURS], crowded)
-        if not noisy:  # from noise, too, neighbours are steep
-            normals = pole_normals(kept, near[:, :POLE_NEIGHBOURS], normals)
+        more = np.flatnonzero((noisy | (thin.reaches[thin.kept] > 0)) & ~noisy.all())
+        normals[more] = pca_normals(kept, near[more], more)
+        if not noisy.all():  # from noise, too, neighbours are steep
+            poles = pole_normals(kept, near[:, :POLE_NEIGHBOURS], normals)
+            normals = np.where(noisy[:, None], normals, poles)
         return normals[thin.nearest], whose
 
     def _estimate(self, points: FloatArray, near: IntArray) -> tuple[FloatArray, str]:
@@ -320,7 +380,7 @@ class PointCloudLaplacian(LaplaceOperator):
         # Open3D guesses from fewer than four points; three have one plane, whoever finds it.
         if self.normals != "pca" and len(points) > 3:
             try:
-                normals = open3d_normals(points, near.shape[1])
+                normals = open3d_normals(points, near)
             except MissingDependencyError as error:
                 if self.normals == "open3d":
                     raise
@@ -335,23 +395,36 @@ class PointCloudLaplacian(LaplaceOperator):
         return pca_normals(points, near), "pca"
 
 
-def _roughness_and_growth(points: FloatArray, thin: Representatives) -> tuple[float, float]:
-    """Return how far points stand off their neighbourhoods' planes, and its growth with the width.
+def _roughness_and_growth(
+    points: FloatArray, thin: Representatives
+) -> tuple[float, float, BoolArray]:
+    """Return how rough neighbourhoods are, how that grows with their width, and where blades are.
 
-    A wider neighbourhood of a curved surface is rougher relative to its width, one of a noisy
-    surface smoother. Measured, as the median ratio of both: spheres, meshes and fused scans 0.86
-    to 1.5; noise from a sixth of the spacing on, a raw object scan and a depth image 0.6 to 0.8.
-    Too few points to tell are taken for a surface, and so are planes.
+    The roughness is how far points stand off their neighbourhood's plane. A wider neighbourhood of
+    a curved surface is rougher relative to its width, one of a noisy surface smoother. Measured, as
+    the median ratio of both: spheres, meshes and fused scans 0.86 to 1.5; noise from a sixth of the
+    spacing on, a raw object scan and a depth image 0.6 to 0.8. Too few points to tell are taken for
+    a surface, and so are planes.
+
+    Both are medians over the cloud; blades are a matter of regions.
     """
-    kept = thin.kept
+    kept, count = thin.kept, len(points)
+    blades = np.zeros(count, dtype=np.bool_)
     if len(kept) <= 4 * NOISY_NEIGHBOURS:
-        return 0.0, CURVED
+        return 0.0, CURVED, blades
     chosen = kept[np.linspace(0, len(kept) - 1, min(SAMPLE, len(kept))).astype(np.int64)]
     wide = thin.neighbours[chosen, :NOISY_NEIGHBOURS]
-    rough = roughness(points, wide[:, :NORMAL_NEIGHBOURS])
+    rough, wide_rough = roughness(points, wide[:, :NORMAL_NEIGHBOURS]), roughness(points, wide)
     growth = np.full_like(rough, CURVED)
-    np.divide(roughness(points, wide), rough, out=growth, where=rough > EVEN)
-    return float(np.median(rough)), float(np.median(growth))
+    np.divide(wide_rough, rough, out=growth, where=rough > EVEN)
+    if len(chosen) > 2 * REGION:
+        region = nearest_neighbours(points[chosen], REGION)
+        found = np.median(wide_rough[region], axis=1) > STANDING
+        found &= np.median(growth[region], axis=1) > BLADES
+        if found.any():
+            nearest = nearest_among(points, chosen, np.arange(count), 1)[:, 0]
+            blades = found[np.searchsorted(chosen, nearest)]
+    return float(np.median(rough)), float(np.median(growth)), blades
 
 
 @dataclass(frozen=True)
@@ -366,44 +439,56 @@ class _Soup:
     spacing: float
     boundary: BoolArray
 
+    @property
+    def link_widths(self) -> FloatArray:
+        """How wide links are: as points are apart, but for those that would be too stiff."""
+        return np.minimum(self.spacing, STIFFEST * self.link_lengths)
+
     def parts(self, parts: IntArray) -> CloudParts:
         """Return what is connected, where `parts` are the (N,) parts of places."""
         stars = (self.triangles, self.frames, self.shares)
         return CloudParts(*stars, self.links, self.link_lengths, parts)
 
 
-def _soup(
+def _soup(  # noqa: PLR0917 - what it needs, in the order of its doing
     points: FloatArray,
     normals: FloatArray,
     thin: Representatives,
     k: int,
+    curved: BoolArray,
+    smooth: BoolArray,
     *,
     oriented: bool,
-    smooth: bool,
 ) -> _Soup:
     count = len(points)
     neighbours = np.ascontiguousarray(thin.neighbours[:, : 2 * k])
     weights = tie_breakers(points, neighbours)
-    star = partial(
-        delaunay_stars, points, normals, k=k, oriented=oriented, smooth=smooth, weights=weights
-    )
-    triangles, frames, boundary = star(neighbours)
+    star = partial(_stars_of, points, normals, smooth, k=k, oriented=oriented, weights=weights)
+    triangles, frames, boundary = star(neighbours, np.arange(count))
     for far in FAR_NEIGHBOURS:
         asked = np.flatnonzero(boundary & (thin.reaches > 0))
         for begin in range(0, len(asked), AT_ONCE):
             some = asked[begin : begin + AT_ONCE]
             wide = nearest_among(points, thin.kept, some, min(far, len(thin.kept) - 1))
             reaches = FARTHEST * thin.reaches[some]
-            grown, grown_frames, boundary[some] = star(wide, centres=some, reaches=reaches)
+            grown, grown_frames, boundary[some] = star(wide, some, reaches=reaches)
             stay = ~np.isin(triangles[:, 0], some)
             triangles = np.concatenate([triangles[stay], grown])
             frames = np.concatenate([frames[stay], grown_frames])
     order = np.argsort(triangles[:, 0], kind="stable")
+    if curved.any():
+        order = order[~curved[triangles[order]].any(axis=1)]
     triangles, frames = triangles[order], frames[order]
     alone = np.bincount(triangles.ravel(), minlength=count) == 0
-    links = _links(points, neighbours, np.flatnonzero(alone))
+    links = curve_links(points, neighbours, np.flatnonzero(alone))
     ends = np.bincount(links.ravel(), minlength=count) == 1
     boundary = np.where(alone, ends, boundary)
+    edges = np.concatenate([triangles[:, :2], triangles[:, ::2], links, links[:, ::-1]])
+    torn = (boundary | alone) & thin.stands
+    across = bridges(
+        points, normals, neighbours, edges, torn, oriented=oriented, curved=curved | alone
+    )
+    links = np.concatenate([links, across])
     steps = points[links[:, 1]] - points[links[:, 0]]
     lengths = np.sqrt(np.einsum("ed,ed->e", steps, steps))
     shares = np.where(thin.stands[triangles[:, 0]], 1.0, BYSTANDER)
@@ -417,20 +502,52 @@ def _soup(
     return _Soup(triangles, frames, shares, links, lengths, spacing, boundary)
 
 
+def _stars_of(  # noqa: PLR0917 - what it needs, in the order of its doing
+    points: FloatArray,
+    normals: FloatArray,
+    smooth: BoolArray,
+    neighbours: IntArray,
+    centres: IntArray,
+    reaches: FloatArray | None = None,
+    **options: Any,
+) -> tuple[IntArray, FloatArray, BoolArray]:
+    """Return the stars of some points, of which the smooth ones are made more strictly."""
+    is_open = np.zeros(len(centres), dtype=np.bool_)
+    stars = []
+    for strict in (True, False):
+        rows = np.flatnonzero(smooth[centres] == strict)
+        if len(rows) == 0:
+            continue
+        found = delaunay_stars(
+            points,
+            normals,
+            neighbours if len(rows) == len(centres) else neighbours[rows],
+            centres=centres[rows],
+            reaches=None if reaches is None else reaches[rows],
+            smooth=strict,
+            **options,
+        )
+        stars.append(found[:2])
+        is_open[rows] = found[2]
+    triangles, frames = (np.concatenate(parts) for parts in zip(*stars, strict=True))
+    return triangles, frames, is_open
+
+
 def _surface_frames(
-    points: FloatArray, soup: _Soup, gradient: ElementGradient, in_space: float, scale: float
+    points: FloatArray, soup: _Soup, gradient: ElementGradient, in_space: FloatArray, scale: float
 ) -> FloatArray:
     """Return all elements' inverse frames, the triangles' measured in space as far as told.
 
     Between both the products of the two edges from the centre are averaged: those of a triangle.
     """
-    if in_space == 0:
+    if not in_space.any():
         return np.zeros((0, 3))
+    share = in_space[soup.triangles[:, 0]]
     frames, (centre, second, third) = soup.frames, soup.triangles.T
     p, q = points[second] - points[centre], points[third] - points[centre]
     flat = (frames[:, 0] ** 2, frames[:, 0] * frames[:, 1], frames[:, 1] ** 2 + frames[:, 2] ** 2)
     solid = (np.einsum("ed,ed->e", *pair) for pair in ((p, p), (p, q), (q, q)))
-    pp, pq, qq = (s * in_space + f * (1 - in_space) for s, f in zip(solid, flat, strict=True))
+    pp, pq, qq = (s * share + f * (1 - share) for s, f in zip(solid, flat, strict=True))
     length = np.sqrt(pp)
     height = np.sqrt(np.maximum(qq - (pq / length) ** 2, FLATTEST * qq))
     inverse = gradient.inverse_frames.copy()
@@ -439,64 +556,82 @@ def _surface_frames(
     return inverse
 
 
-def _on_curves(soup: _Soup, thin: Representatives) -> BoolArray:
-    """Return which points have been thinned although they are of curves, of shape (N,).
+def _share_of_longest_line(points: FloatArray, thin: Representatives, on_lines: BoolArray) -> float:
+    """Return the share of all points that the longest line of a surface holds."""
+    on_lines = on_lines[thin.kept]
+    if not on_lines.any():
+        return 0.0
+    return largest_chain(points[thin.kept], thin.own, on_lines)
+
+
+def _on_curves(soup: _Soup, thin: Representatives, on_lines: BoolArray) -> BoolArray:
+    """Return which points are of curves and not of surfaces, of shape (N,).
 
     Lines of a surface have others on either side, so that most of their stars are closed. Where
     hardly any is, what the stars connect is a wire, or a few lines at most.
     """
+    count = len(on_lines)
     crowded = thin.reaches > 0
-    if not crowded.any():
+    if not (crowded.any() or on_lines.any()):
         return crowded
-    alone = np.bincount(soup.triangles.ravel(), minlength=len(crowded)) == 0
-    part = connected_by_faces(soup.triangles, len(crowded))
-    stars = np.bincount(part[crowded], minlength=part.max() + 1)
-    closed = np.bincount(part[crowded & ~soup.boundary & ~alone], minlength=len(stars))
+    alone = np.bincount(soup.triangles.ravel(), minlength=count) == 0
+    # A line goes on where it bends, although the points there have triangles.
+    steps = np.concatenate([soup.triangles[:, :2], soup.triangles[:, 1:], soup.links])
+    part = connected_by_edges(steps, count)
+    whole = ~soup.boundary & ~alone
+    open_crowds = _shares(part, whole, crowded) < CLOSED
+    few_lines = _shares(part, whole, thin.stands) < CLOSED_LINES
+    few_lines &= _shares(part, on_lines, thin.stands) > ON_LINES
     stands_alone = alone[thin.kept][thin.nearest]
-    return np.asarray(crowded & (alone | stands_alone | (closed < CLOSED * stars)[part]))
+    curved = crowded & (alone | stands_alone | open_crowds[part])
+    return np.asarray(curved | few_lines[part])
 
 
-def _links(points: FloatArray, neighbours: IntArray, alone: IntArray) -> IntArray:
-    """Return edges (L, 2) from points of no triangle to their nearest neighbours on either side."""
-    if neighbours.shape[1] == 0:
-        return np.empty((0, 2), dtype=np.int64)
-    near = neighbours[alone]
-    offsets = points[near] - points[alone][:, None]
-    behind = np.einsum("nkd,nd->nk", offsets, offsets[:, 0]) < 0
-    other = near[np.arange(len(alone)), behind.argmax(axis=1)]
-    two_sided = behind.any(axis=1)
-    ends = np.concatenate([near[:, 0], other[two_sided]])
-    starts = np.concatenate([alone, alone[two_sided]])
-    return np.unique(np.sort(np.column_stack([starts, ends]), axis=1), axis=0)
+def _shares(part: IntArray, chosen: BoolArray, among: BoolArray) -> FloatArray:
+    """Return which share of some points of each part is chosen; 1 where there are none."""
+    count = int(part.max()) + 1
+    total = np.bincount(part[among], minlength=count)
+    found = np.bincount(part[among & chosen], minlength=count)
+    return np.divide(found, total, out=np.ones(count), where=total > 0)
 
 
 def _areas(soup: _Soup, count: int) -> FloatArray:
     """Return the measure of every place: a third of a third of its triangles, half of its links."""
     thirds = np.repeat(soup.shares * face_areas(soup.frames) / 9, 3)
-    halves = np.repeat(soup.link_lengths * soup.spacing / 2, 2)
+    halves = np.repeat(soup.link_lengths * soup.link_widths / 2, 2)
     area = np.bincount(soup.triangles.ravel(), thirds, minlength=count)
     return np.asarray(area + np.bincount(soup.links.ravel(), halves, minlength=count))
 
 
-def _with_segments(
+def _with_segments(  # noqa: PLR0917 - what it needs, in the order of its doing
     triangles: IntArray,
     frames: FloatArray,
     shares: FloatArray,
-    segments: list[tuple[IntArray, FloatArray, float]],
+    links: tuple[IntArray, FloatArray, FloatArray],
+    ties: IntArray,
+    tie_length: float,
     n_vertices: int,
 ) -> ElementGradient:
-    """Return the gradient on triangles, a third of each, and on segments of given widths.
+    """Return the gradient on triangles, a third of each, on links of given widths, and on ties.
 
     A segment (i, j) is the element (i, j, j) on which the gradient has one component, along it.
+    Ties are stiff beside what holds their first end: outliers hang by a thousandth of a millionth,
+    and a factor could not tell that from nothing beside ties that are equally stiff everywhere.
     """
     elements, coefficients = [triangles], [hat_gradients(frames)]
     measures = [shares * face_areas(frames) / 3]
-    for ends, lengths, width in segments:
-        slope = np.zeros((len(ends), 2, 3))
-        slope[:, 0, 0], slope[:, 0, 1] = -1 / lengths, 1 / lengths
-        elements.append(ends[:, [0, 1, 1]])
+    ends, lengths, widths = links
+    held = np.bincount(ends.ravel(), np.repeat(widths / lengths, 2), minlength=n_vertices)
+    each = measures[0][:, None] * np.einsum("edc,edc->ec", coefficients[0], coefficients[0])
+    held = held + np.bincount(triangles.ravel(), each.ravel(), minlength=n_vertices)
+    stiff = TIE_WEIGHT * np.where(held > 0, held, 1.0)[ties[:, 0]]
+    lengths_of_ties = np.full(len(ties), tie_length)
+    for pairs, long, wide in (links, (ties, lengths_of_ties, stiff * tie_length)):
+        slope = np.zeros((len(pairs), 2, 3))
+        slope[:, 0, 0], slope[:, 0, 1] = -1 / long, 1 / long
+        elements.append(pairs[:, [0, 1, 1]])
         coefficients.append(slope)
-        measures.append(lengths * width)
+        measures.append(long * wide)
     return ElementGradient(
         np.concatenate(elements),
         np.concatenate(coefficients),

@@ -10,11 +10,19 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from geodesic_toolkit.viz.desktop import polyscope
     from geodesic_toolkit.viz.html import save_html, show
+    from geodesic_toolkit.viz.parts import OF_PARTS, by_part
     from geodesic_toolkit.viz.picture import plot
 
-_HOMES = {"plot": "picture", "polyscope": "desktop", "save_html": "html", "show": "html"}
+_HOMES = {
+    "OF_PARTS": "parts",
+    "by_part": "parts",
+    "plot": "picture",
+    "polyscope": "desktop",
+    "save_html": "html",
+    "show": "html",
+}
 
-__all__ = ["plot", "polyscope", "save_html", "show"]
+__all__ = ["OF_PARTS", "by_part", "plot", "polyscope", "save_html", "show"]
 
 
 def __getattr__(name: str) -> Any:

@@ -1,0 +1,136 @@
+"""Tears: places where stars leave near points of one sheet unconnected.
+
+The star of a point leaves out triangles that reach past its neighbours, because these bridge the
+outside of a boundary, or an empty place. Where a surface is not much wider than the spacing, and
+sampled at random, such a place is as wide as the surface now and then, and the stars come apart
+there: a band of random points that is closed to a ring then reads the way around it.
+"""
+
+from typing import Any
+
+import numpy as np
+
+from geodesic_toolkit._typing import BoolArray, FloatArray, IntArray
+from geodesic_toolkit.geometry.curves import AHEAD, directions
+
+__all__ = ["bridges"]
+
+NEAR = 12
+"""Neighbours that are taken for near. At the rim of a surface they lie within 2.8 spacings, and
+what is that near across a gap in a plane has a triangle in its star anyway."""
+
+OFF = 0.2
+"""Square of the sine of the elevation up to which a neighbour lies on the sheet of a point: that
+which a star asks of neighbours beyond its first (``kGrown`` in ``native/clouds/stars.cpp``)."""
+
+NARROW = 0.75
+"""Share of open points among the near ones from which on there is a line, or a narrow band."""
+
+AT_ONCE = 50_000
+"""Pairs that are looked at together: each has some forty points about either end."""
+
+
+def bridges(
+    points: FloatArray,
+    normals: FloatArray,
+    near: IntArray,
+    edges: IntArray,
+    is_open: BoolArray,
+    *,
+    oriented: bool,
+    curved: BoolArray,
+) -> IntArray:
+    """Return links (L, 2) across tears: between near points that are more than four edges apart.
+
+    Of each open point the nearest such one counts, if the point is near to it, too, so that a
+    few points that float by themselves stay alone, and each lies on the sheet of the other. Where
+    nearly all are open, normals mean little, and it is enough to lie ahead or behind; on curves
+    they mean nothing, and it has to.
+
+    Parameters
+    ----------
+    points, normals : ndarray of shape (N, 3), float64
+    near : ndarray of shape (N, k), int64
+        Nearest first.
+    edges : ndarray of shape (E, 2), int64
+        Who hears of whom. Those in one direction only do not connect.
+    is_open : ndarray of shape (N,), bool
+        Which points may have links.
+    oriented : bool
+        Whether the sign of a normal means something.
+    curved : ndarray of shape (N,), bool
+        Which points are of curves.
+    """
+    asked = np.flatnonzero(is_open)
+    if len(asked) == 0 or near.shape[1] == 0:
+        return np.empty((0, 2), dtype=np.int64)
+    wider, near = near[:, : 2 * NEAR], near[asked, :NEAR]
+    pairs = np.column_stack([asked.repeat(near.shape[1]), near.ravel()])  # of each nearest first
+    agree = (wider[pairs[:, 1]] == pairs[:, :1]).any(axis=1)
+    agree &= _share_a_sheet(points, normals, pairs, oriented) & ~curved[pairs].any(axis=1)
+    narrow = is_open[near].mean(axis=1) >= NARROW
+    if narrow.any():
+        agree |= _share_a_line(points, pairs, asked[narrow], near[narrow])
+    pairs = pairs[agree]
+    pairs = pairs[_are_far(pairs, edges, len(points), steps=2)]
+    in_narrow = np.isin(pairs[:, 0], asked[narrow])  # as many steps as there are near points
+    in_narrow[in_narrow] = ~_are_far(pairs[in_narrow], edges, len(points), steps=NEAR // 2 + 1)
+    pairs = pairs[~in_narrow]
+    _, first = np.unique(pairs[:, 0], return_index=True)
+    return np.unique(np.sort(pairs[first], axis=1), axis=0)
+
+
+def _share_a_line(
+    points: FloatArray, pairs: IntArray, narrow: IntArray, near: IntArray
+) -> BoolArray:
+    axes = np.zeros_like(points)
+    axes[narrow] = directions(points, near, narrow)[0]
+    steps = points[pairs[:, 1]] - points[pairs[:, 0]]
+    least = AHEAD**2 * np.einsum("nd,nd->n", steps, steps)
+    return np.asarray(
+        (np.einsum("nd,nd->n", steps, axes[pairs[:, 0]]) ** 2 >= least)
+        & (np.einsum("nd,nd->n", steps, axes[pairs[:, 1]]) ** 2 >= least)
+    )
+
+
+def _share_a_sheet(
+    points: FloatArray, normals: FloatArray, pairs: IntArray, oriented: bool
+) -> BoolArray:
+    steps = points[pairs[:, 1]] - points[pairs[:, 0]]
+    most = OFF * np.einsum("nd,nd->n", steps, steps)
+    one, other = normals[pairs[:, 0]], normals[pairs[:, 1]]
+    flat = np.ones(len(pairs), dtype=np.bool_)
+    for normal in (one, other):
+        flat &= np.einsum("nd,nd->n", steps, normal) ** 2 <= most
+    if oriented:
+        flat &= np.einsum("nd,nd->n", one, other) > 0
+    return flat
+
+
+def _are_far(pairs: IntArray, edges: IntArray, n_points: int, *, steps: int) -> BoolArray:
+    """Return which pairs are more than twice so many edges apart."""
+    from scipy.sparse import csr_array
+
+    if len(pairs) == 0:
+        return np.zeros(0, dtype=np.bool_)
+    about = np.zeros(n_points, dtype=np.bool_)  # all that is so many steps away
+    about[pairs] = True
+    for _ in range(steps):
+        about[edges[about[edges[:, 0]], 1]] = True
+    edges = edges[about[edges[:, 0]] & about[edges[:, 1]]]
+    ones = np.ones(len(edges), dtype=np.float32)
+    adjacency: Any = csr_array((ones, tuple(edges.T)), shape=(n_points, n_points))
+    asked, place = np.unique(pairs, return_inverse=True)
+    place = place.reshape(pairs.shape)
+    own = (np.ones(len(asked), dtype=np.float32), (np.arange(len(asked)), asked))
+    reached: Any = csr_array(own, shape=(len(asked), n_points))  # from each
+    adjacency = adjacency.multiply(adjacency.T).tocsr()
+    for _ in range(steps):
+        reached = reached + reached @ adjacency
+        reached.data[:] = 1.0
+    far = np.ones(len(pairs), dtype=np.bool_)
+    for begin in range(0, len(pairs), AT_ONCE):
+        some = slice(begin, begin + AT_ONCE)
+        both = reached[place[some, 0]].multiply(reached[place[some, 1]])
+        far[some] = both.sum(axis=1) == 0
+    return far

@@ -1,0 +1,52 @@
+"""Colours by connected part instead of by distance."""
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from geodesic_toolkit._typing import FloatArray
+
+__all__ = ["OF_PARTS", "by_part"]
+
+COLOURS = 20
+"""Colours of matplotlib's tab20; those behind share all but the first."""
+
+OF_PARTS: dict[str, Any] = {
+    "cmap": "tab20",
+    "limits": (0, COLOURS - 1),
+    "isolines": 0,
+    "label": "part, the largest 0",
+}
+"""Options of pictures that show them."""
+
+
+def by_part(components: ArrayLike) -> FloatArray:
+    """Return what to draw to see the connected parts of a shape, one colour each.
+
+    Parameters
+    ----------
+    components : array-like of shape (N,), int
+        The part of each vertex, ``solver.method.metric.components``.
+
+    Returns
+    -------
+    ndarray of shape (N,), float64
+        0 on the largest part, 1 on the second, ... 19; the parts behind take 1 to 19 again. Those
+        of one vertex have NaN, and are grey.
+
+    Examples
+    --------
+    >>> import geodesic_toolkit as gt
+    >>> gt.viz.by_part([7, 7, 4, 4, 4, 2]).tolist()
+    [1.0, 1.0, 0.0, 0.0, 0.0, nan]
+
+    ``gt.viz.plot(cloud, gt.viz.by_part(components), path="parts.png", **gt.viz.OF_PARTS)`` draws
+    it.
+    """
+    part, sizes = np.unique(np.asarray(components), return_inverse=True, return_counts=True)[1:]
+    rank = np.empty(len(sizes))
+    rank[np.argsort(-sizes, kind="stable")] = np.arange(len(sizes))
+    shown = np.where(rank < COLOURS, rank, 1 + (rank - 1) % (COLOURS - 1))
+    shown[sizes == 1] = np.nan
+    return np.asarray(shown[part])
