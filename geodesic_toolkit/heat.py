@@ -78,7 +78,7 @@ class HeatMethod:
         For steps 1 and 3. Step 1 needs a componentwise accurate one.
     refine : bool
         Instead of steps 2 and 3, sweep wavefronts over the triangles in the order of the heat
-        (:mod:`geodesic_toolkit.refine`): several times more accurate, exact at the sources, and no
+        (``WavefrontSweeper``): several times more accurate, exact at the sources, and no
         Poisson system is factorised. For metrics made of triangles. On a graph, whose metric knows
         the ways along its edges, take the shortest of those instead, without any heat.
     across : bool

@@ -170,7 +170,7 @@ def compare(
         As :meth:`GeodesicSolver.distance` takes them; each is moved to the nearest vertex, as
         a graph and a cloud have no points between.
     variants : sequence of Variant, optional
-        :func:`geodesic_toolkit.analysis.variants.variants_for` the domain by default.
+        :func:`~geodesic_toolkit.variants_for` the domain by default.
     affordable_faces : int
         Up to so many faces of a mesh the reference is :func:`exact_distance`; else, and for
         clouds, the refined distance; for graphs the shortest way along edges.

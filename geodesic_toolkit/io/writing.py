@@ -53,7 +53,22 @@ def write(
 ) -> None:
     """Write one distance field, in the format that the suffix names.
 
-    ================ =============================================================
+    ================ ====================================================================
+    .ply             binary: vertices and faces, or points with their normals, with a
+                     vertex property ``distance`` (``inf`` where no source reaches) and
+                     colours (viridis, where matplotlib is installed; grey where no source
+                     reaches)
+    .pcd, .las, .laz points with a field ``distance`` (laspy)
+    .vtp, .vtk, .vtu vertices and faces, or points, with the point data ``distance``, for
+                     ParaView (vtk)
+    .gii             the distances alone, float32, as ``.shape.gii`` or ``.func.gii`` are
+                     (nibabel)
+    .npy             the distances alone, float64
+    .csv             ``vertex,x,y,z,distance``, or ``vertex,distance`` of a graph, with all
+                     digits
+    .txt             the distances alone, one a line, with all digits
+    ================ ====================================================================
+
     A .ply, .pcd, .las or .laz that is written `like` the file that the shape came from is that
     file with the distance added: it keeps all else that the file says, such as colours,
     intensities, classes, normals, polygons, the coordinate system.
@@ -87,11 +102,10 @@ def write(
     --------
     >>> import pathlib, tempfile
     >>> import geodesic_toolkit as gt
-    >>> from geodesic_toolkit.io import write
     >>> path = gt.Graph(3, [[0, 1], [1, 2]])
     >>> with tempfile.TemporaryDirectory() as folder:
     ...     file = pathlib.Path(folder, "d.csv")
-    ...     write(file, path, [0.0, 1.0, 2.0])
+    ...     gt.write(file, path, [0.0, 1.0, 2.0])
     ...     print(file.read_text())
     vertex,distance
     0,0.0
