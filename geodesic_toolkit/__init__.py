@@ -12,45 +12,41 @@ from typing import TYPE_CHECKING, Any
 __version__ = "0.1.0"
 
 if TYPE_CHECKING:
-    from geodesic_toolkit.analysis.cloud_paths import CloudPath
     from geodesic_toolkit.analysis.comparison import Comparison, compare
-    from geodesic_toolkit.analysis.matrix import distance_matrix
-    from geodesic_toolkit.analysis.paths import GeodesicPath, geodesic_path
+    from geodesic_toolkit.analysis.matrix.matrix import distance_matrix
+    from geodesic_toolkit.analysis.paths.cloud import CloudPath
+    from geodesic_toolkit.analysis.paths.mesh import GeodesicPath, geodesic_path
     from geodesic_toolkit.analysis.residual import eikonal_residual, mean_eikonal_residual
     from geodesic_toolkit.analysis.sampling import farthest_point_sampling, geodesic_voronoi
     from geodesic_toolkit.analysis.thinning import Thinned, thin
     from geodesic_toolkit.analysis.variants import Variant, variants_for
-    from geodesic_toolkit.api import geodesic_distance
-    from geodesic_toolkit.catalog import operators, readers, solvers
-    from geodesic_toolkit.conversion import as_domain
-    from geodesic_toolkit.diagnosis import Diagnosis
-    from geodesic_toolkit.discretization import Discretization
-    from geodesic_toolkit.domains import (
-        Curve,
-        Domain,
-        Graph,
-        OffsetSources,
-        PointCloud,
-        SurfacePoint,
-        TriangleMesh,
-    )
+    from geodesic_toolkit.discretization.data import Discretization
+    from geodesic_toolkit.discretization.edge_gradient import EdgeGradient
+    from geodesic_toolkit.discretization.element_gradient import ElementGradient
+    from geodesic_toolkit.discretization.gradient import Gradient
+    from geodesic_toolkit.domains import Domain, Graph, PointCloud, TriangleMesh
     from geodesic_toolkit.exact import exact_distance
-    from geodesic_toolkit.gradient import EdgeGradient, ElementGradient, Gradient
-    from geodesic_toolkit.heat import HeatMethod, HeatReport
+    from geodesic_toolkit.heat.method import HeatMethod, HeatReport
+    from geodesic_toolkit.interop.conversion import as_domain
+    from geodesic_toolkit.interop.merging import merge_vertices
     from geodesic_toolkit.io import read, read_mask, read_points, read_vertices, write
     from geodesic_toolkit.laplacians.base import LaplaceOperator
     from geodesic_toolkit.laplacians.cotan import CotanLaplacian
-    from geodesic_toolkit.laplacians.pointcloud import PointCloudLaplacian
+    from geodesic_toolkit.laplacians.pointcloud.operator import PointCloudLaplacian
     from geodesic_toolkit.laplacians.uniform import UniformLaplacian
     from geodesic_toolkit.linear.base import Factor, LinearSolver
     from geodesic_toolkit.linear.cg import CG
     from geodesic_toolkit.linear.superlu import SuperLU
     from geodesic_toolkit.linear.supernodal import Supernodal
-    from geodesic_toolkit.merging import merge_vertices
-    from geodesic_toolkit.queries import interpolate
-    from geodesic_toolkit.registry import PluginStatus, Registry
-    from geodesic_toolkit.solver import GeodesicSolver
-    from geodesic_toolkit.source_points import SourcePoints
+    from geodesic_toolkit.registry.catalog import operators, readers, solvers
+    from geodesic_toolkit.registry.registry import PluginStatus, Registry
+    from geodesic_toolkit.solver.convenience import geodesic_distance
+    from geodesic_toolkit.solver.diagnosis import Diagnosis
+    from geodesic_toolkit.solver.queries import interpolate
+    from geodesic_toolkit.solver.solver import GeodesicSolver
+    from geodesic_toolkit.sources.kinds import Curve, OffsetSources
+    from geodesic_toolkit.sources.points import SourcePoints
+    from geodesic_toolkit.sources.surface_point import SurfacePoint
 
 # Spelt out once more, because type checkers read nothing else; a test keeps the two together.
 __all__ = [
@@ -116,56 +112,56 @@ __all__ = [
 
 _HOMES = {
     "CG": "linear.cg",
-    "CloudPath": "analysis.cloud_paths",
+    "CloudPath": "analysis.paths.cloud",
     "Comparison": "analysis.comparison",
     "CotanLaplacian": "laplacians.cotan",
-    "Curve": "domains",
-    "Diagnosis": "diagnosis",
-    "Discretization": "discretization",
+    "Curve": "sources.kinds",
+    "Diagnosis": "solver.diagnosis",
+    "Discretization": "discretization.data",
     "Domain": "domains",
-    "EdgeGradient": "gradient",
-    "ElementGradient": "gradient",
+    "EdgeGradient": "discretization.edge_gradient",
+    "ElementGradient": "discretization.element_gradient",
     "Factor": "linear.base",
-    "GeodesicPath": "analysis.paths",
-    "GeodesicSolver": "solver",
-    "Gradient": "gradient",
+    "GeodesicPath": "analysis.paths.mesh",
+    "GeodesicSolver": "solver.solver",
+    "Gradient": "discretization.gradient",
     "Graph": "domains",
-    "HeatMethod": "heat",
-    "HeatReport": "heat",
+    "HeatMethod": "heat.method",
+    "HeatReport": "heat.method",
     "LaplaceOperator": "laplacians.base",
     "LinearSolver": "linear.base",
-    "OffsetSources": "domains",
-    "PluginStatus": "registry",
+    "OffsetSources": "sources.kinds",
+    "PluginStatus": "registry.registry",
     "PointCloud": "domains",
-    "PointCloudLaplacian": "laplacians.pointcloud",
-    "Registry": "registry",
-    "SourcePoints": "source_points",
+    "PointCloudLaplacian": "laplacians.pointcloud.operator",
+    "Registry": "registry.registry",
+    "SourcePoints": "sources.points",
     "SuperLU": "linear.superlu",
     "Supernodal": "linear.supernodal",
-    "SurfacePoint": "domains",
+    "SurfacePoint": "sources.surface_point",
     "Thinned": "analysis.thinning",
     "TriangleMesh": "domains",
     "UniformLaplacian": "laplacians.uniform",
     "Variant": "analysis.variants",
-    "as_domain": "conversion",
+    "as_domain": "interop.conversion",
     "compare": "analysis.comparison",
-    "distance_matrix": "analysis.matrix",
+    "distance_matrix": "analysis.matrix.matrix",
     "eikonal_residual": "analysis.residual",
     "exact_distance": "exact",
     "farthest_point_sampling": "analysis.sampling",
-    "geodesic_distance": "api",
-    "geodesic_path": "analysis.paths",
+    "geodesic_distance": "solver.convenience",
+    "geodesic_path": "analysis.paths.mesh",
     "geodesic_voronoi": "analysis.sampling",
-    "interpolate": "queries",
+    "interpolate": "solver.queries",
     "mean_eikonal_residual": "analysis.residual",
-    "merge_vertices": "merging",
-    "operators": "catalog",
+    "merge_vertices": "interop.merging",
+    "operators": "registry.catalog",
     "read": "io",
     "read_mask": "io",
     "read_points": "io",
     "read_vertices": "io",
-    "readers": "catalog",
-    "solvers": "catalog",
+    "readers": "registry.catalog",
+    "solvers": "registry.catalog",
     "thin": "analysis.thinning",
     "variants_for": "analysis.variants",
     "write": "io",

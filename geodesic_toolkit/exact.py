@@ -3,13 +3,14 @@
 from typing import Any
 
 from geodesic_toolkit import _native
-from geodesic_toolkit._typing import FloatArray
-from geodesic_toolkit.conversion import as_domain, check_one_shape
-from geodesic_toolkit.domains import Curve, TriangleMesh
+from geodesic_toolkit.core.types import FloatArray
+from geodesic_toolkit.domains import TriangleMesh
 from geodesic_toolkit.errors import InvalidSourceError, UnsupportedDomainError
 from geodesic_toolkit.geometry.triangles import proper_faces
-from geodesic_toolkit.polyhedra import MOST_WINDOWS, exact_distances
-from geodesic_toolkit.sources import locate_sources
+from geodesic_toolkit.interop.conversion import as_domain, check_one_shape
+from geodesic_toolkit.refinement.polyhedra import MOST_WINDOWS, exact_distances
+from geodesic_toolkit.sources.kinds import Curve
+from geodesic_toolkit.sources.locate import locate_sources
 
 __all__ = ["exact_distance"]
 

@@ -9,9 +9,9 @@ from closed_forms import mean_relative_error
 import geodesic_toolkit as gt
 from geodesic_toolkit import _native
 from geodesic_toolkit.errors import InvalidDiscretizationError
-from geodesic_toolkit.geometry.neighbours import nearest_neighbours
-from geodesic_toolkit.geometry.stars import delaunay_stars
-from geodesic_toolkit.refine import WavefrontSweeper
+from geodesic_toolkit.laplacians.pointcloud.neighbours import nearest_neighbours
+from geodesic_toolkit.laplacians.pointcloud.stars import delaunay_stars
+from geodesic_toolkit.refinement.wavefronts import WavefrontSweeper
 from geodesic_toolkit.testing import shapes
 
 PCA = gt.PointCloudLaplacian(normals="pca")

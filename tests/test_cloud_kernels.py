@@ -5,11 +5,11 @@ import pytest
 from scipy.spatial import Delaunay
 
 from geodesic_toolkit import _native
-from geodesic_toolkit.geometry.neighbours import nearest_neighbours
-from geodesic_toolkit.geometry.normals import pca_normals
-from geodesic_toolkit.geometry.poles import pole_normals
-from geodesic_toolkit.geometry.stars import delaunay_stars, tie_breakers
 from geodesic_toolkit.geometry.threads import threads_for
+from geodesic_toolkit.laplacians.pointcloud.neighbours import nearest_neighbours
+from geodesic_toolkit.laplacians.pointcloud.normals import pca_normals
+from geodesic_toolkit.laplacians.pointcloud.poles import pole_normals
+from geodesic_toolkit.laplacians.pointcloud.stars import delaunay_stars, tie_breakers
 from geodesic_toolkit.testing import shapes
 
 

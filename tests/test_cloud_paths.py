@@ -8,10 +8,10 @@ from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 import geodesic_toolkit as gt
-from geodesic_toolkit.analysis import reach
-from geodesic_toolkit.analysis.star_ways import stars_connect
+from geodesic_toolkit.analysis.paths import reach
+from geodesic_toolkit.analysis.paths.star_ways import stars_connect
+from geodesic_toolkit.discretization.element_gradient import ElementGradient
 from geodesic_toolkit.errors import InvalidSourceError, UnreachableError
-from geodesic_toolkit.gradient import ElementGradient
 from geodesic_toolkit.testing import shapes
 
 PCA = gt.PointCloudLaplacian(normals="pca")

@@ -5,9 +5,9 @@ import pytest
 from scipy.sparse import csr_array, diags_array
 
 import geodesic_toolkit as gt
-from geodesic_toolkit.catalog import resolve_solvers
 from geodesic_toolkit.errors import InvalidOptionError, SolverError
 from geodesic_toolkit.linear.patterns import plus_diagonal
+from geodesic_toolkit.registry.catalog import resolve_solvers
 from geodesic_toolkit.testing import shapes
 
 FULL, COMPACT = gt.Supernodal(), gt.Supernodal(compact=True)

@@ -6,7 +6,7 @@ from closed_forms import bent_path, mean_relative_error, on_plane, on_tube
 from scipy.sparse import csr_array, eye_array
 
 import geodesic_toolkit as gt
-from geodesic_toolkit.linear.log_solve import log_solve
+from geodesic_toolkit.heat.log_range import log_solve
 from geodesic_toolkit.testing import shapes
 
 

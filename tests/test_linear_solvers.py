@@ -6,9 +6,9 @@ import slow_kernels
 from scipy.sparse import csr_array, diags_array, random_array
 
 import geodesic_toolkit as gt
-from geodesic_toolkit._rows import CompressedRows
+from geodesic_toolkit.core.rows import CompressedRows
 from geodesic_toolkit.errors import InvalidOptionError, SolverError
-from geodesic_toolkit.linear.log_solve import fill_from_neighbours
+from geodesic_toolkit.heat.log_range import fill_from_neighbours
 from geodesic_toolkit.testing import shapes
 
 

@@ -26,8 +26,8 @@ from scipy.sparse import csr_array, load_npz
 
 import geodesic_toolkit as gt
 from geodesic_toolkit import errors
-from geodesic_toolkit.analysis import fingerprints, stores, symmetry, unfinished, workers
-from geodesic_toolkit.analysis.row_tasks import rows_of_task
+from geodesic_toolkit.analysis.matrix import fingerprints, stores, symmetry, unfinished, workers
+from geodesic_toolkit.analysis.matrix.tasks import rows_of_task
 from geodesic_toolkit.linear import memory
 from geodesic_toolkit.testing import shapes
 
@@ -464,7 +464,7 @@ def test_fingerprints_are_the_same_in_another_process(solver):
     program = """
         import json
         import geodesic_toolkit as gt
-        from geodesic_toolkit.analysis.fingerprints import fingerprint_of_solver
+        from geodesic_toolkit.analysis.matrix.fingerprints import fingerprint_of_solver
         solver = gt.GeodesicSolver(gt.testing.shapes.icosphere(2))
         print(json.dumps(fingerprint_of_solver(solver)))
     """

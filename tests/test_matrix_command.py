@@ -19,8 +19,8 @@ from scipy.sparse import load_npz
 
 import geodesic_toolkit as gt
 from geodesic_toolkit import errors
-from geodesic_toolkit.analysis import matrix as matrix_module
-from geodesic_toolkit.analysis import stores
+from geodesic_toolkit.analysis.matrix import matrix as matrix_module
+from geodesic_toolkit.analysis.matrix import stores
 from geodesic_toolkit.cli import interrupts
 from geodesic_toolkit.cli.matrix import Result, _deaf_children, _processes
 from geodesic_toolkit.cli.welding import Welded

@@ -13,10 +13,10 @@ PACKAGE = Path(gt.__file__).parent
 PIPELINE = {
     str(PACKAGE / name)
     for name in (
-        "heat.py",
-        "heat_flow.py",
-        "source_points.py",
-        "linear/log_solve.py",
+        "heat/method.py",
+        "heat/diffusion.py",
+        "sources/points.py",
+        "heat/log_range.py",
         "linear/superlu.py",
     )
 }

@@ -12,16 +12,24 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
 import geodesic_toolkit as gt
+from geodesic_toolkit.discretization.positivity import positive_part
 from geodesic_toolkit.errors import (
     InvalidOptionError,
     MissingDependencyError,
     NormalsWarning,
     UnsupportedDomainError,
 )
-from geodesic_toolkit.geometry.neighbours import distinct_points, nearest_neighbours, normalised
-from geodesic_toolkit.geometry.normals import missing_package, open3d_normals, pca_normals
-from geodesic_toolkit.geometry.poles import pole_normals
-from geodesic_toolkit.positivity import positive_part
+from geodesic_toolkit.laplacians.pointcloud.neighbours import (
+    distinct_points,
+    nearest_neighbours,
+    normalised,
+)
+from geodesic_toolkit.laplacians.pointcloud.normals import (
+    missing_package,
+    open3d_normals,
+    pca_normals,
+)
+from geodesic_toolkit.laplacians.pointcloud.poles import pole_normals
 from geodesic_toolkit.testing import shapes
 
 PCA = gt.PointCloudLaplacian(normals="pca")

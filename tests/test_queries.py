@@ -10,19 +10,19 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import geodesic_toolkit as gt
-from geodesic_toolkit import queries
-from geodesic_toolkit import solver as solver_module
 from geodesic_toolkit.errors import (
     InvalidOptionError,
     InvalidSourceError,
     ReadError,
     UnsupportedDomainError,
 )
-from geodesic_toolkit.geometry import ground
 from geodesic_toolkit.geometry.closest import TriangleTree
 from geodesic_toolkit.io import read_points, write
-from geodesic_toolkit.queries import interpolate
-from geodesic_toolkit.sources import locate_sources
+from geodesic_toolkit.solver import queries
+from geodesic_toolkit.solver import solver as solver_module
+from geodesic_toolkit.solver.queries import interpolate
+from geodesic_toolkit.sources import ground
+from geodesic_toolkit.sources.locate import locate_sources
 from geodesic_toolkit.testing import shapes
 
 GRID = shapes.grid(17)

@@ -205,7 +205,7 @@ def test_the_registries_are_not_shadowed_by_any_submodule():
     for module in pkgutil.walk_packages(gt.__path__, "geodesic_toolkit."):
         if not module.name.endswith("__main__"):
             importlib.import_module(module.name)
-    from geodesic_toolkit.registry import Registry
+    from geodesic_toolkit.registry.registry import Registry
     assert isinstance(gt.operators, Registry) and isinstance(gt.solvers, Registry)
     assert isinstance(gt.readers, Registry)
     """

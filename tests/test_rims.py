@@ -13,6 +13,7 @@ from scipy.spatial import Delaunay
 
 import geodesic_toolkit as gt
 from geodesic_toolkit import _native
+from geodesic_toolkit.discretization.element_gradient import ElementGradient
 from geodesic_toolkit.errors import (
     CoarseMeshWarning,
     InvalidDiscretizationError,
@@ -20,7 +21,6 @@ from geodesic_toolkit.errors import (
 )
 from geodesic_toolkit.geometry.rims import mirrored_at_rims, rim_cotangents, rim_edges
 from geodesic_toolkit.geometry.triangles import face_edge_lengths, measured_by_lengths
-from geodesic_toolkit.gradient import ElementGradient
 from geodesic_toolkit.testing import shapes
 
 DELAUNAY = gt.CotanLaplacian(intrinsic_delaunay=True)

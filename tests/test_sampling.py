@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 
 import geodesic_toolkit as gt
 from geodesic_toolkit import errors
-from geodesic_toolkit import solver as solver_module
+from geodesic_toolkit.solver import solver as solver_module
 from geodesic_toolkit.testing import shapes
 
 SPHERE = gt.GeodesicSolver(shapes.icosphere(2))

@@ -9,9 +9,9 @@ import pytest
 import geodesic_toolkit as gt
 from geodesic_toolkit import _native
 from geodesic_toolkit.errors import CurveWarning, FragmentedCloudWarning, UnevenCloudWarning
-from geodesic_toolkit.geometry.crowds import representatives, restored
-from geodesic_toolkit.geometry.neighbours import nearest_neighbours
-from geodesic_toolkit.laplacians.cloud_parts import CloudParts, warn_of_fragments
+from geodesic_toolkit.laplacians.pointcloud.crowds import representatives, restored
+from geodesic_toolkit.laplacians.pointcloud.neighbours import nearest_neighbours
+from geodesic_toolkit.laplacians.pointcloud.parts import CloudParts, warn_of_fragments
 
 PCA = gt.PointCloudLaplacian(normals="pca")
 

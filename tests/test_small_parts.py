@@ -10,7 +10,7 @@ from scipy.spatial import ConvexHull
 
 import geodesic_toolkit as gt
 from geodesic_toolkit.errors import SolverError
-from geodesic_toolkit.polyhedra import MOST_FACES
+from geodesic_toolkit.refinement.polyhedra import MOST_FACES
 from geodesic_toolkit.testing import shapes
 
 
@@ -120,6 +120,6 @@ def test_a_solver_with_small_parts_travels():
 
 
 def test_a_search_that_does_not_end_is_given_up(monkeypatch):
-    monkeypatch.setattr("geodesic_toolkit.polyhedra.MOST_WINDOWS", 0)
+    monkeypatch.setattr("geodesic_toolkit.refinement.polyhedra.MOST_WINDOWS", 0)
     with pytest.raises(SolverError, match="not found among 0 windows"):
         gt.geodesic_distance(box(1, 1, 1), 0)

@@ -17,9 +17,9 @@ from geodesic_toolkit.errors import (
     ReadError,
     UnsupportedDomainError,
 )
-from geodesic_toolkit.geometry.polylines import KINK, bends_of_polyline
 from geodesic_toolkit.io import read_mask
-from geodesic_toolkit.masking import without
+from geodesic_toolkit.solver.masks import without
+from geodesic_toolkit.sources.curves import KINK, bends_of_polyline
 from geodesic_toolkit.testing import shapes
 
 PCA = gt.PointCloudLaplacian(normals="pca")

@@ -20,8 +20,8 @@ from scipy.spatial import cKDTree
 
 import geodesic_toolkit as gt
 from geodesic_toolkit import _native
-from geodesic_toolkit._frozen import freeze
-from geodesic_toolkit._rows import CompressedRows
+from geodesic_toolkit.core.frozen import freeze
+from geodesic_toolkit.core.rows import CompressedRows
 from geodesic_toolkit.errors import InvalidOptionError, NotEnoughMemoryError, SolverError
 from geodesic_toolkit.linear import memory, supernodal
 from geodesic_toolkit.linear.patterns import SharedAnalysis

@@ -12,9 +12,10 @@ from hypothesis import strategies as st
 from scipy.sparse import coo_array, csr_array
 
 import geodesic_toolkit as gt
-from geodesic_toolkit import _native, refine
-from geodesic_toolkit.refine import WavefrontSweeper
-from geodesic_toolkit.source_points import SourcePoints
+from geodesic_toolkit import _native
+from geodesic_toolkit.refinement import wavefronts as refine
+from geodesic_toolkit.refinement.wavefronts import WavefrontSweeper
+from geodesic_toolkit.sources.points import SourcePoints
 from geodesic_toolkit.testing import shapes
 
 

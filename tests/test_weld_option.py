@@ -7,7 +7,7 @@ import pytest
 from command_line import run
 
 import geodesic_toolkit as gt
-from geodesic_toolkit.io.ply import encode_ply
+from geodesic_toolkit.io.readers.ply import encode_ply
 from geodesic_toolkit.testing import shapes
 
 BALL = shapes.icosphere(2)

@@ -196,7 +196,7 @@ def test_a_package_that_a_format_needs_is_named_and_the_old_file_stays(
 
 
 def test_what_vtk_cannot_write_is_an_error_with_its_words(sphere, tmp_path, capfd):
-    vtk_library = pytest.importorskip("geodesic_toolkit.io.vtk_library")
+    vtk_library = pytest.importorskip("geodesic_toolkit.io.readers.vtk_library")
     pytest.importorskip("vtk")
     with pytest.raises(WriteError, match=r"d\.vtp cannot be written: .*rror"):
         vtk_library.write_vtk(tmp_path / "nowhere" / "d.vtp", sphere, np.zeros(42))

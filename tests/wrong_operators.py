@@ -7,7 +7,7 @@ import numpy as np
 from scipy.sparse import coo_array, csr_array, diags_array, vstack
 
 import geodesic_toolkit as gt
-from geodesic_toolkit.gradient import ElementGradient
+from geodesic_toolkit.discretization.element_gradient import ElementGradient
 
 
 class Tampered(gt.Gradient):

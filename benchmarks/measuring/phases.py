@@ -128,8 +128,8 @@ class Phases:
         return lambda: gradient.descent_load(heat, logarithmic=True)
 
     def sweep(self) -> Work:
-        from geodesic_toolkit.refine import WavefrontSweeper
-        from geodesic_toolkit.source_points import SourcePoints
+        from geodesic_toolkit.refinement.wavefronts import WavefrontSweeper
+        from geodesic_toolkit.sources.points import SourcePoints
 
         sweeper = WavefrontSweeper(self._metric).prepare()
         if "points" not in inspect.signature(sweeper.distance).parameters:  # an older version
@@ -138,19 +138,19 @@ class Phases:
         return lambda: sweeper.distance(self._log_heat, points)
 
     def sweep_prepared(self) -> Work:
-        from geodesic_toolkit.refine import WavefrontSweeper
+        from geodesic_toolkit.refinement.wavefronts import WavefrontSweeper
 
         return lambda: WavefrontSweeper(self._metric).prepare()
 
     def stars(self) -> Work:
-        from geodesic_toolkit.geometry.stars import delaunay_stars
+        from geodesic_toolkit.laplacians.pointcloud.stars import delaunay_stars
 
         near, normals = self._neighbourhoods
         flags = {"k": NEIGHBOURS, "oriented": False, "smooth": True}
         return lambda: delaunay_stars(self.vertices, normals, near, **flags)
 
     def poles(self) -> Work:
-        from geodesic_toolkit.geometry.poles import pole_normals
+        from geodesic_toolkit.laplacians.pointcloud.poles import pole_normals
 
         near, normals = self._neighbourhoods
         return lambda: pole_normals(self.vertices, near, normals)

@@ -8,9 +8,8 @@ from typing import Any
 
 import numpy as np
 
-from geodesic_toolkit._typing import FloatArray, IntArray
 from geodesic_toolkit.analysis.variants import DEFAULT, Variant, variants_for
-from geodesic_toolkit.conversion import as_domain
+from geodesic_toolkit.core.types import FloatArray, IntArray
 from geodesic_toolkit.domains import Domain, Graph, PointCloud, TriangleMesh
 from geodesic_toolkit.errors import (
     GeodesicError,
@@ -19,8 +18,9 @@ from geodesic_toolkit.errors import (
     SolverError,
 )
 from geodesic_toolkit.exact import exact_distance
-from geodesic_toolkit.solver import GeodesicSolver
-from geodesic_toolkit.sources import locate_sources
+from geodesic_toolkit.interop.conversion import as_domain
+from geodesic_toolkit.solver.solver import GeodesicSolver
+from geodesic_toolkit.sources.locate import locate_sources
 
 __all__ = ["Comparison", "Row", "compare"]
 

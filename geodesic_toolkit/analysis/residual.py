@@ -9,10 +9,11 @@ equal length meet.
 import numpy as np
 from numpy.typing import ArrayLike
 
-from geodesic_toolkit._typing import FloatArray, IntArray
+from geodesic_toolkit.core.types import FloatArray, IntArray
+from geodesic_toolkit.discretization.edge_gradient import EdgeGradient
+from geodesic_toolkit.discretization.element_gradient import ElementGradient
 from geodesic_toolkit.errors import InvalidOptionError, UnsupportedDomainError
-from geodesic_toolkit.gradient import EdgeGradient, ElementGradient
-from geodesic_toolkit.solver import GeodesicSolver, check_solver
+from geodesic_toolkit.solver.solver import GeodesicSolver, check_solver
 
 __all__ = ["eikonal_residual", "mean_eikonal_residual"]
 

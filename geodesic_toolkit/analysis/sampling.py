@@ -6,11 +6,11 @@ from typing import Any, Literal, overload
 import numpy as np
 from numpy.typing import ArrayLike
 
-from geodesic_toolkit._typing import FloatArray, IntArray
+from geodesic_toolkit.core.types import FloatArray, IntArray
 from geodesic_toolkit.domains import PointCloud
 from geodesic_toolkit.errors import InvalidOptionError, InvalidSourceError
-from geodesic_toolkit.heat import Progress
-from geodesic_toolkit.solver import GeodesicSolver, check_solver
+from geodesic_toolkit.heat.method import Progress
+from geodesic_toolkit.solver.solver import GeodesicSolver, check_solver
 
 __all__ = ["farthest_point_sampling", "geodesic_voronoi"]
 

@@ -8,18 +8,18 @@ from typing import TYPE_CHECKING, Any, final
 import numpy as np
 from numpy.typing import ArrayLike
 
-from geodesic_toolkit._typing import FloatArray, IntArray
-from geodesic_toolkit.conversion import as_domain
+from geodesic_toolkit.core.types import FloatArray, IntArray
 from geodesic_toolkit.domains import PointCloud
 from geodesic_toolkit.errors import (
     InvalidOptionError,
     InvalidSourceError,
     UnsupportedDomainError,
 )
-from geodesic_toolkit.heat import Progress
-from geodesic_toolkit.queries import Surface
-from geodesic_toolkit.solver import GeodesicSolver
-from geodesic_toolkit.source_points import as_vertices
+from geodesic_toolkit.heat.method import Progress
+from geodesic_toolkit.interop.conversion import as_domain
+from geodesic_toolkit.solver.queries import Surface
+from geodesic_toolkit.solver.solver import GeodesicSolver
+from geodesic_toolkit.sources.points import as_vertices
 
 if TYPE_CHECKING:
     from scipy.spatial import cKDTree
@@ -157,7 +157,7 @@ class Thinned:
             return solver.surface
         with self._lock:
             if "surface" not in self._made:
-                from geodesic_toolkit.laplacians.pointcloud import PointCloudLaplacian
+                from geodesic_toolkit.laplacians.pointcloud.operator import PointCloudLaplacian
 
                 metric = PointCloudLaplacian().assemble(self.cloud)
                 self._made["surface"] = Surface(self.cloud, metric)

@@ -6,12 +6,12 @@ from typing import Any
 
 import numpy as np
 
-from geodesic_toolkit import catalog
 from geodesic_toolkit.domains import Domain, Graph, PointCloud, TriangleMesh
 from geodesic_toolkit.errors import PluginLoadError
 from geodesic_toolkit.geometry.triangles import edges_of_faces, proper_faces
 from geodesic_toolkit.laplacians.cotan import CotanLaplacian
 from geodesic_toolkit.laplacians.uniform import UniformLaplacian
+from geodesic_toolkit.registry import catalog
 
 __all__ = ["DEFAULT", "PLAIN", "Variant", "variants_for"]
 

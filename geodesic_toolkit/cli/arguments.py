@@ -12,7 +12,7 @@ import typer
 from geodesic_toolkit.errors import InvalidOptionError, InvalidSourceError
 
 if TYPE_CHECKING:
-    from geodesic_toolkit._typing import BoolArray
+    from geodesic_toolkit.core.types import BoolArray
     from geodesic_toolkit.domains import Domain
 
 __all__ = [
@@ -217,7 +217,7 @@ def check_positions(domain: "Domain") -> None:
 
 def check_plugins(solver: str, *operators: str | None) -> None:
     """Raise a `PluginError` unless the solver and the operators are there and load."""
-    from geodesic_toolkit import catalog
+    from geodesic_toolkit.registry import catalog
 
     catalog.resolve_solvers(solver)
     for operator in operators:

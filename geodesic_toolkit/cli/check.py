@@ -40,7 +40,8 @@ def check(name: Name, json: Json = False) -> None:
 
 def _checked(name: str) -> tuple[str, "ConformanceReport"]:
     """Return the kind of plugin that `name` is, and the report on it with its default options."""
-    from geodesic_toolkit import catalog, testing
+    from geodesic_toolkit import testing
+    from geodesic_toolkit.registry import catalog
 
     kind, short = _kind_and_name(name, catalog.operators, catalog.solvers)
     if kind == "solver":

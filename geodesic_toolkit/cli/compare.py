@@ -12,8 +12,8 @@ from geodesic_toolkit.cli.targets import Targets
 from geodesic_toolkit.cli.welding import Welded, check_weld, welded
 
 if TYPE_CHECKING:  # importing NumPy takes longer than all of --help
-    from geodesic_toolkit._typing import FloatArray
     from geodesic_toolkit.analysis.comparison import Comparison, Row
+    from geodesic_toolkit.core.types import FloatArray
 
 __all__ = ["compare"]
 

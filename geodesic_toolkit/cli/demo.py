@@ -2,11 +2,11 @@
 
 from pathlib import Path
 
-from geodesic_toolkit._atomic import make_folder
 from geodesic_toolkit.cli.arguments import Folder
 from geodesic_toolkit.cli.output import aligned, one_line, say, show
 from geodesic_toolkit.cli.run import running
 from geodesic_toolkit.cli.targets import Targets
+from geodesic_toolkit.core.atomic import make_folder
 from geodesic_toolkit.errors import MissingDependencyError
 
 __all__ = ["demo"]
@@ -28,7 +28,7 @@ def demo(out: Folder = Path("geodesic-demo")) -> None:
 
     Writes tables of numbers, a picture, and a page on which the shape turns in a browser.
     """
-    from geodesic_toolkit.solver import GeodesicSolver
+    from geodesic_toolkit.solver.solver import GeodesicSolver
     from geodesic_toolkit.testing import shapes
 
     tables = Targets(tables=(out / "knot.ply", out / "knot.csv"))
@@ -76,7 +76,7 @@ def _error_on_sphere() -> float:
     """Return the mean relative error where the answer is known: on a sphere."""
     import numpy as np
 
-    from geodesic_toolkit.api import geodesic_distance
+    from geodesic_toolkit.solver.convenience import geodesic_distance
     from geodesic_toolkit.testing import shapes
 
     sphere = shapes.icosphere(4)

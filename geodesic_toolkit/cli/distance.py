@@ -32,11 +32,11 @@ from geodesic_toolkit.cli.welding import Welded, check_weld, welded
 from geodesic_toolkit.errors import InvalidOptionError
 
 if TYPE_CHECKING:  # importing NumPy takes longer than all of --help
-    from geodesic_toolkit._typing import BoolArray, FloatArray
     from geodesic_toolkit.analysis.thinning import Thinned
+    from geodesic_toolkit.core.types import BoolArray, FloatArray
     from geodesic_toolkit.domains import Domain, PointCloud
-    from geodesic_toolkit.solver import GeodesicSolver
-    from geodesic_toolkit.source_points import SourcePoints
+    from geodesic_toolkit.solver.solver import GeodesicSolver
+    from geodesic_toolkit.sources.points import SourcePoints
 
 __all__ = ["distance"]
 
@@ -138,7 +138,7 @@ def distance(
 
     Example: geodesic-toolkit distance bunny.off --source 500 --output d.ply --picture d.png
     """
-    from geodesic_toolkit.solver import GeodesicSolver
+    from geodesic_toolkit.solver.solver import GeodesicSolver
 
     sources = parse_sources(source)
     check_time(time, time_factor)
@@ -321,8 +321,8 @@ def _shape(
 ) -> "tuple[Welded, BoolArray | None, SourcePoints]":
     """Return the shape of a file, what of it is masked, and the sources on it."""
     from geodesic_toolkit.io import read
-    from geodesic_toolkit.masking import check_unmasked, without
-    from geodesic_toolkit.sources import locate_sources
+    from geodesic_toolkit.solver.masks import check_unmasked, without
+    from geodesic_toolkit.sources.locate import locate_sources
 
     shape = welded(read(path), weld, run)
     masked = shape.mask(None if mask is None else mask.mask(shape.file.n_vertices))
@@ -364,7 +364,7 @@ def _thinned(
     """Return a cloud thinned, and its sources, which stay."""
     from geodesic_toolkit.analysis.thinning import thin
     from geodesic_toolkit.domains import PointCloud
-    from geodesic_toolkit.source_points import SourcePoints
+    from geodesic_toolkit.sources.points import SourcePoints
 
     if not isinstance(domain, PointCloud):
         raise InvalidOptionError(f"--thin is for point clouds, not for a {type(domain).__name__}")

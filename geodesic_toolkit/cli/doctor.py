@@ -17,8 +17,8 @@ from geodesic_toolkit.cli.run import running
 from geodesic_toolkit.cli.welding import check_weld, welded
 
 if TYPE_CHECKING:
-    from geodesic_toolkit.diagnosis import Diagnosis
-    from geodesic_toolkit.solver import GeodesicSolver
+    from geodesic_toolkit.solver.diagnosis import Diagnosis
+    from geodesic_toolkit.solver.solver import GeodesicSolver
 
 __all__ = ["doctor"]
 
@@ -57,7 +57,7 @@ def doctor(
 
 def _examine_shape(path: Path, weld: float | None, json: bool) -> None:
     from geodesic_toolkit.io import read
-    from geodesic_toolkit.solver import GeodesicSolver
+    from geodesic_toolkit.solver.solver import GeodesicSolver
 
     with running() as run:
         with run.step("reading"):

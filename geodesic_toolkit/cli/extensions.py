@@ -5,7 +5,7 @@ from typing import Any
 import typer
 
 from geodesic_toolkit.errors import PluginError
-from geodesic_toolkit.registry import Registry
+from geodesic_toolkit.registry.registry import Registry
 
 __all__ = ["command_of", "commands", "names_of_commands"]
 

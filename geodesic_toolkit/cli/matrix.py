@@ -30,9 +30,9 @@ from geodesic_toolkit.errors import InvalidOptionError
 if TYPE_CHECKING:  # importing NumPy takes longer than all of --help
     from concurrent.futures import Executor
 
-    from geodesic_toolkit._typing import IntArray
-    from geodesic_toolkit.analysis.symmetry import Symmetrize
-    from geodesic_toolkit.solver import GeodesicSolver
+    from geodesic_toolkit.analysis.matrix.symmetry import Symmetrize
+    from geodesic_toolkit.core.types import IntArray
+    from geodesic_toolkit.solver.solver import GeodesicSolver
 
 __all__ = ["matrix"]
 
@@ -118,9 +118,9 @@ def matrix(
 
     Example: geodesic-toolkit matrix bunny.off --float32 --output D.zarr
     """
-    from geodesic_toolkit.analysis.matrix import check_matrix_output, distance_matrix
+    from geodesic_toolkit.analysis.matrix.matrix import check_matrix_output, distance_matrix
     from geodesic_toolkit.io import read, read_vertices
-    from geodesic_toolkit.solver import GeodesicSolver
+    from geodesic_toolkit.solver.solver import GeodesicSolver
 
     if sources is not None and landmarks is not None:
         raise InvalidOptionError("give --sources or --landmarks, not both")
@@ -166,7 +166,7 @@ def matrix(
 
 def _every(shape: Welded) -> Any:
     """Return all vertices of the file as sources, the masked ones among them."""
-    from geodesic_toolkit.analysis.row_tasks import EveryVertex
+    from geodesic_toolkit.analysis.matrix.tasks import EveryVertex
 
     return None if shape.new is None else EveryVertex(shape.new)
 

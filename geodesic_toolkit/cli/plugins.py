@@ -7,7 +7,7 @@ from geodesic_toolkit.cli.output import aligned, one_line, show, show_json, vers
 from geodesic_toolkit.cli.run import running
 
 if TYPE_CHECKING:
-    from geodesic_toolkit.registry import PluginStatus
+    from geodesic_toolkit.registry.registry import PluginStatus
 
 __all__ = ["plugin_rows", "plugins"]
 
@@ -46,8 +46,8 @@ def plugins(json: Json = False) -> None:
 
 def plugin_rows() -> list[tuple[str, "PluginStatus"]]:
     """Return the kind and the state of every plugin; imports all of them."""
-    from geodesic_toolkit import catalog
     from geodesic_toolkit.cli.extensions import commands
+    from geodesic_toolkit.registry import catalog
 
     registries = (catalog.operators, catalog.solvers, catalog.readers, commands)
     return [(registry.kind, row) for registry in registries for row in registry.status()]

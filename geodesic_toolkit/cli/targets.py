@@ -9,7 +9,7 @@ from geodesic_toolkit.cli.run import Run
 from geodesic_toolkit.errors import InvalidOptionError
 
 if TYPE_CHECKING:
-    from geodesic_toolkit._typing import FloatArray
+    from geodesic_toolkit.core.types import FloatArray
     from geodesic_toolkit.domains import Domain
 
 __all__ = ["Targets"]

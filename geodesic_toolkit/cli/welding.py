@@ -8,7 +8,7 @@ from geodesic_toolkit.cli.run import Run
 from geodesic_toolkit.errors import InvalidOptionError, InvalidSourceError
 
 if TYPE_CHECKING:  # importing NumPy takes longer than all of --help
-    from geodesic_toolkit._typing import BoolArray, FloatArray, IntArray
+    from geodesic_toolkit.core.types import BoolArray, FloatArray, IntArray
     from geodesic_toolkit.domains import Domain
 
 __all__ = ["Welded", "check_weld", "welded"]
@@ -53,7 +53,7 @@ class Welded:
             One that is not in the file, or that is `masked`, (N,), in the domain: the number is
             that of the file.
         """
-        from geodesic_toolkit.source_points import as_vertices
+        from geodesic_toolkit.sources.points import as_vertices
 
         known = as_vertices(vertices, self.file.n_vertices)
         if self.new is None:
@@ -115,7 +115,7 @@ def welded(domain: "Domain", weld: float | None, run: Run) -> Welded:
     if weld is None:
         return Welded(domain, domain)
     from geodesic_toolkit.domains import TriangleMesh
-    from geodesic_toolkit.merging import merge_vertices
+    from geodesic_toolkit.interop.merging import merge_vertices
 
     if not isinstance(domain, TriangleMesh):
         raise InvalidOptionError(

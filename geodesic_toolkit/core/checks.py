@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from geodesic_toolkit._typing import FloatArray, IntArray
+from geodesic_toolkit.core.types import FloatArray, IntArray
 from geodesic_toolkit.errors import InvalidDiscretizationError
 
 __all__ = ["check_finite", "check_nothing_masked", "check_range", "coerce"]
@@ -49,6 +49,7 @@ def coerce(data: object, **dtypes: type[np.generic]) -> None:
 
 
 def check_range(indices: IntArray, n_vertices: int, name: str) -> None:
+    """Raise an `InvalidDiscretizationError` unless indices are those of vertices."""
     if indices.size and not (indices.min() >= 0 and indices.max() < n_vertices):
         outside = ((indices < 0) | (indices >= n_vertices)).any(axis=1)
         bad = int(np.flatnonzero(outside)[0])
@@ -58,6 +59,7 @@ def check_range(indices: IntArray, n_vertices: int, name: str) -> None:
 
 
 def check_finite(values: FloatArray, name: str) -> None:
+    """Raise an `InvalidDiscretizationError` unless all values are finite; name the first row."""
     if not np.isfinite(values.sum()):  # one pass without a temporary; look closer only on doubt
         rows = np.isfinite(values).reshape(len(values), -1).all(axis=1)
         if not rows.all():

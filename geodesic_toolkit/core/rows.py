@@ -13,8 +13,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from geodesic_toolkit import _native
-from geodesic_toolkit._frozen import FrozenArrays
-from geodesic_toolkit._typing import FloatArray, IndexArray, IntArray
+from geodesic_toolkit.core.frozen import FrozenArrays
+from geodesic_toolkit.core.types import FloatArray, IndexArray, IntArray
 from geodesic_toolkit.errors import NotEnoughMemoryError
 
 if TYPE_CHECKING:

@@ -10,15 +10,17 @@ from typing import TYPE_CHECKING, Any, final
 import numpy as np
 
 from geodesic_toolkit import _native
-from geodesic_toolkit._checks import check_finite, check_range, coerce
-from geodesic_toolkit._frozen import FrozenArrays, freeze, freeze_csr
-from geodesic_toolkit._rows import CompressedRows
-from geodesic_toolkit._typing import BoolArray, FloatArray, IntArray
+from geodesic_toolkit.core.checks import check_finite, check_range, coerce
+from geodesic_toolkit.core.frozen import FrozenArrays, freeze, freeze_csr
+from geodesic_toolkit.core.rows import CompressedRows
+from geodesic_toolkit.core.types import BoolArray, FloatArray, IntArray
+from geodesic_toolkit.discretization.edge_gradient import EdgeGradient
+from geodesic_toolkit.discretization.element_gradient import ElementGradient
+from geodesic_toolkit.discretization.gradient import Gradient
 from geodesic_toolkit.errors import InvalidDiscretizationError
 from geodesic_toolkit.geometry.across_edges import AcrossEdges
 from geodesic_toolkit.geometry.along_edges import AlongEdges
 from geodesic_toolkit.geometry.components import connected_vertices
-from geodesic_toolkit.gradient import EdgeGradient, ElementGradient, Gradient
 
 if TYPE_CHECKING:
     from scipy.sparse import csr_array

@@ -7,12 +7,12 @@ from typing import TYPE_CHECKING, final
 
 import numpy as np
 
-from geodesic_toolkit._checks import check_finite, check_range, coerce
-from geodesic_toolkit._frozen import freeze
-from geodesic_toolkit._typing import FloatArray, IntArray
+from geodesic_toolkit.core.checks import check_finite, check_range, coerce
+from geodesic_toolkit.core.frozen import freeze
+from geodesic_toolkit.core.types import FloatArray, IntArray
+from geodesic_toolkit.discretization.gradient import ROUNDING, Gradient, as_columns
+from geodesic_toolkit.discretization.graph_laplacian import graph_laplacian
 from geodesic_toolkit.errors import InvalidDiscretizationError
-from geodesic_toolkit.gradient.base import ROUNDING, Gradient, as_columns
-from geodesic_toolkit.gradient.graph_laplacian import graph_laplacian
 
 if TYPE_CHECKING:
     from scipy.sparse import csr_array
@@ -46,7 +46,7 @@ class EdgeGradient(Gradient):
     Examples
     --------
     >>> import numpy as np
-    >>> from geodesic_toolkit.gradient import EdgeGradient
+    >>> from geodesic_toolkit.discretization.edge_gradient import EdgeGradient
     >>> path = EdgeGradient(np.array([[0, 1], [1, 2]]), np.ones(2), np.array([0.5, 1.0, 0.5]))
     >>> path.unit(np.array([0.0, -1.0, -2.0]))
     array([-1., -1.])

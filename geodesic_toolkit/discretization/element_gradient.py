@@ -9,14 +9,14 @@ from typing import TYPE_CHECKING, Any, final
 import numpy as np
 
 from geodesic_toolkit import _native
-from geodesic_toolkit._checks import check_finite, check_range, coerce
-from geodesic_toolkit._frozen import freeze
-from geodesic_toolkit._typing import FloatArray, IntArray
+from geodesic_toolkit.core.checks import check_finite, check_range, coerce
+from geodesic_toolkit.core.frozen import freeze
+from geodesic_toolkit.core.types import FloatArray, IntArray
+from geodesic_toolkit.discretization.gradient import ROUNDING, Gradient, as_columns
+from geodesic_toolkit.discretization.graph_laplacian import graph_laplacian
+from geodesic_toolkit.discretization.triangle_sums import TriangleSums, sums_of_triangles
 from geodesic_toolkit.errors import InvalidDiscretizationError
 from geodesic_toolkit.geometry.triangles import hat_gradients_from_inverse
-from geodesic_toolkit.gradient.base import ROUNDING, Gradient, as_columns
-from geodesic_toolkit.gradient.graph_laplacian import graph_laplacian
-from geodesic_toolkit.gradient.triangle_sums import TriangleSums, sums_of_triangles
 
 if TYPE_CHECKING:
     from scipy.sparse import csr_array
@@ -55,7 +55,7 @@ class ElementGradient(Gradient):
     The right triangle with legs of length 1, and the function u = x on it:
 
     >>> import numpy as np
-    >>> from geodesic_toolkit.gradient import ElementGradient
+    >>> from geodesic_toolkit.discretization.element_gradient import ElementGradient
     >>> gradient = ElementGradient(
     ...     elements=np.array([[0, 1, 2]]),
     ...     coefficients=np.array([[[-1.0, 1.0, 0.0], [-1.0, 0.0, 1.0]]]),

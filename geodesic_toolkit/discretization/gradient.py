@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from geodesic_toolkit._frozen import FrozenArrays
-from geodesic_toolkit._typing import FloatArray
+from geodesic_toolkit.core.frozen import FrozenArrays
+from geodesic_toolkit.core.types import FloatArray
 
 if TYPE_CHECKING:
     from scipy.sparse import csr_array

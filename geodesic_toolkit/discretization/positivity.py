@@ -9,10 +9,10 @@ from typing import TYPE_CHECKING, cast
 import numpy as np
 
 from geodesic_toolkit import _native
-from geodesic_toolkit._rows import CompressedRows
-from geodesic_toolkit._typing import FloatArray
-from geodesic_toolkit.discretization import Discretization
-from geodesic_toolkit.gradient import EdgeGradient
+from geodesic_toolkit.core.rows import CompressedRows
+from geodesic_toolkit.core.types import FloatArray
+from geodesic_toolkit.discretization.data import Discretization
+from geodesic_toolkit.discretization.edge_gradient import EdgeGradient
 
 if TYPE_CHECKING:
     from scipy.sparse import csr_array
@@ -73,7 +73,7 @@ def positive_part(metric: Discretization) -> Discretization:
     Examples
     --------
     >>> import geodesic_toolkit as gt
-    >>> from geodesic_toolkit.positivity import positive_part
+    >>> from geodesic_toolkit.discretization.positivity import positive_part
     >>> sheared = gt.CotanLaplacian().assemble(gt.testing.shapes.grid(5, shear=3.0))
     >>> bool(positive_part(sheared).gradient.edge_weights.min() > 0)
     True

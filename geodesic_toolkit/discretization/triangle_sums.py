@@ -3,8 +3,8 @@
 from dataclasses import dataclass
 
 from geodesic_toolkit import _native
-from geodesic_toolkit._rows import MOST_ENTRIES, CompressedRows
-from geodesic_toolkit._typing import BoolArray, FloatArray, IntArray
+from geodesic_toolkit.core.rows import MOST_ENTRIES, CompressedRows
+from geodesic_toolkit.core.types import BoolArray, FloatArray, IntArray
 from geodesic_toolkit.errors import NotEnoughMemoryError
 
 __all__ = ["TriangleSums", "sums_of_triangles"]

@@ -8,16 +8,11 @@ from geodesic_toolkit.domains.cloud import PointCloud
 from geodesic_toolkit.domains.graph import Graph
 from geodesic_toolkit.domains.mesh import TriangleMesh
 from geodesic_toolkit.domains.positions import known_positions
-from geodesic_toolkit.domains.source_kinds import Curve, OffsetSources
-from geodesic_toolkit.domains.surface_point import SurfacePoint
 
 __all__ = [
-    "Curve",
     "Domain",
     "Graph",
-    "OffsetSources",
     "PointCloud",
-    "SurfacePoint",
     "TriangleMesh",
     "known_positions",
 ]

@@ -6,10 +6,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from geodesic_toolkit._arrays import copied
-from geodesic_toolkit._checks import check_nothing_masked
-from geodesic_toolkit._frozen import FrozenArrays
-from geodesic_toolkit._typing import FloatArray, IntArray
+from geodesic_toolkit.core.arrays import copied
+from geodesic_toolkit.core.checks import check_nothing_masked
+from geodesic_toolkit.core.frozen import FrozenArrays
+from geodesic_toolkit.core.types import FloatArray, IntArray
 from geodesic_toolkit.errors import InvalidDomainError
 
 __all__ = ["Domain", "as_floats", "as_indices", "check_corners", "check_indices", "first_bad_row"]

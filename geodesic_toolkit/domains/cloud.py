@@ -6,8 +6,8 @@ from typing import final
 import numpy as np
 from numpy.typing import ArrayLike
 
-from geodesic_toolkit._frozen import freeze
-from geodesic_toolkit._typing import BoolArray, FloatArray
+from geodesic_toolkit.core.frozen import freeze
+from geodesic_toolkit.core.types import BoolArray, FloatArray
 from geodesic_toolkit.domains.base import Domain, as_floats, first_bad_row
 from geodesic_toolkit.errors import InvalidDomainError
 

@@ -1,6 +1,6 @@
 """Where the vertices of a domain are."""
 
-from geodesic_toolkit._typing import FloatArray
+from geodesic_toolkit.core.types import FloatArray
 from geodesic_toolkit.domains.base import Domain
 from geodesic_toolkit.domains.cloud import PointCloud
 from geodesic_toolkit.domains.mesh import TriangleMesh

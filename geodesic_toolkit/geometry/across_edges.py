@@ -20,8 +20,8 @@ from typing import Any
 import numpy as np
 
 from geodesic_toolkit import _native
-from geodesic_toolkit._frozen import FrozenArrays
-from geodesic_toolkit._typing import FloatArray, IntArray
+from geodesic_toolkit.core.frozen import FrozenArrays
+from geodesic_toolkit.core.types import FloatArray, IntArray
 from geodesic_toolkit.geometry.noise import squared_noise
 from geodesic_toolkit.geometry.threads import threads_for
 

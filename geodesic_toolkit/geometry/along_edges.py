@@ -8,8 +8,8 @@ from typing import Any
 
 import numpy as np
 
-from geodesic_toolkit._frozen import FrozenArrays
-from geodesic_toolkit._typing import FloatArray, IntArray
+from geodesic_toolkit.core.frozen import FrozenArrays
+from geodesic_toolkit.core.types import FloatArray, IntArray
 
 __all__ = ["AlongEdges", "shortest_parallel_edges"]
 

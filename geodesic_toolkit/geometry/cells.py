@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from geodesic_toolkit._typing import IntArray
+from geodesic_toolkit.core.types import IntArray
 from geodesic_toolkit.errors import InvalidDomainError
 
 __all__ = ["faces_of", "surface_polygons"]

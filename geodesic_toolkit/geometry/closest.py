@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from geodesic_toolkit._typing import FloatArray, IntArray
+from geodesic_toolkit.core.types import FloatArray, IntArray
 
 __all__ = ["TriangleTree"]
 

@@ -3,8 +3,8 @@
 import numpy as np
 
 from geodesic_toolkit import _native
-from geodesic_toolkit._rows import CompressedRows
-from geodesic_toolkit._typing import IntArray
+from geodesic_toolkit.core.rows import CompressedRows
+from geodesic_toolkit.core.types import IntArray
 
 __all__ = ["connected_by_edges", "connected_by_faces", "connected_vertices"]
 

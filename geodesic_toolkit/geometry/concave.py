@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from geodesic_toolkit._typing import BoolArray, FloatArray, IntArray
+from geodesic_toolkit.core.types import BoolArray, FloatArray, IntArray
 from geodesic_toolkit.errors import MissingDependencyError
 
 __all__ = ["correct_fans"]

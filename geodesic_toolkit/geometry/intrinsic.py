@@ -7,7 +7,7 @@ flipped by our own kernel: libigl's flips take longer than all the rest of the h
 import numpy as np
 
 from geodesic_toolkit import _native
-from geodesic_toolkit._typing import FloatArray, IntArray
+from geodesic_toolkit.core.types import FloatArray, IntArray
 from geodesic_toolkit.geometry.components import connected_by_edges
 
 __all__ = [

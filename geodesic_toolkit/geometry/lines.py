@@ -4,7 +4,7 @@ from typing import Any
 
 import numpy as np
 
-from geodesic_toolkit._typing import BoolArray, FloatArray, IntArray
+from geodesic_toolkit.core.types import BoolArray, FloatArray, IntArray
 from geodesic_toolkit.geometry.components import connected_by_edges
 
 __all__ = [

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from geodesic_toolkit._typing import FloatArray, IntArray
+from geodesic_toolkit.core.types import FloatArray, IntArray
 
 __all__ = ["squared_noise"]
 

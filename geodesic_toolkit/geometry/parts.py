@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from geodesic_toolkit._rows import CompressedRows
-from geodesic_toolkit._typing import FloatArray, IntArray
+from geodesic_toolkit.core.rows import CompressedRows
+from geodesic_toolkit.core.types import FloatArray, IntArray
 
 __all__ = ["part_scales"]
 

@@ -5,7 +5,7 @@ Polygons come as their sizes and, one after the other, their corners.
 
 import numpy as np
 
-from geodesic_toolkit._typing import FloatArray, IntArray
+from geodesic_toolkit.core.types import FloatArray, IntArray
 
 __all__ = ["split_polygons", "strip_triangles", "unpadded_polygons"]
 

@@ -20,7 +20,7 @@ from typing import NamedTuple
 import numpy as np
 
 from geodesic_toolkit import _native
-from geodesic_toolkit._typing import BoolArray, FloatArray, IntArray
+from geodesic_toolkit.core.types import BoolArray, FloatArray, IntArray
 from geodesic_toolkit.geometry.triangles import measured_by_lengths
 
 __all__ = ["Trapezoids", "mirrored_at_rims", "rim_cotangents", "rim_edges"]

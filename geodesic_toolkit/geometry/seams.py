@@ -5,8 +5,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from geodesic_toolkit import _native
-from geodesic_toolkit._arrays import distinct
-from geodesic_toolkit._typing import BoolArray, FloatArray, IntArray
+from geodesic_toolkit.core.arrays import distinct
+from geodesic_toolkit.core.types import BoolArray, FloatArray, IntArray
 from geodesic_toolkit.geometry.components import connected_by_edges, connected_by_faces
 from geodesic_toolkit.geometry.triangles import proper_faces
 from geodesic_toolkit.geometry.welding import (

@@ -8,8 +8,8 @@ positions, edge lengths of an intrinsic triangulation, a tangent plane).
 import numpy as np
 
 from geodesic_toolkit import _native
-from geodesic_toolkit._rows import CompressedRows
-from geodesic_toolkit._typing import BoolArray, FloatArray, IntArray
+from geodesic_toolkit.core.rows import CompressedRows
+from geodesic_toolkit.core.types import BoolArray, FloatArray, IntArray
 from geodesic_toolkit.geometry.components import connected_by_faces
 
 __all__ = [

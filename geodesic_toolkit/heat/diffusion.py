@@ -8,14 +8,14 @@ from typing import Literal, NamedTuple, TypeAlias
 
 import numpy as np
 
-from geodesic_toolkit._arrays import distinct, empty
-from geodesic_toolkit._rows import CompressedRows
-from geodesic_toolkit._typing import BoolArray, FloatArray, IntArray
-from geodesic_toolkit.discretization import Discretization
+from geodesic_toolkit.core.arrays import distinct, empty
+from geodesic_toolkit.core.rows import CompressedRows
+from geodesic_toolkit.core.types import BoolArray, FloatArray, IntArray
+from geodesic_toolkit.discretization.data import Discretization
+from geodesic_toolkit.heat.log_range import fill_from_neighbours, log_solve, settled_above
 from geodesic_toolkit.linear.base import Factor, Factorizer, LinearSolver
-from geodesic_toolkit.linear.log_solve import fill_from_neighbours, log_solve, settled_above
 from geodesic_toolkit.linear.patterns import SharedAnalysis, plus_diagonal
-from geodesic_toolkit.source_points import SourcePoints
+from geodesic_toolkit.sources.points import SourcePoints
 
 __all__ = ["Boundary", "Heat", "HeatFlow", "HeatReport"]
 

@@ -17,7 +17,7 @@ from typing import Any
 
 import numpy as np
 
-from geodesic_toolkit._typing import BoolArray, FloatArray, IntArray
+from geodesic_toolkit.core.types import BoolArray, FloatArray, IntArray
 from geodesic_toolkit.geometry.along_edges import AlongEdges
 
 __all__ = ["rises"]

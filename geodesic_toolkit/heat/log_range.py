@@ -7,8 +7,8 @@ from the source. Its logarithm need not.
 import numpy as np
 
 from geodesic_toolkit import _native
-from geodesic_toolkit._rows import CompressedRows
-from geodesic_toolkit._typing import BoolArray, FloatArray, IntArray
+from geodesic_toolkit.core.rows import CompressedRows
+from geodesic_toolkit.core.types import BoolArray, FloatArray, IntArray
 from geodesic_toolkit.linear.base import Factor
 
 __all__ = ["fill_from_neighbours", "log_solve", "settled_above"]

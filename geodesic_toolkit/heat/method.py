@@ -13,28 +13,29 @@ from typing import Any, TypeAlias
 import numpy as np
 from numpy.typing import ArrayLike
 
-from geodesic_toolkit._arrays import empty
-from geodesic_toolkit._typing import FloatArray, IntArray
-from geodesic_toolkit._warning import warn
-from geodesic_toolkit.bounds import DistanceBounds
-from geodesic_toolkit.discretization import Discretization
+from geodesic_toolkit.core.arrays import empty
+from geodesic_toolkit.core.types import FloatArray, IntArray
+from geodesic_toolkit.core.warning import warn
+from geodesic_toolkit.discretization.data import Discretization
+from geodesic_toolkit.discretization.edge_gradient import EdgeGradient
+from geodesic_toolkit.discretization.gradient import Gradient
+from geodesic_toolkit.discretization.positivity import has_wrong_signs, positive_part
 from geodesic_toolkit.errors import (
     InvalidOptionError,
     NonPositiveHeatWarning,
     UnsupportedDomainError,
 )
 from geodesic_toolkit.geometry.along_edges import AlongEdges
-from geodesic_toolkit.gradient import EdgeGradient, Gradient
-from geodesic_toolkit.heat_flow import Boundary, Heat, HeatFlow, HeatReport
+from geodesic_toolkit.heat.diffusion import Boundary, Heat, HeatFlow, HeatReport
+from geodesic_toolkit.heat.poisson import PoissonStep
+from geodesic_toolkit.heat.time_step import time_steps
 from geodesic_toolkit.linear.base import LinearSolver
 from geodesic_toolkit.linear.memory import array_bytes, require_memory
 from geodesic_toolkit.linear.patterns import SharedAnalysis
-from geodesic_toolkit.poisson import PoissonStep
-from geodesic_toolkit.polyhedra import SmallParts
-from geodesic_toolkit.positivity import has_wrong_signs, positive_part
-from geodesic_toolkit.refine import WavefrontSweeper, made_of_triangles
-from geodesic_toolkit.source_points import SourcePoints, as_vertices
-from geodesic_toolkit.time_step import time_steps
+from geodesic_toolkit.refinement.bounds import DistanceBounds
+from geodesic_toolkit.refinement.polyhedra import SmallParts
+from geodesic_toolkit.refinement.wavefronts import WavefrontSweeper, made_of_triangles
+from geodesic_toolkit.sources.points import SourcePoints, as_vertices
 
 __all__ = ["Boundary", "HeatMethod", "HeatReport", "Progress", "SourcePoints"]
 
@@ -442,7 +443,7 @@ class HeatMethod:
             return self._scaled
 
     def _locally_scaled(self) -> EdgeGradient:
-        from geodesic_toolkit.geometry.local_scale import rises
+        from geodesic_toolkit.heat.local_scale import rises
 
         gradient = self.metric.gradient
         assert isinstance(gradient, EdgeGradient)  # for the type checker

@@ -6,13 +6,13 @@ from functools import cached_property
 
 import numpy as np
 
-from geodesic_toolkit._arrays import distinct
-from geodesic_toolkit._typing import BoolArray, FloatArray, IntArray
-from geodesic_toolkit.discretization import Discretization
-from geodesic_toolkit.heat_flow import Heat
+from geodesic_toolkit.core.arrays import distinct
+from geodesic_toolkit.core.types import BoolArray, FloatArray, IntArray
+from geodesic_toolkit.discretization.data import Discretization
+from geodesic_toolkit.heat.diffusion import Heat
 from geodesic_toolkit.linear.base import Factor, Factorizer
 from geodesic_toolkit.linear.patterns import plus_diagonal
-from geodesic_toolkit.source_points import SourcePoints
+from geodesic_toolkit.sources.points import SourcePoints
 
 __all__ = ["PoissonStep"]
 

@@ -9,8 +9,8 @@ https://doi.org/10.1145/2516971.2516977
 
 import numpy as np
 
-from geodesic_toolkit._typing import FloatArray
-from geodesic_toolkit.discretization import Discretization
+from geodesic_toolkit.core.types import FloatArray
+from geodesic_toolkit.discretization.data import Discretization
 from geodesic_toolkit.errors import InvalidOptionError
 
 __all__ = ["time_steps"]

@@ -8,11 +8,11 @@ from typing import Any
 
 import numpy as np
 
-from geodesic_toolkit._typing import FloatArray, IntArray
-from geodesic_toolkit._warning import warn
+from geodesic_toolkit.core.types import FloatArray, IntArray
+from geodesic_toolkit.core.warning import warn
 from geodesic_toolkit.domains import Domain, Graph, PointCloud, TriangleMesh
 from geodesic_toolkit.errors import InvalidDomainError, ReadWarning, UnsupportedDomainError
-from geodesic_toolkit.refusals import OF_GRIDS, described, refusal, several
+from geodesic_toolkit.interop.refusals import OF_GRIDS, described, refusal, several
 
 __all__ = ["as_domain", "check_one_shape", "graph_of_lengths"]
 

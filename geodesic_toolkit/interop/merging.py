@@ -6,11 +6,11 @@ from typing import Any
 
 import numpy as np
 
-from geodesic_toolkit._typing import IntArray
-from geodesic_toolkit.conversion import as_domain
+from geodesic_toolkit.core.types import IntArray
 from geodesic_toolkit.domains import TriangleMesh
 from geodesic_toolkit.errors import InvalidOptionError, UnsupportedDomainError
 from geodesic_toolkit.geometry.welding import merged_places, movable_by, rounding_of
+from geodesic_toolkit.interop.conversion import as_domain
 
 __all__ = ["merge_vertices"]
 

@@ -1,10 +1,10 @@
 """Files in and out: one reader a format, and outputs that are whole or not there."""
 
-from geodesic_toolkit._atomic import check_output, replacing
-from geodesic_toolkit.io.masks import read_mask
-from geodesic_toolkit.io.points import read_points
+from geodesic_toolkit.core.atomic import check_output, replacing
 from geodesic_toolkit.io.reading import read
-from geodesic_toolkit.io.vertices import read_vertices
+from geodesic_toolkit.io.tables.masks import read_mask
+from geodesic_toolkit.io.tables.points import read_points
+from geodesic_toolkit.io.tables.vertices import read_vertices
 from geodesic_toolkit.io.writing import write
 
 __all__ = [

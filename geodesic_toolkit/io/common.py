@@ -10,8 +10,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from geodesic_toolkit import _warning
-from geodesic_toolkit._typing import FloatArray, IntArray
+from geodesic_toolkit.core import warning as _warning
+from geodesic_toolkit.core.types import FloatArray, IntArray
 from geodesic_toolkit.domains import Domain, PointCloud, TriangleMesh
 from geodesic_toolkit.errors import (
     InvalidDomainError,

@@ -11,7 +11,6 @@ from typing import Any
 
 import numpy as np
 
-from geodesic_toolkit.catalog import readers
 from geodesic_toolkit.domains import Domain
 from geodesic_toolkit.errors import (
     GeodesicError,
@@ -20,7 +19,8 @@ from geodesic_toolkit.errors import (
     ReadError,
     UnknownPluginError,
 )
-from geodesic_toolkit.io.freesurfer import is_surface, read_surface
+from geodesic_toolkit.io.readers.freesurfer import is_surface, read_surface
+from geodesic_toolkit.registry.catalog import readers
 
 __all__ = ["check_file", "named_errors", "one_line", "read", "unpacked"]
 

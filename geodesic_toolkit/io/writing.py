@@ -8,17 +8,17 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from geodesic_toolkit._atomic import check_output, replacing
-from geodesic_toolkit._typing import FloatArray
+from geodesic_toolkit.core.atomic import check_output, replacing
+from geodesic_toolkit.core.types import FloatArray
 from geodesic_toolkit.domains import Domain, PointCloud, TriangleMesh, known_positions
 from geodesic_toolkit.errors import InvalidOptionError
 from geodesic_toolkit.io.common import optional_package
-from geodesic_toolkit.io.gifti import encode_gifti
-from geodesic_toolkit.io.las import require_las, write_las
-from geodesic_toolkit.io.pcd import encode_pcd
-from geodesic_toolkit.io.ply import encode_ply, encode_ply_like
+from geodesic_toolkit.io.readers.gifti import encode_gifti
+from geodesic_toolkit.io.readers.las import require_las, write_las
+from geodesic_toolkit.io.readers.pcd import encode_pcd
+from geodesic_toolkit.io.readers.ply import encode_ply, encode_ply_like
+from geodesic_toolkit.io.readers.vtk_library import require_vtk, write_vtk
 from geodesic_toolkit.io.reading import check_file, named_errors
-from geodesic_toolkit.io.vtk_library import require_vtk, write_vtk
 
 __all__ = ["WITH_SHAPE", "check_distance_output", "write"]
 

@@ -5,7 +5,7 @@ from collections.abc import Mapping
 from types import MappingProxyType
 from typing import ClassVar
 
-from geodesic_toolkit.discretization import Discretization
+from geodesic_toolkit.discretization.data import Discretization
 from geodesic_toolkit.domains import Domain
 from geodesic_toolkit.errors import UnsupportedDomainError
 

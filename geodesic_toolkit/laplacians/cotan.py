@@ -6,9 +6,11 @@ from typing import TYPE_CHECKING, Any, ClassVar, Literal, cast, final
 import numpy as np
 
 from geodesic_toolkit import _native
-from geodesic_toolkit._frozen import freeze
-from geodesic_toolkit._typing import BoolArray, FloatArray, IntArray
-from geodesic_toolkit.discretization import Discretization
+from geodesic_toolkit.core.frozen import freeze
+from geodesic_toolkit.core.types import BoolArray, FloatArray, IntArray
+from geodesic_toolkit.discretization.data import Discretization
+from geodesic_toolkit.discretization.element_gradient import ElementGradient
+from geodesic_toolkit.discretization.positivity import obtuse_excess
 from geodesic_toolkit.domains import Domain, TriangleMesh
 from geodesic_toolkit.errors import InvalidOptionError, UnsupportedDomainError
 from geodesic_toolkit.geometry.components import connected_vertices
@@ -27,9 +29,7 @@ from geodesic_toolkit.geometry.triangles import (
     measured_by_lengths,
     measured_triangles,
 )
-from geodesic_toolkit.gradient import ElementGradient
 from geodesic_toolkit.laplacians.base import LaplaceOperator
-from geodesic_toolkit.positivity import obtuse_excess
 
 if TYPE_CHECKING:
     from scipy.sparse import csr_array

@@ -7,8 +7,9 @@ from typing import Any, ClassVar, Literal, final
 
 import numpy as np
 
-from geodesic_toolkit._typing import BoolArray, FloatArray, IntArray
-from geodesic_toolkit.discretization import Discretization
+from geodesic_toolkit.core.types import BoolArray, FloatArray, IntArray
+from geodesic_toolkit.discretization.data import Discretization
+from geodesic_toolkit.discretization.edge_gradient import EdgeGradient
 from geodesic_toolkit.domains import Domain, Graph, TriangleMesh
 from geodesic_toolkit.errors import InvalidOptionError, UnsupportedDomainError
 from geodesic_toolkit.geometry.across_edges import AcrossEdges
@@ -16,7 +17,6 @@ from geodesic_toolkit.geometry.along_edges import AlongEdges, shortest_parallel_
 from geodesic_toolkit.geometry.components import connected_by_edges
 from geodesic_toolkit.geometry.lines import NEARLY_EVERYWHERE, share_of_meshes
 from geodesic_toolkit.geometry.triangles import edges_of_faces, proper_faces
-from geodesic_toolkit.gradient import EdgeGradient
 from geodesic_toolkit.laplacians.base import LaplaceOperator
 
 __all__ = ["UniformLaplacian"]

@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, ClassVar, Protocol
 
-from geodesic_toolkit._typing import FloatArray
+from geodesic_toolkit.core.types import FloatArray
 
 if TYPE_CHECKING:
     from scipy.sparse import csr_array
@@ -94,7 +94,7 @@ class LinearSolver(abc.ABC):
         Whether it may solve the heat step although it is not componentwise accurate: an option,
         where a solver has it.
     takes_rows : bool
-        Whether it also takes matrices as ``CompressedRows`` of ``geodesic_toolkit._rows``, and
+        Whether it also takes matrices as ``CompressedRows`` of ``geodesic_toolkit.core.rows``, and
         so does without SciPy.
     references : tuple of str
         DOIs of what it implements.

@@ -5,8 +5,8 @@ import threading
 import numpy as np
 
 from geodesic_toolkit import _native
-from geodesic_toolkit._rows import CompressedRows
-from geodesic_toolkit._typing import FloatArray
+from geodesic_toolkit.core.rows import CompressedRows
+from geodesic_toolkit.core.types import FloatArray
 from geodesic_toolkit.linear.base import Factor, Factorizer, LinearSolver
 from geodesic_toolkit.linear.memory import require_memory
 
@@ -30,7 +30,7 @@ def plus_diagonal(
     --------
     >>> import numpy as np
     >>> from scipy.sparse import csr_array
-    >>> from geodesic_toolkit._rows import CompressedRows
+    >>> from geodesic_toolkit.core.rows import CompressedRows
     >>> from geodesic_toolkit.linear.patterns import plus_diagonal
     >>> matrix = CompressedRows.of(csr_array([[1.0, -1.0], [-1.0, 1.0]]))
     >>> plus_diagonal(matrix, np.array([5.0, 6.0]), 2.0).scipy.toarray()

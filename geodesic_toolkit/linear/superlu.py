@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any, ClassVar, final
 
 import numpy as np
 
-from geodesic_toolkit._typing import FloatArray
+from geodesic_toolkit.core.types import FloatArray
 from geodesic_toolkit.errors import NotEnoughMemoryError, SolverError
 from geodesic_toolkit.linear.base import Factor, LinearSolver
 from geodesic_toolkit.linear.memory import factor_bytes, require_memory

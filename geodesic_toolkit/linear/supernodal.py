@@ -19,8 +19,8 @@ from typing import TYPE_CHECKING, ClassVar, NoReturn, final
 import numpy as np
 
 from geodesic_toolkit import _native
-from geodesic_toolkit._rows import CompressedRows
-from geodesic_toolkit._typing import FloatArray
+from geodesic_toolkit.core.rows import CompressedRows
+from geodesic_toolkit.core.types import FloatArray
 from geodesic_toolkit.errors import InvalidOptionError, NotEnoughMemoryError, SolverError
 from geodesic_toolkit.linear.base import Factor, LinearSolver
 from geodesic_toolkit.linear.memory import factor_bytes, require_memory

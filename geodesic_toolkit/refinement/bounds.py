@@ -8,11 +8,11 @@ from typing import Any
 import numpy as np
 
 from geodesic_toolkit import _native
-from geodesic_toolkit._arrays import joined
-from geodesic_toolkit._typing import FloatArray, IndexArray, IntArray
-from geodesic_toolkit.discretization import Discretization
+from geodesic_toolkit.core.arrays import joined
+from geodesic_toolkit.core.types import FloatArray, IndexArray, IntArray
+from geodesic_toolkit.discretization.data import Discretization
 from geodesic_toolkit.domains import Domain, PointCloud, TriangleMesh
-from geodesic_toolkit.source_points import SourcePoints
+from geodesic_toolkit.sources.points import SourcePoints
 
 __all__ = ["DistanceBounds", "bounds_of"]
 

@@ -4,7 +4,8 @@ from typing import Literal
 
 import numpy as np
 
-from geodesic_toolkit.discretization import Discretization
+from geodesic_toolkit.discretization.data import Discretization
+from geodesic_toolkit.discretization.edge_gradient import EdgeGradient
 from geodesic_toolkit.geometry.across_edges import OF_TRIANGLES, SOLID
 from geodesic_toolkit.geometry.along_edges import AlongEdges
 from geodesic_toolkit.geometry.lines import (
@@ -15,8 +16,7 @@ from geodesic_toolkit.geometry.lines import (
     share_of_meshes,
     widest_level,
 )
-from geodesic_toolkit.gradient import EdgeGradient
-from geodesic_toolkit.refine import made_of_triangles
+from geodesic_toolkit.refinement.wavefronts import made_of_triangles
 
 __all__ = ["refinement_of"]
 

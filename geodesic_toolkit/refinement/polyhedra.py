@@ -13,11 +13,11 @@ from typing import Any
 import numpy as np
 
 from geodesic_toolkit import _native
-from geodesic_toolkit._typing import FloatArray, IntArray
+from geodesic_toolkit.core.types import FloatArray, IntArray
 from geodesic_toolkit.domains import Domain, TriangleMesh
 from geodesic_toolkit.errors import SolverError
 from geodesic_toolkit.geometry.triangles import proper_faces
-from geodesic_toolkit.source_points import SourcePoints
+from geodesic_toolkit.sources.points import SourcePoints
 
 __all__ = ["MOST_FACES", "SmallParts", "exact_distances", "small_parts_of"]
 

@@ -19,13 +19,13 @@ from itertools import accumulate
 import numpy as np
 
 from geodesic_toolkit import _native
-from geodesic_toolkit._arrays import empty, joined
-from geodesic_toolkit._typing import BoolArray, FloatArray, IntArray
-from geodesic_toolkit.discretization import Discretization
+from geodesic_toolkit.core.arrays import empty, joined
+from geodesic_toolkit.core.types import BoolArray, FloatArray, IntArray
+from geodesic_toolkit.discretization.data import Discretization
+from geodesic_toolkit.discretization.element_gradient import ElementGradient
 from geodesic_toolkit.errors import UnsupportedDomainError
 from geodesic_toolkit.geometry.intrinsic import MOST_SIDES
-from geodesic_toolkit.gradient import ElementGradient
-from geodesic_toolkit.source_points import SourcePoints
+from geodesic_toolkit.sources.points import SourcePoints
 
 __all__ = ["WavefrontSweeper", "made_of_triangles"]
 

@@ -8,7 +8,7 @@ from geodesic_toolkit.laplacians.base import LaplaceOperator
 from geodesic_toolkit.laplacians.cotan import CotanLaplacian
 from geodesic_toolkit.linear.base import LinearSolver
 from geodesic_toolkit.linear.supernodal import Supernodal
-from geodesic_toolkit.registry import Registry
+from geodesic_toolkit.registry.registry import Registry
 
 __all__ = ["operators", "readers", "resolve_operator", "resolve_solvers", "solvers"]
 
@@ -62,7 +62,7 @@ def resolve_operator(choice: object, domain: Domain) -> LaplaceOperator:
     if isinstance(domain, TriangleMesh):
         return CotanLaplacian(intrinsic_delaunay="auto")
     if isinstance(domain, PointCloud):
-        from geodesic_toolkit.laplacians.pointcloud import PointCloudLaplacian
+        from geodesic_toolkit.laplacians.pointcloud.operator import PointCloudLaplacian
 
         return PointCloudLaplacian()
     if isinstance(domain, Graph):

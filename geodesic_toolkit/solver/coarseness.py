@@ -13,17 +13,17 @@ from collections.abc import Iterable, Sequence
 
 import numpy as np
 
-from geodesic_toolkit._arrays import distinct
-from geodesic_toolkit._typing import FloatArray, IntArray
-from geodesic_toolkit._warning import warn
+from geodesic_toolkit.core.arrays import distinct
+from geodesic_toolkit.core.types import FloatArray, IntArray
+from geodesic_toolkit.core.warning import warn
 from geodesic_toolkit.domains import TriangleMesh
 from geodesic_toolkit.errors import CoarseMeshWarning, NonPositiveHeatWarning
-from geodesic_toolkit.heat import HeatMethod
+from geodesic_toolkit.heat.method import HeatMethod
 from geodesic_toolkit.laplacians.cotan import CotanLaplacian
 from geodesic_toolkit.linear.supernodal import Supernodal
-from geodesic_toolkit.polyhedra import SmallParts, small_parts_of
-from geodesic_toolkit.refine import WavefrontSweeper
-from geodesic_toolkit.source_points import SourcePoints
+from geodesic_toolkit.refinement.polyhedra import SmallParts, small_parts_of
+from geodesic_toolkit.refinement.wavefronts import WavefrontSweeper
+from geodesic_toolkit.sources.points import SourcePoints
 
 __all__ = ["LARGEST", "LIMIT", "Judge", "coarse_components"]
 

@@ -2,10 +2,10 @@
 
 from typing import Any
 
-from geodesic_toolkit._typing import FloatArray
-from geodesic_toolkit.conversion import check_one_shape
+from geodesic_toolkit.core.types import FloatArray
+from geodesic_toolkit.interop.conversion import check_one_shape
 from geodesic_toolkit.laplacians.base import LaplaceOperator
-from geodesic_toolkit.solver import GeodesicSolver
+from geodesic_toolkit.solver.solver import GeodesicSolver
 
 __all__ = ["geodesic_distance"]
 

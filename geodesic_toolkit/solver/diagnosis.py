@@ -6,8 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from geodesic_toolkit.coarseness import coarse_components
-from geodesic_toolkit.discretization import Discretization
+from geodesic_toolkit.discretization.data import Discretization
 from geodesic_toolkit.domains import Domain, TriangleMesh
 from geodesic_toolkit.geometry.seams import Seams
 from geodesic_toolkit.geometry.triangles import (
@@ -15,7 +14,8 @@ from geodesic_toolkit.geometry.triangles import (
     frames_from_positions,
     proper_faces,
 )
-from geodesic_toolkit.heat import HeatMethod, HeatReport
+from geodesic_toolkit.heat.method import HeatMethod, HeatReport
+from geodesic_toolkit.solver.coarseness import coarse_components
 
 __all__ = ["Diagnosis", "diagnose"]
 

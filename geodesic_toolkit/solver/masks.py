@@ -4,9 +4,10 @@ from typing import Any
 
 import numpy as np
 
-from geodesic_toolkit._checks import check_nothing_masked
-from geodesic_toolkit._typing import BoolArray
-from geodesic_toolkit.discretization import Discretization
+from geodesic_toolkit.core.checks import check_nothing_masked
+from geodesic_toolkit.core.types import BoolArray
+from geodesic_toolkit.discretization.data import Discretization
+from geodesic_toolkit.discretization.element_gradient import ElementGradient
 from geodesic_toolkit.domains import Domain, Graph, PointCloud, TriangleMesh
 from geodesic_toolkit.errors import (
     InvalidOptionError,
@@ -14,9 +15,8 @@ from geodesic_toolkit.errors import (
     UnsupportedDomainError,
 )
 from geodesic_toolkit.geometry.welding import same_places
-from geodesic_toolkit.gradient import ElementGradient
 from geodesic_toolkit.laplacians.base import LaplaceOperator
-from geodesic_toolkit.source_points import SourcePoints
+from geodesic_toolkit.sources.points import SourcePoints
 
 __all__ = ["as_mask", "assembled_without", "check_unmasked", "of_places", "without"]
 
@@ -96,7 +96,7 @@ def without(domain: Domain, mask: BoolArray) -> Domain:
     --------
     >>> import numpy as np
     >>> import geodesic_toolkit as gt
-    >>> from geodesic_toolkit.masking import without
+    >>> from geodesic_toolkit.solver.masks import without
     >>> square = gt.testing.shapes.grid(3)
     >>> without(square, np.arange(9) == 8)
     TriangleMesh(9 vertices, 6 faces)

@@ -8,18 +8,18 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from geodesic_toolkit._checks import check_nothing_masked
-from geodesic_toolkit._typing import BoolArray, FloatArray, IntArray
-from geodesic_toolkit.discretization import Discretization
+from geodesic_toolkit.core.checks import check_nothing_masked
+from geodesic_toolkit.core.types import BoolArray, FloatArray, IntArray
+from geodesic_toolkit.discretization.data import Discretization
+from geodesic_toolkit.discretization.element_gradient import ElementGradient
 from geodesic_toolkit.domains import Domain, TriangleMesh, known_positions
 from geodesic_toolkit.errors import InvalidOptionError, UnsupportedDomainError
 from geodesic_toolkit.geometry.closest import TriangleTree
 from geodesic_toolkit.geometry.entering import entered
-from geodesic_toolkit.geometry.ground import Ground
 from geodesic_toolkit.geometry.triangles import proper_faces
-from geodesic_toolkit.gradient import ElementGradient
-from geodesic_toolkit.heat import Progress
-from geodesic_toolkit.source_points import SourcePoints
+from geodesic_toolkit.heat.method import Progress
+from geodesic_toolkit.sources.ground import Ground
+from geodesic_toolkit.sources.points import SourcePoints
 
 __all__ = ["Surface", "as_points", "check_reach", "interpolate", "positions_of"]
 
@@ -87,7 +87,7 @@ def interpolate(
     Examples
     --------
     >>> import geodesic_toolkit as gt
-    >>> from geodesic_toolkit.queries import interpolate
+    >>> from geodesic_toolkit.solver.queries import interpolate
     >>> square = gt.testing.shapes.grid(3)
     >>> discretization = gt.CotanLaplacian().assemble(square)
     >>> interpolate(square, discretization, square.vertices[:, 0], [[0.3, 0.2, 0.1], [0, 9, 0]])

@@ -7,14 +7,10 @@ from typing import TYPE_CHECKING, Any, Literal, TypeAlias
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from geodesic_toolkit._checks import check_nothing_masked
-from geodesic_toolkit._typing import BoolArray, FloatArray, IntArray
-from geodesic_toolkit._warning import warn
-from geodesic_toolkit.bounds import bounds_of
-from geodesic_toolkit.catalog import resolve_operator, resolve_solvers
-from geodesic_toolkit.coarseness import Judge
-from geodesic_toolkit.conversion import as_domain, check_one_shape
-from geodesic_toolkit.discretization import Discretization
+from geodesic_toolkit.core.checks import check_nothing_masked
+from geodesic_toolkit.core.types import BoolArray, FloatArray, IntArray
+from geodesic_toolkit.core.warning import warn
+from geodesic_toolkit.discretization.data import Discretization
 from geodesic_toolkit.domains import Domain, PointCloud, TriangleMesh
 from geodesic_toolkit.errors import (
     InvalidOptionError,
@@ -23,19 +19,23 @@ from geodesic_toolkit.errors import (
     UnevenCloudWarning,
 )
 from geodesic_toolkit.geometry.seams import Seams, find_seams
-from geodesic_toolkit.heat import Boundary, HeatMethod, Progress
+from geodesic_toolkit.heat.method import Boundary, HeatMethod, Progress
+from geodesic_toolkit.interop.conversion import as_domain, check_one_shape
 from geodesic_toolkit.laplacians.base import LaplaceOperator
 from geodesic_toolkit.linear.base import LinearSolver
-from geodesic_toolkit.polyhedra import MOST_FACES, small_parts_of
-from geodesic_toolkit.refine import made_of_triangles
-from geodesic_toolkit.refine_by_default import refinement_of
-from geodesic_toolkit.source_points import LEFT, SourcePoints
-from geodesic_toolkit.sources import locate_sources
+from geodesic_toolkit.refinement.bounds import bounds_of
+from geodesic_toolkit.refinement.choice import refinement_of
+from geodesic_toolkit.refinement.polyhedra import MOST_FACES, small_parts_of
+from geodesic_toolkit.refinement.wavefronts import made_of_triangles
+from geodesic_toolkit.registry.catalog import resolve_operator, resolve_solvers
+from geodesic_toolkit.solver.coarseness import Judge
+from geodesic_toolkit.sources.locate import locate_sources
+from geodesic_toolkit.sources.points import LEFT, SourcePoints
 
 if TYPE_CHECKING:
-    from geodesic_toolkit.diagnosis import Diagnosis
-    from geodesic_toolkit.geometry.ground import Ground
-    from geodesic_toolkit.queries import Surface
+    from geodesic_toolkit.solver.diagnosis import Diagnosis
+    from geodesic_toolkit.solver.queries import Surface
+    from geodesic_toolkit.sources.ground import Ground
 
 __all__ = ["GeodesicSolver", "Refine", "check_solver"]
 
@@ -152,7 +152,7 @@ class GeodesicSolver:
             self.operator.check_domain(domain)
             metric = self.operator.assemble(domain)
         else:
-            from geodesic_toolkit.masking import as_mask, assembled_without, of_places, without
+            from geodesic_toolkit.solver.masks import as_mask, assembled_without, of_places, without
 
             self._mask = of_places(domain, as_mask(mask, domain.n_vertices))
             metric, self._whole = assembled_without(self.operator, domain, self._mask)
@@ -466,7 +466,7 @@ class GeodesicSolver:
 
     def _asked(self, points: ArrayLike, reach: float | None) -> tuple["Surface", NDArray[Any]]:
         """Return the surface and the points to find on it, all checked before any other work."""
-        from geodesic_toolkit.queries import as_points, check_reach, positions_of
+        from geodesic_toolkit.solver.queries import as_points, check_reach, positions_of
 
         positions_of(self.domain)  # refuses a graph
         queries = as_points(points)
@@ -479,7 +479,7 @@ class GeodesicSolver:
         ground = self._kept_ground()
         with self._lock:
             if self._surface is None:
-                from geodesic_toolkit.queries import Surface
+                from geodesic_toolkit.solver.queries import Surface
 
                 # Feet are on all of it: in a face that the mask cuts, not on the rim of the rest.
                 metric = self._whole or self.method.metric
@@ -496,7 +496,7 @@ class GeodesicSolver:
             return None
         with self._lock:
             if self._ground is None:
-                from geodesic_toolkit.geometry.ground import Ground
+                from geodesic_toolkit.sources.ground import Ground
 
                 self._ground = Ground(self._passable)
             return self._ground
@@ -538,7 +538,7 @@ class GeodesicSolver:
                 self.domain, sources, name, passable=self._passable, ground=self._kept_ground()
             )
         if self._mask is not None:
-            from geodesic_toolkit.masking import check_unmasked
+            from geodesic_toolkit.solver.masks import check_unmasked
 
             check_unmasked(places, self._mask, name)
         return places
@@ -606,7 +606,7 @@ class GeodesicSolver:
     @property
     def diagnosis(self) -> "Diagnosis":
         """What the shape is like and what was done about it; computed on first use."""
-        from geodesic_toolkit.diagnosis import diagnose
+        from geodesic_toolkit.solver.diagnosis import diagnose
 
         with self._lock:
             if self._diagnosis is None:

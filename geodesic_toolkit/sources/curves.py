@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from geodesic_toolkit._typing import BoolArray, FloatArray, IntArray
+from geodesic_toolkit.core.types import BoolArray, FloatArray, IntArray
 
 __all__ = ["bends_of_polyline", "distance_to_segments", "sample_polyline"]
 

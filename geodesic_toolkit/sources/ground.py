@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from geodesic_toolkit._typing import FloatArray, IntArray
+from geodesic_toolkit.core.types import FloatArray, IntArray
 from geodesic_toolkit.domains import PointCloud, TriangleMesh
 from geodesic_toolkit.geometry.closest import TriangleTree
 

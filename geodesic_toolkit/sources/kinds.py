@@ -6,11 +6,11 @@ from typing import Any, final
 
 import numpy as np
 
-from geodesic_toolkit._checks import check_nothing_masked
-from geodesic_toolkit._frozen import freeze
-from geodesic_toolkit._typing import FloatArray
-from geodesic_toolkit.domains.surface_point import SurfacePoint
+from geodesic_toolkit.core.checks import check_nothing_masked
+from geodesic_toolkit.core.frozen import freeze
+from geodesic_toolkit.core.types import FloatArray
 from geodesic_toolkit.errors import InvalidSourceError
+from geodesic_toolkit.sources.surface_point import SurfacePoint
 
 __all__ = ["Curve", "OffsetSources"]
 

@@ -6,22 +6,16 @@ from typing import Any
 
 import numpy as np
 
-from geodesic_toolkit._checks import check_nothing_masked
-from geodesic_toolkit._typing import FloatArray, IntArray
-from geodesic_toolkit._warning import warn
-from geodesic_toolkit.domains import (
-    Curve,
-    Domain,
-    Graph,
-    OffsetSources,
-    PointCloud,
-    SurfacePoint,
-    TriangleMesh,
-)
+from geodesic_toolkit.core.checks import check_nothing_masked
+from geodesic_toolkit.core.types import FloatArray, IntArray
+from geodesic_toolkit.core.warning import warn
+from geodesic_toolkit.domains import Domain, Graph, PointCloud, TriangleMesh
 from geodesic_toolkit.errors import FarSourceWarning, InvalidSourceError
-from geodesic_toolkit.geometry.ground import Ground
 from geodesic_toolkit.geometry.triangles import face_edge_lengths
-from geodesic_toolkit.source_points import LEFT, SourcePoints, as_vertices
+from geodesic_toolkit.sources.ground import Ground
+from geodesic_toolkit.sources.kinds import Curve, OffsetSources
+from geodesic_toolkit.sources.points import LEFT, SourcePoints, as_vertices
+from geodesic_toolkit.sources.surface_point import SurfacePoint
 
 __all__ = ["locate_sources"]
 
@@ -227,7 +221,7 @@ def _warn_if_far(points: FloatArray, feet: FloatArray, places: FloatArray, name:
 
 def _along(domain: Domain, ground: Ground, curve: Curve, name: str) -> SourcePoints:
     """Return samples of a curve; the corners around one lie at their distance from the curve."""
-    from geodesic_toolkit.geometry.polylines import sample_polyline
+    from geodesic_toolkit.sources.curves import sample_polyline
 
     if isinstance(curve.points, tuple):
         faces, barycentric = _faces_of(domain, curve.points, name)
@@ -320,7 +314,7 @@ def _fronts_beside(
     -------
     distances, curvatures : ndarray of shape (S, 3)
     """
-    from geodesic_toolkit.geometry.polylines import bends_of_polyline, distance_to_segments
+    from geodesic_toolkit.sources.curves import bends_of_polyline, distance_to_segments
 
     distances, beside, at_sample = distance_to_segments(around, laid)
     if closed:

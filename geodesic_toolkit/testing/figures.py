@@ -3,7 +3,7 @@
 import numpy as np
 from scipy.sparse import csr_array
 
-from geodesic_toolkit._typing import FloatArray
+from geodesic_toolkit.core.types import FloatArray
 
 __all__ = ["ALGEBRA", "largest", "relative"]
 

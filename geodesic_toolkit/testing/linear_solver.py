@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 from scipy.sparse import csr_array, dia_array, diags_array, eye_array, kron, random_array
 
-from geodesic_toolkit._frozen import freeze, freeze_csr
-from geodesic_toolkit._typing import FloatArray
+from geodesic_toolkit.core.frozen import freeze, freeze_csr
+from geodesic_toolkit.core.types import FloatArray
 from geodesic_toolkit.errors import InvalidOptionError, SolverError
 from geodesic_toolkit.laplacians.cotan import CotanLaplacian
 from geodesic_toolkit.linear.base import Factor, LinearSolver

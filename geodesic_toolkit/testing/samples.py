@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from geodesic_toolkit._typing import BoolArray, FloatArray, IntArray
+from geodesic_toolkit.core.types import BoolArray, FloatArray, IntArray
 from geodesic_toolkit.domains import Domain, Graph, PointCloud, TriangleMesh
 from geodesic_toolkit.errors import InvalidOptionError
 from geodesic_toolkit.geometry.triangles import edges_of_faces

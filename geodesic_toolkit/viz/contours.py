@@ -4,7 +4,7 @@ from typing import Any
 
 import numpy as np
 
-from geodesic_toolkit._typing import FloatArray, IntArray
+from geodesic_toolkit.core.types import FloatArray, IntArray
 from geodesic_toolkit.viz.extras import require
 from geodesic_toolkit.viz.scene import Scene, compacted
 

@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from geodesic_toolkit._atomic import replacing
-from geodesic_toolkit._typing import FloatArray
+from geodesic_toolkit.core.atomic import replacing
+from geodesic_toolkit.core.types import FloatArray
 from geodesic_toolkit.domains import Domain
 from geodesic_toolkit.viz.camera import choose_views
 from geodesic_toolkit.viz.colours import (

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from geodesic_toolkit._atomic import replacing
+from geodesic_toolkit.core.atomic import replacing
 from geodesic_toolkit.domains import Domain
 from geodesic_toolkit.errors import InvalidOptionError
 from geodesic_toolkit.viz.camera import choose_views

@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from geodesic_toolkit._typing import FloatArray
+from geodesic_toolkit.core.types import FloatArray
 from geodesic_toolkit.viz.camera import View
 from geodesic_toolkit.viz.colours import INK, MARKER, UNREACHED, Style, point_colours
 from geodesic_toolkit.viz.contours import contour_lines, surface

@@ -11,11 +11,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from geodesic_toolkit._typing import BoolArray, FloatArray, IntArray
+from geodesic_toolkit.core.types import BoolArray, FloatArray, IntArray
 from geodesic_toolkit.domains import Domain, Graph, TriangleMesh, known_positions
 from geodesic_toolkit.errors import InvalidOptionError, UnsupportedDomainError
 from geodesic_toolkit.geometry.triangles import proper_faces
-from geodesic_toolkit.sources import locate_sources
+from geodesic_toolkit.sources.locate import locate_sources
 
 __all__ = ["Scene", "compacted", "make_scene"]
 

@@ -5,10 +5,10 @@ from collections import deque
 from collections.abc import Iterator, Sequence
 from concurrent.futures import FIRST_COMPLETED, BrokenExecutor, Executor, Future, wait
 
-from geodesic_toolkit.analysis import workers
-from geodesic_toolkit.analysis.row_tasks import Rows, RowTask
+from geodesic_toolkit.analysis.matrix import workers
+from geodesic_toolkit.analysis.matrix.tasks import Rows, RowTask
 from geodesic_toolkit.errors import InvalidOptionError, SolverError
-from geodesic_toolkit.solver import GeodesicSolver
+from geodesic_toolkit.solver.solver import GeodesicSolver
 
 __all__ = ["check_executor", "computed"]
 

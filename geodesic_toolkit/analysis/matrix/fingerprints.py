@@ -8,9 +8,9 @@ from typing import Any
 import numpy as np
 from scipy.sparse import csr_array
 
-from geodesic_toolkit.analysis.row_tasks import EveryVertex, Sets
-from geodesic_toolkit.discretization import Discretization
-from geodesic_toolkit.solver import GeodesicSolver
+from geodesic_toolkit.analysis.matrix.tasks import EveryVertex, Sets
+from geodesic_toolkit.discretization.data import Discretization
+from geodesic_toolkit.solver.solver import GeodesicSolver
 
 __all__ = ["digest", "fingerprint_of_solver", "fingerprint_of_sources", "fingerprint_of_versions"]
 
@@ -23,7 +23,7 @@ def digest(*values: Any) -> str:
     Examples
     --------
     >>> import numpy as np
-    >>> from geodesic_toolkit.analysis.fingerprints import digest
+    >>> from geodesic_toolkit.analysis.matrix.fingerprints import digest
     >>> digest(np.arange(3)) == digest(np.arange(3)), digest(np.arange(3)) == digest([0, 1, 2])
     (True, False)
     """

@@ -8,23 +8,14 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, DTypeLike
 
-from geodesic_toolkit._atomic import check_output
-from geodesic_toolkit._typing import IntArray
-from geodesic_toolkit.analysis.executors import check_executor, computed
-from geodesic_toolkit.analysis.fingerprints import (
+from geodesic_toolkit.analysis.matrix.executors import check_executor, computed
+from geodesic_toolkit.analysis.matrix.fingerprints import (
     digest,
     fingerprint_of_solver,
     fingerprint_of_sources,
     fingerprint_of_versions,
 )
-from geodesic_toolkit.analysis.row_tasks import (
-    EveryVertex,
-    RowTask,
-    Sets,
-    rows_of_task,
-    vertices_of,
-)
-from geodesic_toolkit.analysis.stores import (
+from geodesic_toolkit.analysis.matrix.stores import (
     FileOfRows,
     InMemory,
     Plan,
@@ -35,12 +26,21 @@ from geodesic_toolkit.analysis.stores import (
     check_disk,
     require_zarr,
 )
-from geodesic_toolkit.analysis.symmetry import Symmetrize, check_symmetrize, widened
-from geodesic_toolkit.analysis.unfinished import Unfinished
+from geodesic_toolkit.analysis.matrix.symmetry import Symmetrize, check_symmetrize, widened
+from geodesic_toolkit.analysis.matrix.tasks import (
+    EveryVertex,
+    RowTask,
+    Sets,
+    rows_of_task,
+    vertices_of,
+)
+from geodesic_toolkit.analysis.matrix.unfinished import Unfinished
+from geodesic_toolkit.core.atomic import check_output
+from geodesic_toolkit.core.types import IntArray
 from geodesic_toolkit.errors import InvalidOptionError, WriteError
-from geodesic_toolkit.heat import Progress
-from geodesic_toolkit.solver import GeodesicSolver, check_solver
-from geodesic_toolkit.source_points import as_vertices
+from geodesic_toolkit.heat.method import Progress
+from geodesic_toolkit.solver.solver import GeodesicSolver, check_solver
+from geodesic_toolkit.sources.points import as_vertices
 
 __all__ = ["MATRIX_SUFFIXES", "check_matrix_output", "distance_matrix"]
 

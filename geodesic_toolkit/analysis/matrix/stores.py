@@ -13,14 +13,14 @@ from numpy.lib import format as npy
 from numpy.typing import NDArray
 from scipy.sparse import csr_array, load_npz, save_npz, vstack
 
-from geodesic_toolkit._typing import BoolArray
-from geodesic_toolkit.analysis.row_tasks import Rows, RowTask
-from geodesic_toolkit.analysis.symmetry import (
+from geodesic_toolkit.analysis.matrix.symmetry import (
     symmetric_bands,
     symmetrize_in_place,
     symmetrized_entries,
 )
-from geodesic_toolkit.analysis.unfinished import Unfinished, writing
+from geodesic_toolkit.analysis.matrix.tasks import Rows, RowTask
+from geodesic_toolkit.analysis.matrix.unfinished import Unfinished, writing
+from geodesic_toolkit.core.types import BoolArray
 from geodesic_toolkit.errors import MissingDependencyError, WriteError
 from geodesic_toolkit.linear.memory import require_memory
 

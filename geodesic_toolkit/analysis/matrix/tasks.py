@@ -12,10 +12,10 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import csr_array
 
-from geodesic_toolkit._typing import IntArray
+from geodesic_toolkit.core.types import IntArray
 from geodesic_toolkit.errors import InvalidSourceError
-from geodesic_toolkit.solver import GeodesicSolver
-from geodesic_toolkit.source_points import SourcePoints
+from geodesic_toolkit.solver.solver import GeodesicSolver
+from geodesic_toolkit.sources.points import SourcePoints
 
 __all__ = ["EveryVertex", "RowTask", "Rows", "Sets", "rows_of_task", "thinned", "vertices_of"]
 
@@ -126,7 +126,7 @@ def rows_of_task(n_rows: int, n_vertices: int) -> int:
 
     Examples
     --------
-    >>> from geodesic_toolkit.analysis.row_tasks import rows_of_task
+    >>> from geodesic_toolkit.analysis.matrix.tasks import rows_of_task
     >>> rows_of_task(10_242, 10_242), rows_of_task(100, 1_000_000), rows_of_task(3, 10)
     (160, 16, 16)
     """

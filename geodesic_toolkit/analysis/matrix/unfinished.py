@@ -13,7 +13,7 @@ from typing import IO, Any
 
 import numpy as np
 
-from geodesic_toolkit._typing import BoolArray
+from geodesic_toolkit.core.types import BoolArray
 from geodesic_toolkit.errors import InvalidOptionError, WriteError
 
 __all__ = ["Unfinished", "writing"]

@@ -15,11 +15,11 @@ from dataclasses import dataclass
 from typing import Any
 from weakref import WeakKeyDictionary
 
-from geodesic_toolkit._warning import warn
-from geodesic_toolkit.analysis.row_tasks import Rows, RowTask
+from geodesic_toolkit.analysis.matrix.tasks import Rows, RowTask
+from geodesic_toolkit.core.warning import warn
 from geodesic_toolkit.errors import GeodesicWarning, InvalidOptionError
-from geodesic_toolkit.heat import HeatMethod
-from geodesic_toolkit.solver import GeodesicSolver
+from geodesic_toolkit.heat.method import HeatMethod
+from geodesic_toolkit.solver.solver import GeodesicSolver
 
 __all__ = ["Answer", "Token", "at_home", "compute", "pickled"]
 

@@ -5,14 +5,14 @@ from functools import cached_property
 
 import numpy as np
 
-from geodesic_toolkit._typing import FloatArray, IntArray
-from geodesic_toolkit.analysis.fronts import first_to_arrive, refined_distance
-from geodesic_toolkit.analysis.reach import path_within_reach
-from geodesic_toolkit.analysis.star_ways import path_down
+from geodesic_toolkit.analysis.paths.fronts import first_to_arrive, refined_distance
+from geodesic_toolkit.analysis.paths.reach import path_within_reach
+from geodesic_toolkit.analysis.paths.star_ways import path_down
+from geodesic_toolkit.core.types import FloatArray, IntArray
 from geodesic_toolkit.domains import PointCloud
 from geodesic_toolkit.errors import UnreachableError
-from geodesic_toolkit.solver import GeodesicSolver
-from geodesic_toolkit.source_points import SourcePoints
+from geodesic_toolkit.solver.solver import GeodesicSolver
+from geodesic_toolkit.sources.points import SourcePoints
 
 __all__ = ["CloudPath", "path_on_cloud"]
 

@@ -2,11 +2,11 @@
 
 import numpy as np
 
-from geodesic_toolkit._typing import FloatArray
-from geodesic_toolkit.discretization import Discretization
-from geodesic_toolkit.refine import WavefrontSweeper
-from geodesic_toolkit.solver import GeodesicSolver
-from geodesic_toolkit.source_points import SourcePoints
+from geodesic_toolkit.core.types import FloatArray
+from geodesic_toolkit.discretization.data import Discretization
+from geodesic_toolkit.refinement.wavefronts import WavefrontSweeper
+from geodesic_toolkit.solver.solver import GeodesicSolver
+from geodesic_toolkit.sources.points import SourcePoints
 
 __all__ = ["first_to_arrive", "refined_distance"]
 

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from geodesic_toolkit._typing import FloatArray, IntArray
+from geodesic_toolkit.core.types import FloatArray, IntArray
 
 if TYPE_CHECKING:
     from scipy.sparse import csr_array
@@ -67,7 +67,7 @@ def insert_points(vertices: FloatArray, faces: IntArray, weights: csr_array) -> 
     --------
     >>> import numpy as np
     >>> from scipy.sparse import csr_array
-    >>> from geodesic_toolkit.geometry.insertion import insert_points
+    >>> from geodesic_toolkit.analysis.paths.insertion import insert_points
     >>> corners = np.array([[0.0, 0, 0], [1, 0, 0], [0, 1, 0]])
     >>> split = insert_points(corners, np.array([[0, 1, 2]]), csr_array([[0.5, 0.25, 0.25]]))
     >>> split.faces.tolist(), split.places.tolist()

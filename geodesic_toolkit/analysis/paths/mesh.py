@@ -7,24 +7,26 @@ from typing import Any
 import numpy as np
 from scipy.sparse import csr_array, vstack
 
-from geodesic_toolkit._typing import FloatArray, IntArray
-from geodesic_toolkit.analysis.cloud_paths import CloudPath, path_on_cloud
-from geodesic_toolkit.analysis.fronts import first_to_arrive, refined_distance
-from geodesic_toolkit.analysis.ways import best_way
-from geodesic_toolkit.discretization import Discretization
-from geodesic_toolkit.domains import OffsetSources, PointCloud, SurfacePoint, TriangleMesh
+from geodesic_toolkit.analysis.paths.cloud import CloudPath, path_on_cloud
+from geodesic_toolkit.analysis.paths.fronts import first_to_arrive, refined_distance
+from geodesic_toolkit.analysis.paths.insertion import Insertion, insert_points
+from geodesic_toolkit.analysis.paths.ways import best_way
+from geodesic_toolkit.core.types import FloatArray, IntArray
+from geodesic_toolkit.discretization.data import Discretization
+from geodesic_toolkit.discretization.element_gradient import ElementGradient
+from geodesic_toolkit.domains import PointCloud, TriangleMesh
 from geodesic_toolkit.errors import (
     InvalidSourceError,
     UnreachableError,
     UnsupportedDomainError,
 )
-from geodesic_toolkit.geometry.insertion import Insertion, insert_points
 from geodesic_toolkit.geometry.triangles import proper_faces
-from geodesic_toolkit.gradient import ElementGradient
 from geodesic_toolkit.laplacians.cotan import CotanLaplacian
-from geodesic_toolkit.solver import GeodesicSolver, check_solver
-from geodesic_toolkit.source_points import SourcePoints
-from geodesic_toolkit.sources import locate_sources
+from geodesic_toolkit.solver.solver import GeodesicSolver, check_solver
+from geodesic_toolkit.sources.kinds import OffsetSources
+from geodesic_toolkit.sources.locate import locate_sources
+from geodesic_toolkit.sources.points import SourcePoints
+from geodesic_toolkit.sources.surface_point import SurfacePoint
 
 __all__ = ["GeodesicPath", "geodesic_path"]
 

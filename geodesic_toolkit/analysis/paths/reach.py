@@ -5,14 +5,14 @@ from functools import cached_property
 
 import numpy as np
 
-from geodesic_toolkit._typing import BoolArray, FloatArray, IntArray
-from geodesic_toolkit.analysis.star_ways import length_of, path_down, stars_connect
-from geodesic_toolkit.discretization import Discretization
+from geodesic_toolkit.analysis.paths.star_ways import length_of, path_down, stars_connect
+from geodesic_toolkit.core.types import BoolArray, FloatArray, IntArray
+from geodesic_toolkit.discretization.data import Discretization
+from geodesic_toolkit.discretization.element_gradient import ElementGradient
 from geodesic_toolkit.domains import PointCloud
-from geodesic_toolkit.gradient import ElementGradient
-from geodesic_toolkit.refine import WavefrontSweeper, made_of_triangles
-from geodesic_toolkit.solver import GeodesicSolver
-from geodesic_toolkit.source_points import SourcePoints
+from geodesic_toolkit.refinement.wavefronts import WavefrontSweeper, made_of_triangles
+from geodesic_toolkit.solver.solver import GeodesicSolver
+from geodesic_toolkit.sources.points import SourcePoints
 
 __all__ = ["path_within_reach"]
 

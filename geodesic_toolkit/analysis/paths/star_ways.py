@@ -3,11 +3,11 @@
 import numpy as np
 
 from geodesic_toolkit import _native
-from geodesic_toolkit._typing import FloatArray, IntArray
-from geodesic_toolkit.analysis.ways import Way, best_way
-from geodesic_toolkit.discretization import Discretization
+from geodesic_toolkit.analysis.paths.ways import Way, best_way
+from geodesic_toolkit.core.types import FloatArray, IntArray
+from geodesic_toolkit.discretization.data import Discretization
+from geodesic_toolkit.discretization.element_gradient import ElementGradient
 from geodesic_toolkit.geometry.components import connected_by_edges
-from geodesic_toolkit.gradient import ElementGradient
 
 __all__ = ["length_of", "path_down", "stars_connect"]
 

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from geodesic_toolkit import _native
-from geodesic_toolkit._typing import FloatArray, IntArray
+from geodesic_toolkit.core.types import FloatArray, IntArray
 
 __all__ = ["Way", "best_way"]
 

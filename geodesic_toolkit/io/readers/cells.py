@@ -11,7 +11,7 @@ from geodesic_toolkit.domains import Domain, PointCloud, TriangleMesh
 from geodesic_toolkit.errors import ReadError
 from geodesic_toolkit.geometry.cells import surface_polygons
 from geodesic_toolkit.io.common import optional_package, triangulate, warn
-from geodesic_toolkit.io.gmsh import check_node_numbers
+from geodesic_toolkit.io.readers.gmsh import check_node_numbers
 
 __all__ = ["read_cells", "read_medit", "read_msh", "read_vtu"]
 

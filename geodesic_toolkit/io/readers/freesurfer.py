@@ -9,7 +9,7 @@ from pathlib import Path
 
 import numpy as np
 
-from geodesic_toolkit._typing import IntArray
+from geodesic_toolkit.core.types import IntArray
 from geodesic_toolkit.domains import TriangleMesh
 from geodesic_toolkit.errors import ReadError
 from geodesic_toolkit.io.common import lines_of, optional_package

@@ -6,10 +6,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from geodesic_toolkit._typing import FloatArray
-from geodesic_toolkit.conversion import as_domain
+from geodesic_toolkit.core.types import FloatArray
 from geodesic_toolkit.domains import Domain
 from geodesic_toolkit.errors import ReadError
+from geodesic_toolkit.interop.conversion import as_domain
 from geodesic_toolkit.io.common import optional_package
 
 __all__ = ["encode_gifti", "read_gifti", "read_gifti_numbers"]

@@ -6,12 +6,12 @@ from pathlib import Path
 import numpy as np
 from scipy import sparse
 
-from geodesic_toolkit._typing import FloatArray
-from geodesic_toolkit.conversion import graph_of_lengths
+from geodesic_toolkit.core.types import FloatArray
 from geodesic_toolkit.domains import Domain, Graph, TriangleMesh
 from geodesic_toolkit.errors import ReadError
+from geodesic_toolkit.interop.conversion import graph_of_lengths
 from geodesic_toolkit.io.common import cloud, integers, text_of, whole_numbers
-from geodesic_toolkit.io.tables import number_table
+from geodesic_toolkit.io.tables.rows import number_table
 
 __all__ = ["read_mtx", "read_npz"]
 

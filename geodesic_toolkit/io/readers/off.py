@@ -5,7 +5,7 @@ from pathlib import Path
 
 import numpy as np
 
-from geodesic_toolkit._typing import IntArray
+from geodesic_toolkit.core.types import IntArray
 from geodesic_toolkit.domains import Domain
 from geodesic_toolkit.errors import ReadError
 from geodesic_toolkit.io.common import floats, integers, surface, text_of

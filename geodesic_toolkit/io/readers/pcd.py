@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from geodesic_toolkit._typing import FloatArray
+from geodesic_toolkit.core.types import FloatArray
 from geodesic_toolkit.domains import Domain, PointCloud, known_positions
 from geodesic_toolkit.errors import ReadError
 from geodesic_toolkit.io.common import check_count, cloud, floats

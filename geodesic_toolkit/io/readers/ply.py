@@ -10,7 +10,7 @@ from typing import Any, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from geodesic_toolkit._typing import FloatArray, IntArray
+from geodesic_toolkit.core.types import FloatArray, IntArray
 from geodesic_toolkit.domains import Domain, TriangleMesh
 from geodesic_toolkit.errors import ReadError
 from geodesic_toolkit.geometry.polygons import strip_triangles

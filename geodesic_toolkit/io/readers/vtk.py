@@ -11,12 +11,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from geodesic_toolkit._typing import IntArray
+from geodesic_toolkit.core.types import IntArray
 from geodesic_toolkit.domains import Domain, PointCloud, TriangleMesh
 from geodesic_toolkit.errors import ReadError
 from geodesic_toolkit.geometry.polygons import strip_triangles
-from geodesic_toolkit.io.cells import read_cells
 from geodesic_toolkit.io.common import floats, triangulate, whole_numbers
+from geodesic_toolkit.io.readers.cells import read_cells
 
 __all__ = ["read_vtk"]
 

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from geodesic_toolkit._typing import FloatArray
+from geodesic_toolkit.core.types import FloatArray
 from geodesic_toolkit.domains import Domain, PointCloud, TriangleMesh, known_positions
 from geodesic_toolkit.errors import WriteError
 from geodesic_toolkit.io.common import optional_package

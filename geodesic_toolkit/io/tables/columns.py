@@ -5,11 +5,11 @@ from pathlib import Path
 
 import numpy as np
 
-from geodesic_toolkit._typing import FloatArray
+from geodesic_toolkit.core.types import FloatArray
 from geodesic_toolkit.domains import Graph, PointCloud
 from geodesic_toolkit.errors import ReadError
 from geodesic_toolkit.io.common import cloud, warn, whole_numbers
-from geodesic_toolkit.io.tables import Table, read_table
+from geodesic_toolkit.io.tables.rows import Table, read_table
 
 __all__ = ["read_edges", "read_pts", "read_xyz"]
 

@@ -7,12 +7,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from geodesic_toolkit._typing import BoolArray
+from geodesic_toolkit.core.types import BoolArray
 from geodesic_toolkit.errors import InvalidOptionError, ReadError
 from geodesic_toolkit.io.common import array_of, floats, whole_numbers
 from geodesic_toolkit.io.reading import check_file, named_errors, unpacked
-from geodesic_toolkit.io.regions import REGION_SUFFIXES, check_no_region, read_region
-from geodesic_toolkit.io.tables import read_table
+from geodesic_toolkit.io.tables.regions import REGION_SUFFIXES, check_no_region, read_region
+from geodesic_toolkit.io.tables.rows import read_table
 
 __all__ = ["MASK_SUFFIXES", "read_mask"]
 

@@ -4,10 +4,10 @@ from pathlib import Path
 
 import numpy as np
 
-from geodesic_toolkit._typing import IntArray
+from geodesic_toolkit.core.types import IntArray
 from geodesic_toolkit.errors import InvalidOptionError, ReadError
-from geodesic_toolkit.io.freesurfer import read_annotation, read_label
-from geodesic_toolkit.io.gifti import read_gifti_numbers
+from geodesic_toolkit.io.readers.freesurfer import read_annotation, read_label
+from geodesic_toolkit.io.readers.gifti import read_gifti_numbers
 
 __all__ = ["REGION_SUFFIXES", "read_region"]
 

@@ -13,7 +13,7 @@ from pathlib import Path
 
 import numpy as np
 
-from geodesic_toolkit._typing import FloatArray
+from geodesic_toolkit.core.types import FloatArray
 from geodesic_toolkit.errors import ReadError
 from geodesic_toolkit.io.common import text_of
 

@@ -14,9 +14,9 @@ from functools import cached_property
 import numpy as np
 
 from geodesic_toolkit import _native
-from geodesic_toolkit._typing import BoolArray, FloatArray, IntArray
-from geodesic_toolkit.geometry.neighbours import nearest_among, nearest_neighbours
+from geodesic_toolkit.core.types import BoolArray, FloatArray, IntArray
 from geodesic_toolkit.geometry.threads import threads_for
+from geodesic_toolkit.laplacians.pointcloud.neighbours import nearest_among, nearest_neighbours
 
 __all__ = ["Representatives", "representatives", "restored"]
 

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from geodesic_toolkit._typing import BoolArray, FloatArray, IntArray
+from geodesic_toolkit.core.types import BoolArray, FloatArray, IntArray
 from geodesic_toolkit.geometry.components import connected_by_edges
 
 __all__ = ["AHEAD", "curve_links", "directions", "largest_chain", "lie_on_lines"]

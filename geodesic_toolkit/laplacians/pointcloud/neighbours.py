@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from geodesic_toolkit._typing import BoolArray, FloatArray, IntArray
+from geodesic_toolkit.core.types import BoolArray, FloatArray, IntArray
 from geodesic_toolkit.geometry.threads import threads_for
 
 __all__ = [

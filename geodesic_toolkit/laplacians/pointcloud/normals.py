@@ -8,7 +8,7 @@ import re
 
 import numpy as np
 
-from geodesic_toolkit._typing import FloatArray, IntArray
+from geodesic_toolkit.core.types import FloatArray, IntArray
 from geodesic_toolkit.errors import MissingDependencyError
 
 __all__ = ["missing_package", "open3d_normals", "pca_normals", "roughness"]

@@ -7,29 +7,33 @@ from typing import Any, ClassVar, Literal, final
 
 import numpy as np
 
-from geodesic_toolkit._typing import BoolArray, FloatArray, IntArray
-from geodesic_toolkit.discretization import Discretization
+from geodesic_toolkit.core.types import BoolArray, FloatArray, IntArray
+from geodesic_toolkit.discretization.data import Discretization
+from geodesic_toolkit.discretization.element_gradient import ElementGradient
+from geodesic_toolkit.discretization.positivity import positive_part
 from geodesic_toolkit.domains import Domain, PointCloud
 from geodesic_toolkit.errors import InvalidOptionError, MissingDependencyError, NormalsWarning
 from geodesic_toolkit.geometry.components import connected_by_edges, connected_by_faces
-from geodesic_toolkit.geometry.crowds import Representatives, representatives, restored
-from geodesic_toolkit.geometry.curves import curve_links, largest_chain, lie_on_lines
-from geodesic_toolkit.geometry.neighbours import (
+from geodesic_toolkit.geometry.triangles import face_areas, hat_gradients, inverse_frames
+from geodesic_toolkit.laplacians.base import LaplaceOperator
+from geodesic_toolkit.laplacians.pointcloud.crowds import Representatives, representatives, restored
+from geodesic_toolkit.laplacians.pointcloud.curves import curve_links, largest_chain, lie_on_lines
+from geodesic_toolkit.laplacians.pointcloud.neighbours import (
     along_curve,
     distinct_points,
     nearest_among,
     nearest_neighbours,
     normalised,
 )
-from geodesic_toolkit.geometry.normals import open3d_normals, pca_normals, roughness
-from geodesic_toolkit.geometry.poles import pole_normals
-from geodesic_toolkit.geometry.stars import delaunay_stars, tie_breakers
-from geodesic_toolkit.geometry.tears import bridges
-from geodesic_toolkit.geometry.triangles import face_areas, hat_gradients, inverse_frames
-from geodesic_toolkit.gradient import ElementGradient
-from geodesic_toolkit.laplacians.base import LaplaceOperator
-from geodesic_toolkit.laplacians.cloud_parts import CloudParts, warn_of_fragments, warn_of_lines
-from geodesic_toolkit.positivity import positive_part
+from geodesic_toolkit.laplacians.pointcloud.normals import open3d_normals, pca_normals, roughness
+from geodesic_toolkit.laplacians.pointcloud.parts import (
+    CloudParts,
+    warn_of_fragments,
+    warn_of_lines,
+)
+from geodesic_toolkit.laplacians.pointcloud.poles import pole_normals
+from geodesic_toolkit.laplacians.pointcloud.stars import delaunay_stars, tie_breakers
+from geodesic_toolkit.laplacians.pointcloud.tears import bridges
 
 __all__ = ["PointCloudLaplacian"]
 

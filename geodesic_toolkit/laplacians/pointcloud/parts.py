@@ -5,8 +5,8 @@ from typing import Any
 
 import numpy as np
 
-from geodesic_toolkit._typing import FloatArray, IntArray
-from geodesic_toolkit._warning import warn
+from geodesic_toolkit.core.types import FloatArray, IntArray
+from geodesic_toolkit.core.warning import warn
 from geodesic_toolkit.errors import CurveWarning, FragmentedCloudWarning
 
 __all__ = ["CloudParts", "warn_of_fragments", "warn_of_lines"]

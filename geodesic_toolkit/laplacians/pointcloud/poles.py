@@ -6,7 +6,7 @@ The kernel is ``native/clouds/poles.cpp``, with the reasons for its constants.
 import numpy as np
 
 from geodesic_toolkit import _native
-from geodesic_toolkit._typing import FloatArray, IntArray
+from geodesic_toolkit.core.types import FloatArray, IntArray
 from geodesic_toolkit.geometry.threads import threads_for
 
 __all__ = ["pole_normals"]

@@ -6,7 +6,7 @@ The kernel is ``native/clouds/stars.cpp``, with the measurements behind its cons
 import numpy as np
 
 from geodesic_toolkit import _native
-from geodesic_toolkit._typing import BoolArray, FloatArray, IntArray
+from geodesic_toolkit.core.types import BoolArray, FloatArray, IntArray
 from geodesic_toolkit.geometry.threads import threads_for
 
 __all__ = ["delaunay_stars", "tie_breakers"]

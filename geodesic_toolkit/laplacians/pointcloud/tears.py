@@ -10,8 +10,8 @@ from typing import Any
 
 import numpy as np
 
-from geodesic_toolkit._typing import BoolArray, FloatArray, IntArray
-from geodesic_toolkit.geometry.curves import AHEAD, directions
+from geodesic_toolkit.core.types import BoolArray, FloatArray, IntArray
+from geodesic_toolkit.laplacians.pointcloud.curves import AHEAD, directions
 
 __all__ = ["bridges"]
 

@@ -5,8 +5,8 @@ from collections.abc import Iterable
 import numpy as np
 from scipy.sparse import csr_array
 
-from geodesic_toolkit._typing import FloatArray
-from geodesic_toolkit.gradient import ElementGradient
+from geodesic_toolkit.core.types import FloatArray
+from geodesic_toolkit.discretization.element_gradient import ElementGradient
 from geodesic_toolkit.testing.conformance import Measured
 from geodesic_toolkit.testing.figures import ALGEBRA, largest, relative
 from geodesic_toolkit.testing.operator_laws.subject import OperatorSubject

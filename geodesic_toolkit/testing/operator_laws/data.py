@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from scipy.sparse import csr_array
 
-from geodesic_toolkit.discretization import Discretization
+from geodesic_toolkit.discretization.data import Discretization
 from geodesic_toolkit.domains import Domain
 from geodesic_toolkit.errors import GeodesicError, UnsupportedDomainError
 from geodesic_toolkit.laplacians.base import LaplaceOperator

@@ -4,9 +4,9 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
-from geodesic_toolkit.discretization import Discretization
+from geodesic_toolkit.discretization.data import Discretization
 from geodesic_toolkit.domains import Domain
-from geodesic_toolkit.heat import HeatMethod
+from geodesic_toolkit.heat.method import HeatMethod
 from geodesic_toolkit.laplacians.base import LaplaceOperator
 from geodesic_toolkit.linear.superlu import SuperLU
 from geodesic_toolkit.testing.samples import DomainSamples, Sample

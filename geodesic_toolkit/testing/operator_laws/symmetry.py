@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from geodesic_toolkit.discretization import Discretization
+from geodesic_toolkit.discretization.data import Discretization
 from geodesic_toolkit.testing.conformance import Measured
 from geodesic_toolkit.testing.figures import relative
 from geodesic_toolkit.testing.operator_laws.subject import OperatorSubject

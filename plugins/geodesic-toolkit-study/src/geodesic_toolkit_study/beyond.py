@@ -10,12 +10,12 @@ import numpy as np
 from scipy.sparse import coo_array, csr_array
 from scipy.sparse.csgraph import dijkstra
 
-from geodesic_toolkit._typing import FloatArray
+from geodesic_toolkit.core.types import FloatArray
 from geodesic_toolkit.domains import Graph, PointCloud
 from geodesic_toolkit.errors import UnsupportedDomainError
 from geodesic_toolkit.geometry.triangles import edges_of_faces, proper_faces
 from geodesic_toolkit.laplacians.cotan import CotanLaplacian
-from geodesic_toolkit.solver import GeodesicSolver
+from geodesic_toolkit.solver.solver import GeodesicSolver
 from geodesic_toolkit_study.subject import Subject
 
 __all__ = ["REFINED", "Beyond", "edge_graph", "study_beyond"]

@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from geodesic_toolkit._atomic import replacing
+from geodesic_toolkit.core.atomic import replacing
 from geodesic_toolkit.viz.extras import require
 from geodesic_toolkit_study.results import Results
 

@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from geodesic_toolkit._typing import FloatArray
+from geodesic_toolkit.core.types import FloatArray
 from geodesic_toolkit.laplacians.base import LaplaceOperator
 from geodesic_toolkit.laplacians.cotan import CotanLaplacian
 from geodesic_toolkit.laplacians.uniform import UniformLaplacian

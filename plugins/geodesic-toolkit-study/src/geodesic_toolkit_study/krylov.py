@@ -6,8 +6,8 @@ import numpy as np
 from scipy.sparse import csr_array, diags_array
 from scipy.sparse.csgraph import dijkstra
 
-from geodesic_toolkit._typing import FloatArray, IntArray
-from geodesic_toolkit.discretization import Discretization
+from geodesic_toolkit.core.types import FloatArray, IntArray
+from geodesic_toolkit.discretization.data import Discretization
 
 __all__ = ["Iteration", "conjugate_gradients", "heat_matrix", "rings"]
 

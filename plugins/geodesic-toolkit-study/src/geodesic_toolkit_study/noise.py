@@ -5,9 +5,9 @@ from typing import Any
 
 import numpy as np
 
-from geodesic_toolkit._typing import FloatArray
+from geodesic_toolkit.core.types import FloatArray
 from geodesic_toolkit.domains import TriangleMesh
-from geodesic_toolkit.solver import GeodesicSolver
+from geodesic_toolkit.solver.solver import GeodesicSolver
 from geodesic_toolkit_study.subject import Subject, error_of
 
 __all__ = ["Noise", "rank_correlation", "study_noise"]

@@ -7,8 +7,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from geodesic_toolkit._atomic import replacing
-from geodesic_toolkit._typing import FloatArray
+from geodesic_toolkit.core.atomic import replacing
+from geodesic_toolkit.core.types import FloatArray
 from geodesic_toolkit.domains import TriangleMesh
 from geodesic_toolkit.viz import plot
 from geodesic_toolkit.viz.colours import INK

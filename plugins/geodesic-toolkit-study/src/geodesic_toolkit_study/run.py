@@ -9,7 +9,7 @@ from contextlib import AbstractContextManager, nullcontext
 from pathlib import Path
 from typing import Any, TypeAlias
 
-from geodesic_toolkit._atomic import make_folder, replacing
+from geodesic_toolkit.core.atomic import make_folder, replacing
 from geodesic_toolkit.domains import Domain, TriangleMesh
 from geodesic_toolkit.errors import (
     CoarseMeshWarning,

@@ -6,15 +6,15 @@ from typing import Any
 
 import numpy as np
 
-from geodesic_toolkit._typing import BoolArray, FloatArray, IntArray
-from geodesic_toolkit.discretization import Discretization
+from geodesic_toolkit.core.types import BoolArray, FloatArray, IntArray
+from geodesic_toolkit.discretization.data import Discretization
 from geodesic_toolkit.domains import TriangleMesh
 from geodesic_toolkit.errors import SolverError
 from geodesic_toolkit.exact import exact_distance
-from geodesic_toolkit.heat import HeatMethod
+from geodesic_toolkit.heat.method import HeatMethod
 from geodesic_toolkit.laplacians.cotan import CotanLaplacian
 from geodesic_toolkit.linear.superlu import SuperLU
-from geodesic_toolkit.source_points import as_vertices
+from geodesic_toolkit.sources.points import as_vertices
 
 __all__ = ["Subject", "choose_sources", "error_of", "reference_distance"]
 

@@ -6,11 +6,11 @@ from typing import Any
 
 import numpy as np
 
-from geodesic_toolkit._typing import FloatArray
+from geodesic_toolkit.core.types import FloatArray
+from geodesic_toolkit.discretization.element_gradient import ElementGradient
 from geodesic_toolkit.domains import TriangleMesh
 from geodesic_toolkit.geometry.triangles import edges_of_faces, proper_faces
-from geodesic_toolkit.gradient import ElementGradient
-from geodesic_toolkit.solver import GeodesicSolver
+from geodesic_toolkit.solver.solver import GeodesicSolver
 from geodesic_toolkit_study.subject import Subject, error_of
 
 __all__ = ["Times", "study_sizes", "study_times", "subdivided"]

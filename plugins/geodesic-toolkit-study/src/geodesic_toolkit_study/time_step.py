@@ -5,9 +5,9 @@ from typing import Any
 
 import numpy as np
 
-from geodesic_toolkit._typing import FloatArray, IntArray
-from geodesic_toolkit.gradient import ElementGradient
-from geodesic_toolkit.heat import HeatMethod
+from geodesic_toolkit.core.types import FloatArray, IntArray
+from geodesic_toolkit.discretization.element_gradient import ElementGradient
+from geodesic_toolkit.heat.method import HeatMethod
 from geodesic_toolkit.linear.cg import CG
 from geodesic_toolkit.linear.superlu import SuperLU
 from geodesic_toolkit_study.krylov import conjugate_gradients, heat_matrix, rings

@@ -1,0 +1,12 @@
+"""The algebra of a shape: mass, stiffness, and a gradient whose adjoint is the divergence.
+
+The divergence never stands alone: every discretization keeps the identity ``L = Gᵀ W G`` with
+L = -Δ positive semidefinite, on which the heat method rests. Imports geometry and domains.
+"""
+
+from geodesic_toolkit.discretization.data import Discretization
+from geodesic_toolkit.discretization.edge_gradient import EdgeGradient
+from geodesic_toolkit.discretization.element_gradient import ElementGradient
+from geodesic_toolkit.discretization.gradient import Gradient
+
+__all__ = ["Discretization", "EdgeGradient", "ElementGradient", "Gradient"]

@@ -1,0 +1,9 @@
+"""The heat method: diffusion, unit gradients, the Poisson step. Begin with ``method``.
+
+Imports discretizations, linear solvers, sources and refinement; it knows no domain.
+"""
+
+from geodesic_toolkit.heat.diffusion import HeatReport
+from geodesic_toolkit.heat.method import HeatMethod
+
+__all__ = ["HeatMethod", "HeatReport"]

@@ -1,0 +1,4 @@
+"""A reader for each format of shapes, and the parts that several of them share.
+
+Imports domains and what is below.
+"""
