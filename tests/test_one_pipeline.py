@@ -15,6 +15,8 @@ PIPELINE = {
     for name in (
         "heat/method.py",
         "heat/diffusion.py",
+        "heat/graphs.py",
+        "heat/positive.py",
         "sources/points.py",
         "heat/log_range.py",
         "linear/superlu.py",

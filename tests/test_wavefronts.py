@@ -250,7 +250,7 @@ def test_a_front_turns_about_a_reflex_corner_of_the_boundary(monkeypatch):
 def test_after_the_sweeps_no_vertex_has_anything_to_gain(name):
     solver = gt.GeodesicSolver(DOMAINS[name], refine=True)
     method = solver.method
-    fronts, log_heat = method._sweeper._fronts, method.log_heat(2)
+    fronts, log_heat = method._refined._sweeper._fronts, method.log_heat(2)
     tolerance = np.array([refine.TOLERANCE * method.metric.spacing])
 
     def swept(vertices, distances, kappas):

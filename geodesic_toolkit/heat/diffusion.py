@@ -66,6 +66,11 @@ class Heat(NamedTuple):
     values: FloatArray
     logarithmic: bool
 
+    @property
+    def columns(self) -> FloatArray:
+        """The values (N, K), or (N,) of one source set, which gradients take as one column."""
+        return self.values[:, 0] if self.values.shape[1] == 1 else self.values
+
     def log(self) -> FloatArray:
         """Return log u, (N, K), ``-inf`` where no heat comes."""
         return self.values if self.logarithmic else _log(self.values)

@@ -4,50 +4,33 @@ K. Crane, C. Weischedel, M. Wardetzky, *Geodesics in Heat: A New Approach to Com
 Based on Heat Flow*, ACM Transactions on Graphics 32, 2013, https://doi.org/10.1145/2516971.2516977
 """
 
-import os
-import threading
-from collections.abc import Callable, Iterable, Iterator, Sequence
-from concurrent.futures import ThreadPoolExecutor
+from collections.abc import Callable, Iterable, Sequence
 from typing import Any, TypeAlias
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from geodesic_toolkit.core.arrays import empty
-from geodesic_toolkit.core.types import FloatArray, IntArray
-from geodesic_toolkit.core.warning import warn
+from geodesic_toolkit.core.types import FloatArray
 from geodesic_toolkit.discretization.data import Discretization
-from geodesic_toolkit.discretization.edge_gradient import EdgeGradient
-from geodesic_toolkit.discretization.gradient import Gradient
-from geodesic_toolkit.discretization.positivity import has_wrong_signs, positive_part
-from geodesic_toolkit.errors import (
-    InvalidOptionError,
-    NonPositiveHeatWarning,
-    UnsupportedDomainError,
-)
-from geodesic_toolkit.geometry.along_edges import AlongEdges
-from geodesic_toolkit.heat.diffusion import Boundary, Heat, HeatFlow, HeatReport
+from geodesic_toolkit.errors import InvalidOptionError, UnsupportedDomainError
+from geodesic_toolkit.heat.blocks import in_blocks, side_by_side
+from geodesic_toolkit.heat.diffusion import Boundary, Heat, HeatReport
+from geodesic_toolkit.heat.graphs import ScaledGradient, hold_to_edges, instead_of_heat
 from geodesic_toolkit.heat.poisson import PoissonStep
+from geodesic_toolkit.heat.positive import PositiveFlow, worse
+from geodesic_toolkit.heat.refined import RefinedStep
 from geodesic_toolkit.heat.time_step import time_steps
 from geodesic_toolkit.linear.base import LinearSolver
 from geodesic_toolkit.linear.memory import array_bytes, require_memory
 from geodesic_toolkit.linear.patterns import SharedAnalysis
 from geodesic_toolkit.refinement.bounds import DistanceBounds
 from geodesic_toolkit.refinement.polyhedra import SmallParts
-from geodesic_toolkit.refinement.wavefronts import WavefrontSweeper, made_of_triangles
 from geodesic_toolkit.sources.points import SourcePoints, as_vertices
 
 __all__ = ["Boundary", "HeatMethod", "HeatReport", "Progress", "SourcePoints"]
 
 Progress: TypeAlias = Callable[[int, int], None]
-
-BLOCK = 16
-"""Source sets solved at once: they share the reading of a factor, and stay in cache."""
-
-PROCESSORS = os.cpu_count() or 1
-
-WORTH_A_THREAD = 10_000
-"""Vertices from which on a factor, or a block of sources, takes longer than to start a thread."""
 
 
 class HeatMethod:
@@ -118,9 +101,6 @@ class HeatMethod:
     3.1
     """
 
-    _substitute: HeatFlow | None
-    _scaled: EdgeGradient | None
-
     def __init__(
         self,
         metric: Discretization,
@@ -172,6 +152,23 @@ class HeatMethod:
         self._set_up()
 
     # -- the three steps -----------------------------------------------------------------------
+
+    def _solve(self, block: Sequence[SourcePoints], distances: FloatArray) -> HeatReport | None:
+        """Write the distances from one block of source sets, (K, N)."""
+        if not self.flows:
+            instead_of_heat(self.metric, self.across, block, distances)
+            return None
+        if self._refined is not None:
+            heat, report = self._diffuse(block)
+            self._refined.distances(heat, block, distances)
+            return None  # an order is all that fronts take from heat: negative values do no harm
+        heat, report = self._diffuse(block, self._workspace(block, distances))
+        # (M + t L) u = δ is solved; now X = -∇u / |∇u|, and its divergence Gᵀ W X,
+        load = self._gradient().descent_load(heat.columns, logarithmic=heat.logarithmic)
+        # and L φ = Gᵀ W X, with φ = 0 at the sources.
+        self._poisson.distances(load, heat, self._settled(block), distances)
+        hold_to_edges(self.metric, block, distances)
+        return report
 
     def distance(self, sources: ArrayLike | SourcePoints) -> FloatArray:
         """Return the geodesic distance from one set of sources.
@@ -227,50 +224,14 @@ class HeatMethod:
         )
         distances = empty((len(points), self.n_vertices), np.float64)
         done, worst = 0, None
-        for rows, report in self._solve_blocks(points, distances):
+        alone = self._refined is not None  # sweeps share the processors themselves
+        for rows, report in in_blocks(points, distances, self._solve, threads=not alone):
             done += rows
-            worst = _worse(worst, report)
+            worst = worse(worst, report)
             if progress is not None:
                 progress(done, len(points))
         self._warn_of(worst)
         return distances
-
-    def _solve_blocks(
-        self, points: list[SourcePoints], distances: FloatArray
-    ) -> Iterator[tuple[int, HeatReport | None]]:
-        """Fill `distances` block by block, and yield how many rows each has and its worst heat."""
-
-        def solve(start: int) -> tuple[int, HeatReport | None]:
-            block = points[start : start + BLOCK]
-            return len(block), self._solve(block, distances[start : start + len(block)])
-
-        starts = range(0, len(points), BLOCK)
-        small = len(starts) == 1 or self.n_vertices < WORTH_A_THREAD
-        if small or self._sweeper is not None:  # sweeps share the processors themselves
-            yield from map(solve, starts)
-            return
-        with ThreadPoolExecutor(min(len(starts), PROCESSORS)) as pool:
-            yield from pool.map(solve, starts)
-
-    def _solve(self, block: Sequence[SourcePoints], distances: FloatArray) -> HeatReport | None:
-        """Write the distances from one block of source sets, (K, N): the paper's three steps."""
-        if not self.flows:
-            self._without_heat(block, distances)
-            return None
-        if self._sweeper is not None:
-            heat, worst = self._diffuse(block)
-            self._sweep(heat, block, distances)
-            return worst
-        # Memory is dear the first time that it is written to: heat is where distances will be. But
-        # of points that start late heat tells, after distances, which of them have been overtaken.
-        late = any(points.delayed for points in block)
-        room = None if late else distances.reshape(self.n_vertices, len(block))
-        heat, worst = self._diffuse(block, room)
-        values = heat.values[:, 0] if len(block) == 1 else heat.values
-        load = self._scaled_gradient().descent_load(values, logarithmic=heat.logarithmic)
-        self._poisson.distances(load, heat, self._settled(block), distances)
-        self._hold_to_graph(block, distances)
-        return worst
 
     def log_heat(
         self, sources: ArrayLike | SourcePoints, *, only_order: bool = False
@@ -291,14 +252,14 @@ class HeatMethod:
         It underflows some 700 edges from the source, and shows what `log_heat` cures: zeros and
         negative values. Parameters and errors are those of `distance`.
         """
-        return self._read(self._flow.heat(self._settled([self._source_points(sources)]))[:, 0])
+        return self._read(self._flow.own.heat(self._settled([self._source_points(sources)]))[:, 0])
 
     def heat_report(self, sources: ArrayLike | SourcePoints) -> HeatReport:
         """Return how far the heat of one source set reaches and where it is not positive.
 
         Parameters and errors are those of `distance`.
         """
-        _, reports = self._flow.diffuse(self._settled([self._source_points(sources)]))
+        _, reports = self._flow.own.diffuse(self._settled([self._source_points(sources)]))
         return reports[0]
 
     def integrate(self, field: FloatArray) -> FloatArray:
@@ -319,109 +280,29 @@ class HeatMethod:
     # -- step 1 --------------------------------------------------------------------------------
 
     def _diffuse(
-        self, block: Sequence[SourcePoints], room: FloatArray | None = None
+        self, block: Sequence[SourcePoints], workspace: FloatArray | None = None
     ) -> tuple[Heat, HeatReport | None]:
-        """Return the heat, in `room` perhaps, and the worst report on it if it does harm.
+        return self._flow.diffuse(self._settled(block), workspace)
 
-        Where heat turns negative, it is that of a diffusion which cannot.
+    def _workspace(self, block: Sequence[SourcePoints], distances: FloatArray) -> FloatArray | None:
+        """Return the memory of the distances, for the heat to be written to.
+
+        Memory is slow the first time that it is written to. But of points with an offset the heat
+        is needed after the distances, to tell which of them have been overtaken.
         """
-        block = self._settled(block)
-        heat, reports = self._flow.diffuse(block, room=room)
-        harmed = [k for k, report in enumerate(reports) if report.harmful]
-        worst = None
-        for k in harmed:
-            worst = _worse(worst, reports[k])
-        if not harmed or not self.heat_solver.componentwise:
-            return heat, worst
-        cured, _ = self._positive_flow().diffuse([block[k] for k in harmed])
-        return heat.replaced(harmed, cured), worst
+        if any(points.delayed for points in block):
+            return None
+        return distances.reshape(self.n_vertices, len(block))
 
-    def _warn_of(self, worst: HeatReport | None) -> None:
-        if worst is not None and self._sweeper is None:  # sweeps need an order, and end alike
-            warn(self._complaint(worst), NonPositiveHeatWarning)
-
-    def _positive_flow(self) -> HeatFlow:
-        with self._lock:
-            if self._substitute is None:
-                self._substitute = HeatFlow(
-                    positive_part(self.diffusion),
-                    self.times,
-                    self.boundary,
-                    self.heat_solver,
-                    factorize=self._factorize_heat,  # on the same edges
-                )
-            return self._substitute
-
-    def _complaint(self, report: HeatReport) -> str:
-        found = (
-            f"the heat is not positive at {report.non_positive} of {report.reached} vertices, and "
-            "distances are not to be trusted; "
-        )
-        if not self.heat_solver.componentwise:
-            return found + "an iterative solver cannot resolve it, a direct one can"
-        if self.boundary == "dirichlet" and not has_wrong_signs(self.diffusion.rows):
-            return found + 'a boundary held at zero lets none through: use boundary="average"'
-        found += (
-            "the diffusion has weights of the wrong sign, and was replaced by its positive part: "
-        )
-        if self.diffusion.notes.get("triangulation", "intrinsic Delaunay") != "intrinsic Delaunay":
-            return found + "on a triangle mesh CotanLaplacian(intrinsic_delaunay=True) is better"
-        if made_of_triangles(self.metric):
-            return found + "refine=True is better, which takes no more than an order from heat"
-        return found + "elements with fewer obtuse angles are better: make the shape anew of such"
-
-    # -- instead of steps 2 and 3 --------------------------------------------------------------
-
-    def _sweep(self, heat: Heat, block: Sequence[SourcePoints], distances: FloatArray) -> None:
-        """Write refined distances, (K, N); the sweeps of a block share the processors."""
-        assert self._sweeper is not None
-        large = self.n_vertices * len(block) >= WORTH_A_THREAD
-        n_threads = min(len(block), PROCESSORS) if large else 1
-        self._sweeper.fill(
-            distances,
-            heat.values,
-            block,
-            logarithmic=heat.logarithmic,
-            n_threads=n_threads,
-        )
-        if self.small_parts is not None:
-            self.small_parts.fill(distances, block)
-        if self.bounds is not None:
-            self.bounds.hold(distances, block, n_threads=n_threads)
+    def _warn_of(self, report: HeatReport | None) -> None:
+        self._flow.warn_of(report, self.metric)
 
     # -- graphs --------------------------------------------------------------------------------
 
     @property
     def flows(self) -> bool:
         """Whether distances come from heat, if only from its order."""
-        return not (self._takes_edges or self.across)
-
-    @property
-    def _takes_edges(self) -> bool:
-        """Whether distances are the shortest ways along edges, and no heat flows."""
-        return self.refine and self.metric.along_edges is not None
-
-    def _without_heat(self, block: Sequence[SourcePoints], distances: FloatArray) -> None:
-        """Write the ways along edges, or across them, (K, N)."""
-        if self.across:
-            assert self.metric.across_edges is not None
-            distances[:] = self.metric.across_edges.distances(*_starts_of(block))
-        else:
-            self._along_edges(block, distances)
-
-    def _along_edges(self, block: Sequence[SourcePoints], distances: FloatArray) -> None:
-        """Write the shortest ways along edges, (K, N)."""
-        assert self.metric.along_edges is not None
-        distances[:] = self.metric.along_edges.distances(*_starts_of(block))
-
-    def _hold_to_graph(self, block: Sequence[SourcePoints], distances: FloatArray) -> None:
-        """Lower distances (K, N) in place to the ways along edges, of all vertices at a place."""
-        if len(self.metric.representatives):
-            distances[:] = self._read(distances)
-        if self.metric.along_edges is not None:
-            ways = np.empty_like(distances)
-            self._along_edges(block, ways)
-            np.minimum(distances, ways, out=distances, where=np.isfinite(distances))
+        return not (self.across or (self.refine and self.metric.along_edges is not None))
 
     def _settled(self, block: Sequence[SourcePoints]) -> Sequence[SourcePoints]:
         """Return sources at vertices that the stiffness connects."""
@@ -433,36 +314,6 @@ class HeatMethod:
         others = self.metric.representatives
         return np.asarray(values[..., others]) if len(others) else values
 
-    def _scaled_gradient(self) -> Gradient:
-        """Return the gradient of the metric, with the scale that its potentials ask for."""
-        if not self.metric.local_scale:
-            return self.metric.gradient
-        with self._scale_lock:
-            if self._scaled is None:
-                self._scaled = self._locally_scaled()
-            return self._scaled
-
-    def _locally_scaled(self) -> EdgeGradient:
-        from geodesic_toolkit.heat.local_scale import rises
-
-        gradient = self.metric.gradient
-        assert isinstance(gradient, EdgeGradient)  # for the type checker
-
-        def potentials(sets: list[IntArray]) -> FloatArray:
-            block = [SourcePoints.at_vertices(own, self.n_vertices) for own in sets]
-            heat, _ = self._diffuse(block)
-            load = gradient.descent_load(heat.values, logarithmic=heat.logarithmic)
-            return self._poisson.factor().solve(load).T
-
-        lengths = 1 / np.sqrt(gradient.edge_weights)
-        graph = AlongEdges(self.n_vertices, gradient.edges, lengths)
-        own = np.bincount(gradient.edges.ravel(), minlength=self.n_vertices) / 2
-        dimension = max(1, round(own.sum() / gradient.measure.sum())) if own.any() else 1
-        found = rises(graph, self.metric.components, dimension, potentials)
-        # Never less than one dimension: there the whole of a rise is along the edge.
-        measure = np.minimum(gradient.measure / found**2, own)
-        return EdgeGradient(gradient.edges, gradient.edge_weights, measure)
-
     @property
     def local_dimensions(self) -> FloatArray | None:
         """The dimension about each vertex that the local scale of a graph amounts to, (N,).
@@ -471,11 +322,7 @@ class HeatMethod:
         """
         if not self.flows or not self.metric.local_scale:
             return None
-        gradient = self._scaled_gradient()
-        assert isinstance(gradient, EdgeGradient)
-        own = np.bincount(gradient.edges.ravel(), minlength=self.n_vertices) / 2
-        unknown = np.full(len(own), np.nan)
-        return np.asarray(np.divide(own, gradient.measure, out=unknown, where=own > 0))
+        return self._gradient.dimensions()
 
     # -- sources -------------------------------------------------------------------------------
 
@@ -490,27 +337,27 @@ class HeatMethod:
     # -- the object ----------------------------------------------------------------------------
 
     def _set_up(self) -> None:
-        """Set what is not part of the recipe: factors to come, and their lock."""
-        self._lock, self._scale_lock = threading.Lock(), threading.Lock()
-        self._scaled = None
+        """Set what is not part of the recipe: factors to come, and what is made of them."""
         # Both systems have one pattern, where metric and diffusion do.
         self._shares_analysis = self.poisson_solver == self.heat_solver and not self.refine
         self._factorize_heat = SharedAnalysis(self.heat_solver, 2 if self._shares_analysis else 1)
         self._factorize_poisson = (
             self._factorize_heat if self._shares_analysis else SharedAnalysis(self.poisson_solver)
         )
-        self._poisson = PoissonStep(self.metric, self.diffusion, self._factorize_poisson)
-        self._flow = HeatFlow(
-            self.diffusion,
-            self.times,
-            self.boundary,
-            self.heat_solver,
-            factorize=self._factorize_heat,
+        self._flow = PositiveFlow(
+            self.diffusion, self.times, self.boundary, self.heat_solver, self._factorize_heat
         )
-        self._sweeper = None
-        if self.refine and not self._takes_edges:
-            self._sweeper = WavefrontSweeper(self.metric)
-        self._substitute = None
+        self._poisson = PoissonStep(self.metric, self.diffusion, self._factorize_poisson)
+        self._gradient = ScaledGradient(
+            self.metric,
+            lambda block: self._diffuse(block)[0],
+            lambda load: self._poisson.factor().solve(load),
+        )
+        self._refined = (
+            RefinedStep(self.metric, self.small_parts, self.bounds)
+            if self.refine and self.flows
+            else None
+        )
 
     @property
     def n_vertices(self) -> int:
@@ -532,32 +379,15 @@ class HeatMethod:
         """
         if not self.flows:
             return self
-        beside: Callable[[], object] = self._poisson.factor
-        if self._sweeper is not None:
-            beside = self._prepare_sweeps
-        if self.n_vertices < WORTH_A_THREAD:
-            self._flow.systems()
-            beside()
-            self._scaled_gradient()
-            return self
-        with ThreadPoolExecutor(1) as pool:  # the other on a second thread
-            other = pool.submit(beside)
-            self._flow.systems()
-            other.result()
-        self._scaled_gradient()
+        beside = self._poisson.factor if self._refined is None else self._refined.prepare
+        side_by_side(self._flow.own.systems, beside, self.n_vertices)
+        self._gradient()
         return self
-
-    def _prepare_sweeps(self) -> None:
-        assert self._sweeper is not None
-        self._sweeper.prepare()
-        if self.bounds is not None:
-            self.bounds.prepare()
 
     @property
     def nbytes(self) -> int:
         """Bytes of the factors made so far."""
-        parts = (self._flow, self._substitute, self._poisson)
-        return sum(part.nbytes for part in parts if part is not None)
+        return self._flow.nbytes + self._poisson.nbytes
 
     @property
     def expected_bytes(self) -> float:
@@ -569,11 +399,11 @@ class HeatMethod:
         """
         if not self.flows:
             return array_bytes(self.metric, self.diffusion)
-        systems = [system.matrix for system in self._flow.systems()]
+        systems = [system.matrix for system in self._flow.own.systems()]
         factors = self._factorize_heat.expected_bytes()
-        if factors and not self._shares_analysis and self._sweeper is None:
+        if factors and not self._shares_analysis and self._refined is None:
             factors += self._factorize_poisson.expected_bytes()
-        poisson = 0 if self._sweeper is not None else self.metric.rows.data.nbytes
+        poisson = 0 if self._refined is not None else self.metric.rows.data.nbytes
         needed = factors + poisson + array_bytes(self.metric, self.diffusion, *systems)
         return float(max(needed, self.metric.notes.get("assembly_bytes", 0.0)))
 
@@ -597,18 +427,3 @@ class HeatMethod:
             f"time={self.time:.4g}{boundary}, heat_solver={self.heat_solver!r}, "
             f"poisson_solver={self.poisson_solver!r}, factors of {self.nbytes / 1e6:.1f} MB)"
         )
-
-
-def _starts_of(block: Sequence[SourcePoints]) -> tuple[IntArray, IntArray, FloatArray]:
-    """Return the vertices of source sets in a row, where each begins, and how far they start."""
-    begins = np.cumsum([0, *(len(points.vertices) for points in block)])
-    known = [points.distances + points.starts[points.rows] for points in block]
-    vertices = np.concatenate([points.vertices for points in block])
-    return begins, vertices, np.concatenate(known)
-
-
-def _worse(one: HeatReport | None, other: HeatReport | None) -> HeatReport | None:
-    """Return the report with the larger share of vertices where heat is not positive."""
-    if one is None or other is None:
-        return other if one is None else one
-    return max(one, other, key=lambda report: report.non_positive / report.reached)

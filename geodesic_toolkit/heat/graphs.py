@@ -1,0 +1,106 @@
+"""What is different on graphs: ways along edges or across them, and the scale of heat."""
+
+import threading
+from collections.abc import Callable, Sequence
+
+import numpy as np
+
+from geodesic_toolkit.core.types import FloatArray, IntArray
+from geodesic_toolkit.discretization.data import Discretization
+from geodesic_toolkit.discretization.edge_gradient import EdgeGradient
+from geodesic_toolkit.discretization.gradient import Gradient
+from geodesic_toolkit.geometry.along_edges import AlongEdges
+from geodesic_toolkit.heat.diffusion import Heat
+from geodesic_toolkit.sources.points import SourcePoints
+
+__all__ = ["ScaledGradient", "hold_to_edges", "instead_of_heat"]
+
+
+def instead_of_heat(
+    metric: Discretization, across: bool, block: Sequence[SourcePoints], distances: FloatArray
+) -> None:
+    """Write the shortest ways along the edges of a graph, or across them, (K, N)."""
+    ways = metric.across_edges if across else metric.along_edges
+    assert ways is not None  # for the type checker; the heat method has asked
+    begins = np.cumsum([0, *(len(points.vertices) for points in block)])
+    known = [points.distances + points.starts[points.rows] for points in block]
+    vertices = np.concatenate([points.vertices for points in block])
+    distances[:] = ways.distances(begins, vertices, np.concatenate(known))
+
+
+def hold_to_edges(
+    metric: Discretization, block: Sequence[SourcePoints], distances: FloatArray
+) -> None:
+    """Lower distances (K, N) in place to the ways along edges, of all vertices at a place."""
+    if len(metric.representatives):
+        distances[:] = distances[:, metric.representatives]
+    if metric.along_edges is not None:
+        ways = np.empty_like(distances)
+        instead_of_heat(metric, False, block, ways)
+        np.minimum(distances, ways, out=distances, where=np.isfinite(distances))
+
+
+class ScaledGradient:
+    """The gradient of a metric, with the local scale that its potentials ask for.
+
+    Parameters
+    ----------
+    metric : Discretization
+    diffuse : callable
+        From source sets to their heat.
+    integrate : callable
+        Step 3, from a right-hand side (N, K) to potentials.
+    """
+
+    def __init__(
+        self,
+        metric: Discretization,
+        diffuse: Callable[[Sequence[SourcePoints]], Heat],
+        integrate: Callable[[FloatArray], FloatArray],
+    ) -> None:
+        self._metric, self._diffuse, self._integrate = metric, diffuse, integrate
+        self._scaled: EdgeGradient | None = None
+        self._lock = threading.Lock()
+
+    def __call__(self) -> Gradient:
+        """Return the gradient; the scale is found the first time."""
+        if not self._metric.local_scale:
+            return self._metric.gradient
+        with self._lock:
+            if self._scaled is None:
+                self._scaled = self._locally_scaled()
+            return self._scaled
+
+    def _locally_scaled(self) -> EdgeGradient:
+        from geodesic_toolkit.heat.local_scale import rises
+
+        metric, gradient = self._metric, self._metric.gradient
+        assert isinstance(gradient, EdgeGradient)  # for the type checker
+
+        def potentials(sets: list[IntArray]) -> FloatArray:
+            n_vertices = metric.n_vertices
+            heat = self._diffuse([SourcePoints.at_vertices(own, n_vertices) for own in sets])
+            load = gradient.descent_load(heat.values, logarithmic=heat.logarithmic)
+            return self._integrate(load).T
+
+        lengths = 1 / np.sqrt(gradient.edge_weights)
+        graph = AlongEdges(metric.n_vertices, gradient.edges, lengths)
+        own = _dimensions_of_edges(gradient)
+        dimension = max(1, round(own.sum() / gradient.measure.sum())) if own.any() else 1
+        found = rises(graph, metric.components, dimension, potentials)
+        # Never less than one dimension: there the whole of a rise is along the edge.
+        measure = np.minimum(gradient.measure / found**2, own)
+        return EdgeGradient(gradient.edges, gradient.edge_weights, measure)
+
+    def dimensions(self) -> FloatArray:
+        """Return the dimension about each vertex that the scale amounts to, (N,); NaN without."""
+        gradient = self()
+        assert isinstance(gradient, EdgeGradient)  # for the type checker
+        own = _dimensions_of_edges(gradient)
+        unknown = np.full(len(own), np.nan)
+        return np.asarray(np.divide(own, gradient.measure, out=unknown, where=own > 0))
+
+
+def _dimensions_of_edges(gradient: EdgeGradient) -> FloatArray:
+    """Return half the number of edges at each vertex, (N,)."""
+    return np.asarray(np.bincount(gradient.edges.ravel(), minlength=gradient.n_vertices) / 2)

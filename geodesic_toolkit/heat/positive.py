@@ -1,0 +1,112 @@
+"""Heat that is positive: where it is not, that of a diffusion which cannot turn it negative."""
+
+import threading
+from collections.abc import Sequence
+from functools import partial
+
+from geodesic_toolkit.core.types import FloatArray
+from geodesic_toolkit.core.warning import warn
+from geodesic_toolkit.discretization.data import Discretization
+from geodesic_toolkit.discretization.positivity import has_wrong_signs, positive_part
+from geodesic_toolkit.errors import NonPositiveHeatWarning
+from geodesic_toolkit.heat.diffusion import Boundary, Heat, HeatFlow, HeatReport
+from geodesic_toolkit.linear.base import LinearSolver
+from geodesic_toolkit.linear.patterns import SharedAnalysis
+from geodesic_toolkit.refinement.wavefronts import made_of_triangles
+from geodesic_toolkit.sources.points import SourcePoints
+
+__all__ = ["PositiveFlow", "worse"]
+
+
+class PositiveFlow:
+    """Step 1 of the heat method, and what takes its place where heat is not positive.
+
+    Parameters
+    ----------
+    diffusion : Discretization
+    times : float or ndarray of shape (N,)
+        Time step t, in squared length.
+    boundary : {"neumann", "dirichlet", "average"}
+    solver : LinearSolver
+    factorize : SharedAnalysis
+        From a matrix to a factor.
+    """
+
+    def __init__(
+        self,
+        diffusion: Discretization,
+        times: float | FloatArray,
+        boundary: Boundary,
+        solver: LinearSolver,
+        factorize: SharedAnalysis,
+    ) -> None:
+        self._diffusion, self._solver, self._boundary = diffusion, solver, boundary
+        self._make = partial(
+            HeatFlow, times=times, boundary=boundary, solver=solver, factorize=factorize
+        )
+        self.own = self._make(diffusion)
+        self._substitute: HeatFlow | None = None
+        self._lock = threading.Lock()
+
+    def diffuse(
+        self, block: Sequence[SourcePoints], workspace: FloatArray | None = None
+    ) -> tuple[Heat, HeatReport | None]:
+        """Return the heat of source sets, and the worst report on it if it does harm.
+
+        Parameters
+        ----------
+        block : sequence of SourcePoints
+        workspace : ndarray of shape (N, K), optional
+            Where the heat may be written.
+        """
+        heat, reports = self.own.diffuse(block, room=workspace)
+        harmed = [k for k, report in enumerate(reports) if report.harmful]
+        worst = None
+        for k in harmed:
+            worst = worse(worst, reports[k])
+        if not harmed or not self._solver.componentwise:
+            return heat, worst
+        cured, _ = self._positive().diffuse([block[k] for k in harmed])
+        return heat.replaced(harmed, cured), worst
+
+    def _positive(self) -> HeatFlow:
+        """Return the flow with the positive part of the weights, on the same edges."""
+        with self._lock:
+            if self._substitute is None:
+                self._substitute = self._make(positive_part(self._diffusion))
+            return self._substitute
+
+    @property
+    def nbytes(self) -> int:
+        """Bytes of the factors made so far."""
+        return sum(flow.nbytes for flow in (self.own, self._substitute) if flow is not None)
+
+    def warn_of(self, report: HeatReport | None, metric: Discretization) -> None:
+        """Warn of heat that is not positive and harms distances, and say what is better."""
+        if report is not None:
+            warn(self._complaint(report, metric), NonPositiveHeatWarning)
+
+    def _complaint(self, report: HeatReport, metric: Discretization) -> str:
+        found = (
+            f"the heat is not positive at {report.non_positive} of {report.reached} vertices, and "
+            "distances are not to be trusted; "
+        )
+        if not self._solver.componentwise:
+            return found + "an iterative solver cannot resolve it, a direct one can"
+        if self._boundary == "dirichlet" and not has_wrong_signs(self._diffusion.rows):
+            return found + 'a boundary held at zero lets none through: use boundary="average"'
+        found += (
+            "the diffusion has weights of the wrong sign, and was replaced by its positive part: "
+        )
+        if self._diffusion.notes.get("triangulation", "intrinsic Delaunay") != "intrinsic Delaunay":
+            return found + "on a triangle mesh CotanLaplacian(intrinsic_delaunay=True) is better"
+        if made_of_triangles(metric):
+            return found + "refine=True is better, which takes no more than an order from heat"
+        return found + "elements with fewer obtuse angles are better: make the shape anew of such"
+
+
+def worse(one: HeatReport | None, other: HeatReport | None) -> HeatReport | None:
+    """Return the report with the larger share of vertices where heat is not positive."""
+    if one is None or other is None:
+        return other if one is None else one
+    return max(one, other, key=lambda report: report.non_positive / report.reached)
