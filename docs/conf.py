@@ -15,6 +15,7 @@ copyright = author
 version = release = gt.__version__
 
 extensions = [
+    "constants",
     "sphinx.ext.autodoc",
     "sphinx.ext.autosummary",
     "numpydoc",
@@ -111,7 +112,7 @@ html_theme_options = {
 def public_bases(kind):
     """Return the bases of a class without private mixins and helpers of other packages."""
     names = [(base, base.__module__) for base in kind.__bases__ if isinstance(base, type)]
-    return [base for base, home in names if re.match(r"geodesic_toolkit\.(?!_)", home)]
+    return [base for base, home in names if re.match(r"geodesic_toolkit\.(?!_|core\.)", home)]
 
 
 def show_public_bases(_app, _name, kind, _options, bases):

@@ -1,0 +1,67 @@
+"""The directive ``constants``: every tuned constant of the package, with what is said of it."""
+
+import ast
+from collections.abc import Iterator
+from itertools import pairwise
+from pathlib import Path
+from typing import NamedTuple
+
+from docutils import nodes
+from sphinx.application import Sphinx
+from sphinx.util.docutils import SphinxDirective
+
+PACKAGE = Path(__file__).parents[2] / "geodesic_toolkit"
+
+
+class Constant(NamedTuple):
+    """A number under a name in capitals, and the text below it."""
+
+    name: str
+    value: str
+    text: str
+
+
+def constants_of(module: Path) -> Iterator[Constant]:
+    """Yield the constants of a module that are numbers and have a text."""
+    body = ast.parse(module.read_text(encoding="utf-8")).body
+    for statement, below in pairwise(body):
+        if not (isinstance(statement, ast.Assign) and isinstance(statement.targets[0], ast.Name)):
+            continue
+        name, value = statement.targets[0].id, ast.unparse(statement.value)
+        is_text = isinstance(below, ast.Expr) and isinstance(below.value, ast.Constant)
+        is_number = any(character.isdigit() for character in value) and "(" not in value
+        if name.isupper() and is_text and is_number and isinstance(below.value.value, str):
+            yield Constant(name.lstrip("_"), value, below.value.value.strip())
+
+
+class Constants(SphinxDirective):
+    """Show a section for each module that has constants, in the order of the folders."""
+
+    def run(self) -> list[nodes.Node]:
+        """Return the sections."""
+        sections = []
+        for module in sorted(PACKAGE.rglob("*.py")):
+            found = list(constants_of(module))
+            self.env.note_dependency(str(module))
+            if found:
+                sections.append(self._section(module, found))
+        return sections
+
+    def _section(self, module: Path, constants: list[Constant]) -> nodes.section:
+        place = module.relative_to(PACKAGE).as_posix()
+        section = nodes.section(ids=[f"constants-{nodes.make_id(place)}"], names=[place])
+        section += nodes.title(place, place)
+        for constant in constants:
+            shown = f"{constant.name} = {constant.value}"
+            section += nodes.paragraph("", "", nodes.literal(shown, shown))
+            quote = nodes.block_quote()
+            quote += [nodes.paragraph(text, text) for text in constant.text.split("\n\n")]
+            section += quote
+        self.state.document.note_explicit_target(section)
+        return section
+
+
+def setup(app: Sphinx) -> dict[str, bool]:
+    """Register the directive."""
+    app.add_directive("constants", Constants)
+    return {"parallel_read_safe": True, "parallel_write_safe": True}
