@@ -75,6 +75,8 @@ class Judge:
         """
         left = JUDGED  # sets of several sources differ in what these do to each other
         for places, plain in zip(sets, distances, strict=True):
+            if self._is_trusted(places):
+                continue
             parts, counts = np.unique(places.components(self._metric), return_counts=True)
             several = bool((counts > 1).any())
             left -= several
@@ -85,6 +87,11 @@ class Judge:
                 if not self._method.heat_report(places).harmful:
                     self._warn(error, part, int(counts[parts == part].sum()))
                 return
+
+    def _is_trusted(self, places: SourcePoints) -> bool:
+        """Return whether there is but one source, on a part that is large enough: the usual case."""
+        part = self._metric.components[places.vertices[0]]
+        return places.count == 1 and not self._unusual and bool(self._sizes[part] > LARGEST)
 
     def _several(self, places: SourcePoints, plain: FloatArray) -> tuple[float, int]:
         found = self._found(places, plain)
