@@ -89,7 +89,7 @@ class Judge:
                 return
 
     def _is_trusted(self, places: SourcePoints) -> bool:
-        """Return whether there is but one source, on a part that is large enough: the usual case."""
+        """Return whether there is but one source, on a large part: the usual case."""
         part = self._metric.components[places.vertices[0]]
         return places.count == 1 and not self._unusual and bool(self._sizes[part] > LARGEST)
 
