@@ -252,7 +252,7 @@ def test_flips_are_advised_where_there_are_none_and_help():
 def sheared_without_notes():
     """Return a mesh and a method of heat that turns negative on it, of an operator of others."""
     mesh = shapes.grid(31, shear=3.0)
-    metric = dataclasses.replace(gt.CotanLaplacian().assemble(mesh), notes={})
+    metric = dataclasses.replace(gt.CotanLaplacian().assemble(mesh), triangulation="")
     return mesh, metric
 
 
@@ -273,7 +273,7 @@ def test_better_elements_are_advised_where_there_are_no_triangles_and_help():
         given = metric.gradient  # the same in three dimensions
         flat = np.concatenate([given.coefficients, np.zeros((mesh.n_faces, 1, 3))], axis=1)
         gradient = gt.ElementGradient(given.elements, flat, given.measure, mesh.n_vertices)
-        solid = dataclasses.replace(metric, gradient=gradient, notes={})
+        solid = dataclasses.replace(metric, gradient=gradient, triangulation="")
         method = gt.HeatMethod(solid, heat_solver=gt.Supernodal(), poisson_solver=gt.Supernodal())
         return mean_relative_error(method.distance(480), on_plane(mesh, 480))
 

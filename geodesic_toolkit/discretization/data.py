@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import InitVar, dataclass, field
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, final
 
@@ -71,6 +71,13 @@ class Discretization(FrozenArrays):
         Whether the gradient's measure is right but for a factor about each vertex, which is to be
         read off potentials (``geometry.local_scale``). For edge gradients that
         come with `along_edges`.
+    triangulation : str, optional
+        Of triangles: "given", "intrinsic Delaunay" where edges were flipped until it is, or
+        "partly intrinsic Delaunay", in some connected components. Fronts flip nothing where nothing
+        is left to flip.
+    known_components : ndarray of shape (N,), int64, optional
+        The connected component of every vertex, numbered from 0, where the operator has found it
+        already; otherwise it is found in the stiffness.
     notes : mapping, optional
         What the operator found or decided on the way, by name, for people to read: a number of
         flipped edges, whose normals were used.
@@ -103,9 +110,11 @@ class Discretization(FrozenArrays):
     across_edges: AcrossEdges | None = None
     representatives: IntArray = field(default_factory=lambda: np.zeros(0, dtype=np.int64))
     local_scale: bool = False
+    triangulation: str = ""
+    known_components: InitVar[IntArray | None] = None
     notes: Mapping[str, Any] = field(default_factory=dict)
 
-    def __post_init__(self) -> None:
+    def __post_init__(self, known_components: IntArray | None) -> None:
         coerce(self, mass=np.float64, boundary=np.bool_, representatives=np.int64)
         count = len(self.mass)
         if self.mass.ndim != 1 or self.boundary.shape != (count,):
@@ -135,6 +144,12 @@ class Discretization(FrozenArrays):
         self._check_scales(count)
         self._check_frames()
         self._check_graph()
+        if known_components is not None:
+            if known_components.shape != (count,):
+                raise InvalidDiscretizationError(
+                    f"known_components {known_components.shape} must be (N,)"
+                )
+            self.__dict__["components"] = freeze(known_components)
         freeze(self.mass)
         freeze(self.boundary)
         object.__setattr__(self, "spacing", float(self.spacing))

@@ -98,7 +98,7 @@ class PositiveFlow:
         found += (
             "the diffusion has weights of the wrong sign, and was replaced by its positive part: "
         )
-        if self._diffusion.notes.get("triangulation", "intrinsic Delaunay") != "intrinsic Delaunay":
+        if self._diffusion.triangulation not in {"", "intrinsic Delaunay"}:
             return found + "on a triangle mesh CotanLaplacian(intrinsic_delaunay=True) is better"
         if made_of_triangles(metric):
             return found + "refine=True is better, which takes no more than an order from heat"

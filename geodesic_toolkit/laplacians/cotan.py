@@ -6,7 +6,6 @@ from typing import TYPE_CHECKING, Any, ClassVar, Literal, cast, final
 import numpy as np
 
 from geodesic_toolkit import _native
-from geodesic_toolkit.core.frozen import freeze
 from geodesic_toolkit.core.types import BoolArray, FloatArray, IntArray
 from geodesic_toolkit.discretization.data import Discretization
 from geodesic_toolkit.discretization.element_gradient import ElementGradient
@@ -191,13 +190,14 @@ class CotanLaplacian(LaplaceOperator):
             if not kept.all():
                 surface, gradient = gradient, _mirrored(gradient, kept, trapezoids)
             sums = gradient.sums()
+        triangulation = _TRIANGULATION[bool(flip.any()), bool(flip.all())]
         notes: dict[str, Any] = {
             "dropped_faces": dropped,
             "mollified_by": added,
             "obtuse_excess": float(excess.max()),
-            "triangulation": _TRIANGULATION[bool(flip.any()), bool(flip.all())],
+            "triangulation": triangulation,
         }
-        discretization = Discretization(
+        return Discretization(
             mass=self._mass(gradient, sums.thirds),
             stiffness=cast("csr_array", sums.stiffness()),  # what it makes of it
             gradient=gradient,
@@ -205,10 +205,10 @@ class CotanLaplacian(LaplaceOperator):
             boundary=boundary,
             scales=scales[parts],
             surface=surface,
+            triangulation=triangulation,
+            known_components=parts,  # flips join and part nothing
             notes=notes,
         )
-        vars(discretization)["components"] = freeze(parts)  # flips join and part nothing
-        return discretization
 
     def _to_be_flipped(
         self, faces: IntArray, labels: IntArray, excess: FloatArray, slivers: IntArray

@@ -93,7 +93,7 @@ def bounds_of(domain: Domain, metric: Discretization) -> DistanceBounds | None:
         vertices = domain.vertices
         if not np.isfinite(vertices).all():  # where no face is; as a source each still reads 0
             vertices = np.where(np.isfinite(vertices), vertices, 0.0)
-        if metric.notes.get("triangulation") == "given":
+        if metric.triangulation == "given":
             return DistanceBounds(vertices, metric.rows.indptr, metric.rows.indices)
         faces = np.ascontiguousarray(_without_repeats(domain.faces))
         return DistanceBounds(vertices, *_native.edges_of(faces, domain.n_vertices))

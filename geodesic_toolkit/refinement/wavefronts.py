@@ -253,7 +253,7 @@ class WavefrontSweeper:
         elements, inverse, areas = gradient.elements, gradient.inverse_frames, gradient.measure
         if len(given):
             return elements, given, areas
-        if self.metric.notes.get("triangulation") == "intrinsic Delaunay":
+        if self.metric.triangulation == "intrinsic Delaunay":
             return elements, inverse, areas  # nothing is left to flip
         paired = not gradient.stars and 0 < elements.size <= MOST_SIDES
         if not paired or not (inverse[:, 0] * inverse[:, 2]).all():
