@@ -11,7 +11,7 @@ from geodesic_toolkit.testing import shapes
 # Helpers that check something say what they found, as tests do.
 pytest.register_assert_rewrite("browser", "command_line")
 
-# No test looks at the clock: a busy machine is slow to begin with, and that is no failure.
+# No test looks at the clock: a busy machine is slow to begin with, and that is not a failure.
 settings.register_profile("calm", deadline=None, suppress_health_check=[HealthCheck.too_slow])
 settings.load_profile("calm")
 

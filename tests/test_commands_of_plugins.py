@@ -28,10 +28,10 @@ def test_a_function_becomes_a_command_with_its_options(register):
 
 def test_what_a_command_raises_is_an_exit_status(register):
     def broken() -> None:
-        raise gt.errors.InvalidOptionError("three is no colour")
+        raise gt.errors.InvalidOptionError("three is not a colour")
 
     register(commands, "broken", broken)
-    fails(run("broken"), 2, "three is no colour")
+    fails(run("broken"), 2, "three is not a colour")
 
 
 def test_a_command_of_the_core_is_not_replaced(register):

@@ -85,10 +85,10 @@ def test_trimesh():
     trimesh = pytest.importorskip("trimesh")
     assert_sphere(gt.as_domain(trimesh.Trimesh(VERTICES, FACES, process=False)))
     assert_cloud(gt.as_domain(trimesh.PointCloud(VERTICES)))
-    with pytest.raises(UnsupportedDomainError, match="Scene is no shape"):
+    with pytest.raises(UnsupportedDomainError, match="Scene is not a shape"):
         gt.as_domain(trimesh.Scene())
     path = trimesh.load_path([[[0, 0, 0], [1, 0, 0]]])
-    with pytest.raises(UnsupportedDomainError, match="Path3D is no shape"):
+    with pytest.raises(UnsupportedDomainError, match="Path3D is not a shape"):
         gt.as_domain(path)
 
 
@@ -104,7 +104,7 @@ def test_open3d_legacy():
     assert_cloud(gt.as_domain(cloud), normals=VERTICES)
     with pytest.raises(InvalidDomainError, match="no vertices"):
         gt.as_domain(o3d.geometry.TriangleMesh())
-    with pytest.raises(UnsupportedDomainError, match="LineSet is no shape"):
+    with pytest.raises(UnsupportedDomainError, match="LineSet is not a shape"):
         gt.as_domain(o3d.geometry.LineSet())
 
 
@@ -155,7 +155,7 @@ def test_pyvista_grids():
     with pytest.warns(ReadWarning, match="6 polygons were split into 12"):
         assert outward_area(gt.as_domain(solid)) == pytest.approx(6)
     voxel = pv.UnstructuredGrid([8, *range(8)], [cells.VOXEL], CUBE)
-    with pytest.raises(UnsupportedDomainError, match="voxels are no surface"):
+    with pytest.raises(UnsupportedDomainError, match="voxels are not a surface"):
         gt.as_domain(voxel)
 
 
@@ -386,7 +386,7 @@ def test_gifti_images():
 )
 def test_what_is_no_shape_is_refused_by_name(thing, named):
     with pytest.raises(
-        UnsupportedDomainError, match=f"^{named}.* is no shape; give a TriangleMesh"
+        UnsupportedDomainError, match=f"^{named}.* is not a shape; give a TriangleMesh"
     ):
         gt.as_domain(thing)
 
@@ -394,23 +394,26 @@ def test_what_is_no_shape_is_refused_by_name(thing, named):
 @pytest.mark.parametrize(
     ("thing", "cure"),
     [
-        (None, "None is no shape; did a function return nothing"),
-        ("bunny.off", r"'bunny.off' is no shape \(to read a file: geodesic_toolkit.read\)"),
-        (Path("bunny.off"), r"'bunny.off' is no shape \(to read a file: geodesic_toolkit.read\)"),
+        (None, "None is not a shape; did a function return nothing"),
+        ("bunny.off", r"'bunny.off' is not a shape \(to read a file: geodesic_toolkit.read\)"),
+        (
+            Path("bunny.off"),
+            r"'bunny.off' is not a shape \(to read a file: geodesic_toolkit.read\)",
+        ),
         ({"vertices": VERTICES, "faces": FACES}, r'as a pair, \(d\["vertices"\], d\["faces"\]\)'),
         ({"v": VERTICES, "f": FACES}, r"its keys are 'v', 'f'"),
         (
             VERTICES[:, :2],
-            r"size 42 x 2 is no shape; .* numpy.column_stack\(\[xy, 0 \* xy\[:, 0\]\]\)",
+            r"size 42 x 2 is not a shape; .* numpy.column_stack\(\[xy, 0 \* xy\[:, 0\]\]\)",
         ),
         (np.zeros((30, 10)), r"points in 10 dimensions .*kneighbors_graph\(table, 10, mode="),
         (np.zeros((30, 10)).tolist(), "points in 10 dimensions"),
         (np.zeros((30, 1)), "has 1 column of float64"),
         (VERTICES > 0, "has 3 columns of bool"),
         (np.zeros((5, 5)), r"lengths of edges.* scipy.sparse.csr_array\(table\)"),
-        ([SPHERE, SPHERE], "list of 2, the first .*TriangleMesh, is no shape; give one shape"),
-        ([[0, 0, 0], "abc"], "list of 2, the first list, is no shape"),
-        ((1, 2), "tuple of 2, the first int, is no shape"),
+        ([SPHERE, SPHERE], "list of 2, the first .*TriangleMesh, is not a shape; give one shape"),
+        ([[0, 0, 0], "abc"], "list of 2, the first list, is not a shape"),
+        ((1, 2), "tuple of 2, the first int, is not a shape"),
     ],
     ids=lambda value: None,
 )
@@ -471,7 +474,9 @@ def test_a_scene_of_several_meshes_is_refused_with_the_cure():
         gt.as_domain(scene)
     assert gt.as_domain(trimesh.util.concatenate(scene.dump())).n_vertices == 84
     assert_sphere(gt.as_domain(scene.geometry["ball"]))
-    with pytest.raises(UnsupportedDomainError, match="Scene is no shape: there is nothing in it"):
+    with pytest.raises(
+        UnsupportedDomainError, match="Scene is not a shape: there is nothing in it"
+    ):
         gt.as_domain(trimesh.Scene())
 
 
@@ -486,7 +491,7 @@ def test_blocks_of_one_shape_are_the_shape_and_several_are_refused_with_the_cure
         gt.as_domain(blocks)
     assert gt.as_domain(blocks.combine()).n_vertices == 84
     assert_sphere(gt.as_domain(blocks["left"]))
-    with pytest.raises(UnsupportedDomainError, match="MultiBlock is no shape: there is nothing"):
+    with pytest.raises(UnsupportedDomainError, match="MultiBlock is not a shape: there is nothing"):
         gt.as_domain(pv.MultiBlock())
 
 

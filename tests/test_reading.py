@@ -916,7 +916,10 @@ BAD = {
     "format.ply": ("ply\nformat morse 1.0\nend_header\n", "format 'morse' are not known"),
     "type.ply": (ply_header("ascii", ("vertex 1", ["quad x"])), "a type that PLY has not: 'quad'"),
     "count.ply": (ply_header("ascii", ("vertex -1", XYZ)), "the number of elements vertex is '-1'"),
-    "line.ply": (b"ply\nformat ascii 1.0\nwho knows\nend_header\n", "none of PLY: 'who knows'"),
+    "line.ply": (
+        b"ply\nformat ascii 1.0\nwho knows\nend_header\n",
+        "unrecognised line in the header",
+    ),
     "list.ply": (
         ply_header("ascii", ("vertex 1", XYZ), ("face 1", ["list float int vertex_indices"])),
         "lists cannot count their entries in float",

@@ -188,7 +188,7 @@ def test_an_unknown_operator_is_named(sphere):
 
 def test_what_is_no_domain_is_refused(sphere):
     for thing in (7, {"vertices": sphere.vertices}, None, "bunny.off"):
-        with pytest.raises(UnsupportedDomainError, match="is no shape"):
+        with pytest.raises(UnsupportedDomainError, match="is not a shape"):
             gt.GeodesicSolver(thing)
     with pytest.raises(UnsupportedDomainError, match="CotanLaplacian discretizes TriangleMesh"):
         gt.GeodesicSolver(gt.Graph(2, [[0, 1]]), operator="cotan")

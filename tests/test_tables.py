@@ -81,15 +81,15 @@ def test_points_are_read_however_they_are_separated(name, suffix, tmp_path):
 
 THOUSANDS = [f"{1e4 * x:,.1f} {1e4 * y:,.1f} {1e4 * z:,.1f}" for x, y, z in POINTS]
 REFUSED = {
-    "thousands, blanks": (THOUSANDS, "is no number with a decimal comma"),
-    "thousands, semicolons": (joined(THOUSANDS, ";"), "is no number with a decimal comma"),
+    "thousands, blanks": (THOUSANDS, "is not a number with a decimal comma"),
+    "thousands, semicolons": (joined(THOUSANDS, ";"), "is not a number with a decimal comma"),
     "thousands, commas and blanks": (joined(THOUSANDS, ", "), "separate columns or be in a number"),
     "decimal commas between commas": (joined(COMMAS, ","), "separate columns and to be decimal"),
     "decimal commas between commas, names": (["x,y,z", *joined(COMMAS, ",")], "and to be decimal"),
     "decimal commas between commas and blanks": (joined(COMMAS, ", "), "separate columns or be"),
     "thousands or decimals": (["1,000 2,500 3,125", "4,500 5,250 6,750"], "or group thousands"),
     "both": ([*PLAIN, *COMMAS], "has a comma and .* a point"),
-    "three in one": (["1,2,3 4,5,6 7,8,9"], "'1,2,3' is no number with a decimal comma"),
+    "three in one": (["1,2,3 4,5,6 7,8,9"], "'1,2,3' is not a number with a decimal comma"),
     "fewer names than columns": (["x,y,z", "1,5,2,5,3,5"], "names 3 columns, and there are 6"),
     "nothing but names": (["x,y,z"], "no numbers in the file, only 'x,y,z'"),
     "unknown names": (["id,a,b,c", "1,2,3,4"], "named id, a, b, c: which are x, y and z"),

@@ -58,7 +58,7 @@ def mean_eikonal_residual(solver: GeodesicSolver, distance: ArrayLike) -> float:
     """Return the mean of :func:`eikonal_residual`, weighted by area (or by the edges' measure).
 
     One number for how far a distance is to be trusted. It compares distances on one shape, and
-    shapes with each other for one method; it is no bound. Where the true distance has creases it
+    shapes with each other for one method; it is not a bound. Where the true distance has creases it
     is not 0 for the exact distance either, but falls with the mean edge length.
 
     Parameters

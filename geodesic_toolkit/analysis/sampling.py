@@ -71,7 +71,7 @@ def farthest_point_sampling(
     samples : ndarray of shape (count,), int64
         Distinct vertices, in the order of choice. A component without one is infinitely far, and
         gets the next one. Vertices that no element uses, masked ones and the missing points of a
-        cloud are no candidates, unless there are no others.
+        cloud are not candidates, unless there are no others.
     radii : ndarray of shape (count,), float64
         With `return_radii`. How far, in the unit of the domain, any candidate is at most from the
         nearest of the samples up to that one: ``inf`` while a component has none, 0 where all are

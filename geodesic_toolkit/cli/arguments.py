@@ -190,7 +190,7 @@ def check_time(time: float | None, time_factor: float | None) -> None:
 
 
 def check_reach(reach: float | None, at: Path | None) -> None:
-    """Raise an `InvalidOptionError` for a reach without points, or one that is no length."""
+    """Raise an `InvalidOptionError` for a reach without points, or one that is not a length."""
     if reach is not None and at is None:
         raise InvalidOptionError("--reach is for the points of --at")
     if reach is not None and not reach > 0:

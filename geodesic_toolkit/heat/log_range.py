@@ -62,7 +62,7 @@ def log_solve(
     Returns
     -------
     log_solution : ndarray of shape (N, K)
-        ``-inf`` where the solution is zero (not connected to b) or negative (A is no M-matrix).
+        ``-inf`` where the solution is zero (not connected to b) or negative (A is not an M-matrix).
     stages : int
         How many solves the furthest column took.
     """

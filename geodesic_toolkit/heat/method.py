@@ -187,7 +187,7 @@ class HeatMethod:
         Raises
         ------
         InvalidSourceError
-            No source, an index out of range, something that is no index.
+            No source, an index out of range, something that is not an index.
         """
         distances = empty((1, self.n_vertices), np.float64)
         self._warn_of(self._solve([self._source_points(sources)], distances))

@@ -187,7 +187,7 @@ class PoissonStep:
     def _overtaken(self, points: SourcePoints, heat: FloatArray) -> BoolArray:
         """Return which (P,) points a front from elsewhere passes before they start.
 
-        There the heat is no peak: it is greater at a neighbour that is not a source. A source next
+        There the heat has no peak: it is greater at a neighbour that is not a source. A source next
         to one that starts earlier, by more than a mean edge length, is overtaken by that.
         """
         rows, scales = self.metric.rows, self.metric.scales

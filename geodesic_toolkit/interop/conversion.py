@@ -29,7 +29,7 @@ VTK_CELLS = {
     26: "wedge15", 27: "pyramid13", 28: "quad9", 29: "hexahedron27", 32: "wedge18",
     34: "triangle7", 37: "pyramid19",
 }  # fmt: skip
-"""Names of VTK's types of cells; those left out keep their number and are no surface."""
+"""Names of VTK's types of cells; those left out keep their number and are not a surface."""
 
 
 def as_domain(obj: Any) -> Domain:
@@ -162,7 +162,7 @@ def graph_of_lengths(matrix: Any) -> Graph:
     Raises
     ------
     InvalidDomainError
-        Not square, or an entry that is no length.
+        Not square, or an entry that is not a length.
     """
     if len(matrix.shape) != 2 or matrix.shape[0] != matrix.shape[1]:
         shape = " x ".join(map(str, matrix.shape))
@@ -244,7 +244,7 @@ def _of_cells(obj: Any, points: Any, blocks: list[tuple[str, Any]]) -> Domain:
     if kinds <= {"vertex"}:
         return PointCloud(points)
     if kinds & {"voxel", "pixel"}:
-        raise UnsupportedDomainError(f"{described(obj)}: voxels are no surface; {OF_GRIDS}")
+        raise UnsupportedDomainError(f"{described(obj)}: voxels are not a surface; {OF_GRIDS}")
     raise InvalidDomainError(
         f"{described(obj)}: no surface and no solid; the cells are {', '.join(sorted(kinds))}"
     )

@@ -1,4 +1,4 @@
-"""Why something is no shape, and what to give instead."""
+"""Why something is not a shape, and what to give instead."""
 
 import os
 from collections.abc import Mapping, Sequence
@@ -36,7 +36,7 @@ def described(obj: Any) -> str:
 
 
 def refusal(obj: Any, taken: str) -> str:
-    """Return why something is no shape, with the cure where it is a thing that people hold.
+    """Return why something is not a shape, with the cure where it is a thing that people hold.
 
     Parameters
     ----------
@@ -46,20 +46,20 @@ def refusal(obj: Any, taken: str) -> str:
     """
     who = described(obj)
     if obj is None:
-        why = "None is no shape; did a function return nothing?"
+        why = "None is not a shape; did a function return nothing?"
     elif isinstance(obj, str | bytes | os.PathLike):
-        why = f"{str(obj)[:80]!r} is no shape (to read a file: geodesic_toolkit.read)"
+        why = f"{str(obj)[:80]!r} is not a shape (to read a file: geodesic_toolkit.read)"
     elif isinstance(obj, Mapping):
-        why = f"{who} is no shape; give its vertices and faces as a pair, {_by_keys(obj)}"
+        why = f"{who} is not a shape; give its vertices and faces as a pair, {_by_keys(obj)}"
     elif not isinstance(obj, type) and all(hasattr(obj, name) for name in GRID):
-        why = f"{who}: a structured grid is no surface; {OF_GRIDS}"
+        why = f"{who}: a structured grid is not a surface; {OF_GRIDS}"
     elif (table := _table(obj)) is not None:
         why = _of_table(table)
     elif isinstance(obj, list | tuple) and obj:
-        why = f"{who} of {len(obj)}, the first {described(obj[0])}, is no shape; give one shape"
+        why = f"{who} of {len(obj)}, the first {described(obj[0])}, is not a shape; give one shape"
         why += f": {taken}"
     else:
-        why = f"{who} is no shape; give {taken}"
+        why = f"{who} is not a shape; give {taken}"
     return why
 
 
@@ -97,7 +97,7 @@ def _of_table(table: np.ndarray[Any, Any]) -> str:
         )
     else:
         cure = f"it has {columns} column{'s' * (columns != 1)} of {table.dtype}"
-    return f"a table of size {rows} x {columns} is no shape; {cure}"
+    return f"a table of size {rows} x {columns} is not a shape; {cure}"
 
 
 def several(
@@ -118,7 +118,7 @@ def several(
         Code that gives all as one shape.
     """
     if number == 0:
-        return UnsupportedDomainError(f"{described(obj)} is no shape: there is nothing in it")
+        return UnsupportedDomainError(f"{described(obj)} is not a shape: there is nothing in it")
     joined = f", or all as one shape: {all_at_once}" if all_at_once else ""
     return UnsupportedDomainError(
         f"{described(obj)} holds {number} shapes; give one, {access} (there are {_listed(names)})"

@@ -156,7 +156,7 @@ class CotanLaplacian(LaplaceOperator):
         ------
         UnsupportedDomainError
             Another kind of domain, a mesh without a single face of three different places, or one
-            so large or small that its measures are no numbers.
+            so large or small that its measures are not numbers.
         """
         self.check_domain(domain)
         assert isinstance(domain, TriangleMesh)  # for the type checker; check_domain has raised
@@ -240,7 +240,7 @@ class CotanLaplacian(LaplaceOperator):
 
 
 def _check_extent(mesh: TriangleMesh) -> None:
-    """Raise where squares of the lengths in a mesh are no numbers."""
+    """Raise where squares of the lengths in a mesh are not numbers."""
     extent = _widest(mesh.vertices)
     if not extent <= 1 / SMALLEST:  # NaN too: vertices that no face uses may be anything
         extent = _widest(mesh.vertices[mesh.used])

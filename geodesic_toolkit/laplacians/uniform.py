@@ -182,7 +182,7 @@ def _scales(edges: IntArray, lengths: FloatArray, part: IntArray, spacing: float
 
 
 def _check_lengths(lengths: FloatArray) -> None:
-    """Raise where lengths are so large or so small that their squares are no numbers."""
+    """Raise where lengths are so large or so small that their squares are not numbers."""
     for length in (lengths.min(initial=1.0), lengths.max(initial=1.0)):
         if not 1 / LARGEST <= length <= LARGEST:
             raise UnsupportedDomainError(

@@ -62,7 +62,7 @@ make no difference. Seven meshes, of 20 to 60 sources each: 0.2225 and 0.2224 %.
 COARSE = 0.3
 """Curvature of a vertex, K h², at which it counts for half.
 
-A vertex is no sample of a smooth surface where its angle defect is of the order of 1; there the
+A vertex is not a sample of a smooth surface where its angle defect is of the order of 1; there the
 front splits instead of bending. K is damped to ``K / (1 + |K| h² / COARSE)``, which on smooth
 surfaces vanishes with h².
 """
@@ -247,7 +247,7 @@ class WavefrontSweeper:
         """The triangles as fronts are to measure them: (elements, inverse frames, areas).
 
         Along the surface, where that is known. On a mesh they are intrinsically Delaunay, but keep
-        the edges of vertices that are no sample of a smooth surface.
+        the edges of vertices that are not samples of a smooth surface.
         """
         gradient, given = self._gradient, self.metric.surface_frames
         elements, inverse, areas = gradient.elements, gradient.inverse_frames, gradient.measure

@@ -79,7 +79,7 @@ class Registry(Mapping[str, Plugin], Generic[Plugin]):
     kind : str
         What its members are called in messages: "operator".
     accepts : callable
-        Returns why a loaded object is no member, or None where it is one.
+        Returns why a loaded object is not a member, or None where it is one.
     install_hints : mapping, optional
         For names that are not installed: the distribution that has them.
 
@@ -217,7 +217,8 @@ class Registry(Mapping[str, Plugin], Generic[Plugin]):
             return plugin(**options)
         if isinstance(plugin, type) or self._accepts(type(plugin)) is not None:
             raise InvalidOptionError(
-                f"{choice!r} is no {self.kind}: give a name ({', '.join(self)}), "
+                f"{choice!r} is not {_article(self.kind)} {self.kind}: give a name "
+                f"({', '.join(self)}), "
                 "a class or an instance"
             )
         if options:
@@ -296,6 +297,10 @@ class Registry(Mapping[str, Plugin], Generic[Plugin]):
         if name in self.install_hints:
             message += f"; it comes with: pip install {self.install_hints[name]}"
         return message
+
+
+def _article(noun: str) -> str:
+    return "an" if noun[0] in "aeiou" else "a"
 
 
 def _discover(group: str) -> list[_Entry]:

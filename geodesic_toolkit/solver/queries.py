@@ -338,7 +338,7 @@ class Surface:
 
 
 class _Kinks:
-    """What linear interpolation misses near sources, where distance is no linear function.
+    """What linear interpolation misses near sources, where distance is not a linear function.
 
     Parameters
     ----------

@@ -97,14 +97,14 @@ class GeodesicSolver:
     Attributes
     ----------
     domain : Domain
-        What was given, converted where it was no Domain.
+        What was given, converted where it was not a Domain.
     operator : LaplaceOperator
     method : HeatMethod
 
     Raises
     ------
     UnsupportedDomainError
-        Something that is no domain, or that the operator does not take.
+        Something that is not a domain, or that the operator does not take.
     InvalidDomainError
         Something that would be one, but for what the message says.
     InvalidOptionError, PluginError

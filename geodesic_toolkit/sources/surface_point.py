@@ -25,7 +25,7 @@ class SurfacePoint:
     Raises
     ------
     InvalidSourceError
-        A face that is no index, or coordinates that are not barycentric.
+        A face that is not an index, or coordinates that are not barycentric.
 
     Examples
     --------

@@ -219,7 +219,7 @@ def factor_tells_its_size(subject: SolverSubject) -> Iterable[Measured]:
     for name, matrix, factor in subject.cases():
         sizes, found = (factor.nnz, factor.nbytes), []
         if not all(isinstance(size, int) and not isinstance(size, bool) for size in sizes):
-            found.append(f"nnz, nbytes = {sizes!r} are no integers")
+            found.append(f"nnz, nbytes = {sizes!r} are not integers")
         elif factor.nnz < matrix.shape[0] or factor.nbytes < 8 * factor.nnz:
             found.append(f"nnz, nbytes = {sizes!r} for {matrix.shape[0]} unknowns")
         yield Measured(float(len(found)), 0.0, f"{name}: {'; '.join(found)}")

@@ -28,7 +28,7 @@ def recipe_is_frozen_data(subject: Recipe) -> Iterable[Measured]:
     """The recipe is a frozen dataclass of options that all have defaults, and names its DOIs."""
     kind, found = type(subject.recipe), []
     if not dataclasses.is_dataclass(kind):
-        found.append(f"{kind.__name__} is no dataclass")
+        found.append(f"{kind.__name__} is not a dataclass")
     elif not kind.__dataclass_params__.frozen:  # type: ignore[attr-defined]
         found.append(f"{kind.__name__} is not frozen")
     try:

@@ -128,7 +128,7 @@ def make_scene(
     UnsupportedDomainError
         A domain without positions, and none given.
     InvalidOptionError
-        Values or positions that do not fit the domain, limits that are no interval.
+        Values or positions that do not fit the domain, limits that are not an interval.
     InvalidSourceError
         Sources that name no place.
     """

@@ -17,7 +17,7 @@ WAITING_BYTES = 1e9
 
 
 def check_executor(executor: object) -> None:
-    """Raise an `InvalidOptionError` for what is no executor."""
+    """Raise an `InvalidOptionError` for what is not an executor."""
     if executor is not None and not isinstance(executor, Executor):
         raise InvalidOptionError(
             "executor must be a concurrent.futures.Executor (a process pool, loky's, "

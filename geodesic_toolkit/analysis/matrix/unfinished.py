@@ -143,12 +143,12 @@ class Unfinished:
         if not self.folder.exists():
             return False
         if not self.folder.is_dir():
-            raise WriteError(f"{self.folder} is in the way: it is no folder; remove it")
+            raise WriteError(f"{self.folder} is in the way: it is not a folder; remove it")
         if (self.folder / RECORD).exists():
             return True
         if any(item.name not in (DONE, LOCK, NEW_RECORD) for item in self.folder.iterdir()):
             raise WriteError(
-                f"{self.folder} is in the way: it is no unfinished matrix; move it elsewhere"
+                f"{self.folder} is in the way: it is not an unfinished matrix; move it elsewhere"
             )
         return False
 
@@ -189,7 +189,7 @@ class Unfinished:
 
     def _broken(self, what: str) -> WriteError:
         return WriteError(
-            f"{self.folder} is no sound unfinished matrix ({what}); begin anew with resume=False "
+            f"{self.folder} is a damaged unfinished matrix ({what}); begin anew with resume=False "
             "(--restart)"
         )
 

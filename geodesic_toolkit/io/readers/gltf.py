@@ -58,4 +58,4 @@ def _check_json(path: Path) -> None:
     except (ValueError, RecursionError) as error:
         raise ReadError(f"not a glTF file, or a damaged one: {error}") from error
     if not isinstance(tree, dict):
-        raise ReadError("not a glTF file: its text is no JSON object")
+        raise ReadError("not a glTF file: its text is not a JSON object")

@@ -56,7 +56,7 @@ def _columns(lines: list[bytes], announced: int) -> int:
     """Return the numbers a vertex has.
 
     Colours come with or without alpha, and behind headers that do not announce them, so the first
-    line tells best; a file whose lines are no vertices has what its header says.
+    line tells best; a file whose lines are not vertices has what its header says.
     """
     first = len(lines[0].split()) if lines else 0
     return first if 3 <= first <= 12 and len(lines) > 1 else announced

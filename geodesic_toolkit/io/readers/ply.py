@@ -136,7 +136,7 @@ def _header(data: bytes) -> tuple[str, list[_Element], int]:
             case [] | ["comment" | "obj_info", *_]:
                 pass
             case _:
-                raise ReadError(f"the header has a line that is none of PLY: {line[:60]!r}")
+                raise ReadError(f"unrecognised line in the header: {line[:60]!r}")
     if form != "ascii" and form not in ORDERS:
         raise ReadError(f"PLY files of format {form[:40]!r} are not known")
     return form, elements, start

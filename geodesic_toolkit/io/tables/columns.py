@@ -70,7 +70,7 @@ def _points(path: Path) -> FloatArray:
     head = table.fields(0)
     if len(head) == 1 and len(table.lines) > 1:
         if not head[0].isdecimal():
-            raise ReadError(f"the first line is no number of points: {head[0][:40]!r}")
+            raise ReadError(f"the first line is not a number of points: {head[0][:40]!r}")
         table = replace(table, lines=table.lines[1:])
         if len(table.lines) != int(head[0]):
             raise ReadError(f"the first line announces {head[0]} points, {len(table.lines)} follow")

@@ -65,7 +65,7 @@ class Table:
         Raises
         ------
         ReadError
-            They are no table of numbers.
+            They are not a table of numbers.
         """
         return number_table(self.lines, self.separator, columns)
 
@@ -157,7 +157,7 @@ def _bare(field: re.Match[str]) -> str:
     inner = field.group()[1:-1].strip()
     if DECIMAL.fullmatch(inner):
         return inner.replace(",", ".")
-    return re.sub(r"[,;\s]+", "_", inner)  # of a word, which is no number
+    return re.sub(r"[,;\s]+", "_", inner)  # of a word, which is not a number
 
 
 def _names(line: str) -> list[str]:
@@ -209,12 +209,12 @@ def _decimal_points(body: str) -> str:
     Raises
     ------
     ReadError
-        Something with a comma is no such number, others have points, or all might be thousands.
+        Something with a comma is not such a number, others have points, or all might be thousands.
     """
     words = re.findall(r"[^\s;]*,[^\s;]*", body)
     for word in words:
         if not DECIMAL.fullmatch(word):
-            raise ReadError(f"{word[:40]!r} is no number with a decimal comma; {ADVICE}")
+            raise ReadError(f"{word[:40]!r} is not a number with a decimal comma; {ADVICE}")
     if words and (other := POINT.search(body)):
         raise ReadError(f"{words[0][:40]!r} has a comma and {other.group()!r} a point; {ADVICE}")
     if words and all(GROUPED.fullmatch(word) for word in words):
@@ -232,7 +232,7 @@ def number_table(
     Raises
     ------
     ReadError
-        They are no table of numbers.
+        They are not a table of numbers.
     """
     try:
         with warnings.catch_warnings():

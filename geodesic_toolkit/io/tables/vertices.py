@@ -37,7 +37,7 @@ def read_vertices(path: str | os.PathLike[str], *, region: str | None = None) ->
     Raises
     ------
     ReadError
-        No such file, another suffix, or contents that are no whole numbers; the message names the
+        No such file, another suffix, or contents that are not whole numbers; the message names the
         file and what is wrong.
     InvalidOptionError
         A region that the file has not, or none where it has several.

@@ -109,7 +109,7 @@ CURVED = 1.58
 12 by that factor, and as much rougher."""
 
 BLADES = 3.0
-"""Growth of the roughness from which on the nearest points are no sample of the surface. What a
+"""Growth of the roughness from which on the nearest points are not samples of the surface. What a
 ring of a scanner's noise spreads out lies on the cone of its beam, a flat blade across the ground,
 and the next ones are on blades beside it: near a scanner on a slope growth is 20 to 40, and normals
 from few neighbours are those of the blades. They are estimated as in noise."""

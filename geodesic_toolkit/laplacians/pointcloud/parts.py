@@ -22,7 +22,7 @@ LOST = 0.02
 scans have outliers."""
 
 FEW = 100
-"""Points up to which a cloud is no scan, and nothing is said."""
+"""Points up to which a cloud is not a scan, and nothing is said."""
 
 ONE_LINE = 0.5
 """Share of the points that one line may hold in a surface before it is said. The lines of a scan

@@ -135,7 +135,7 @@ def _distance_of_data(first: Discretization, second: Discretization) -> float:
     )
 
 
-# -- what is no domain of its own ------------------------------------------------------------------
+# -- what is not a domain of its own --------------------------------------------------------------
 
 
 class ForeignDomain(Domain):

@@ -75,7 +75,7 @@ def _vertices(sources: list[str]) -> list[int]:
         return [int(word) for word in words]
     except ValueError as error:
         raise InvalidSourceError(
-            f'--sources {",".join(words)} is no list of vertices such as "500,2000"'
+            f'--sources {",".join(words)} is not a list of vertices such as "500,2000"'
         ) from error
 
 

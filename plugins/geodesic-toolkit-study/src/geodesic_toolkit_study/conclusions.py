@@ -62,7 +62,7 @@ def on_the_step(results: Results) -> list[str]:
     points = [f"Solved directly, the mean error is {shown}: least at t = {TIMES[best]}."]
     h = results.subject.h
     points.append(
-        f"t = h is no step of its own: t is an area and h a length, so what it means depends on "
+        f"t = h is not a step of its own: t is an area and h a length, so what it means depends on "
         f"the unit of the file. Here h = {h:.4g}, which makes t = h the same as {1 / h:.4g} h², "
         f"and t = 1 as {1 / h**2:.4g} h². In another unit these would be other factors."
     )
