@@ -41,7 +41,7 @@ __all__ = ["GeodesicSolver", "Refine", "check_solver"]
 
 Refine: TypeAlias = bool | Literal["auto", "across"]
 
-UNEVEN = 3.0
+UNEVEN = 1.5
 """Scale of a part of a cloud, in mean lengths of its spokes, from which on plain heat is warned of.
 Measured: scan lines, heaps and samples of surfaces have 1, a random sample whose density varies a
 hundredfold 1; sweeps of spinning scanners 4 to 40, and then plain heat is 8 to 25 % off."""
