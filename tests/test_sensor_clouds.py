@@ -100,24 +100,49 @@ def test_one_sweep_of_sixteen_beams_reaches_its_outermost_ring(noise):
     assert solver.distance(source)[inner] > 1.02 * true[inner]
 
 
-def test_rings_next_to_a_scanner_on_a_slope_are_ground_and_not_blades():
+@pytest.mark.parametrize(
+    ("slope", "degrees", "noise"), [(0.15, 0.2, 0.02), (0.15, 0.1, 0.03), (0.3, 0.1, 0.02)]
+)
+def test_rings_next_to_a_scanner_on_a_slope_are_ground_and_not_blades(slope, degrees, noise):
     # What noise in range spreads out lies on the cones of the beams, 33 degrees from the ground.
-    rng, slope = np.random.default_rng(0), 0.15
+    # With a point every tenth of a degree such a blade holds all neighbours of its points.
+    rng = np.random.default_rng(0)
     down, turn = np.meshgrid(
-        np.radians(np.linspace(-25, 15, 32)), np.radians(np.arange(0, 360, 0.2))
+        np.radians(np.linspace(-25, 15, 32)), np.radians(np.arange(0, 360, degrees))
     )
     down, turn = down.ravel(), turn.ravel()
     rays = np.column_stack([np.cos(down) * np.cos(turn), np.cos(down) * np.sin(turn), np.sin(down)])
     reach = 1.8 / (slope * rays[:, 0] - rays[:, 2])
     rays, reach = rays[(reach > 0) & (reach < 60)], reach[(reach > 0) & (reach < 60)]
     true_points = reach[:, None] * rays
-    points = (reach + 0.02 * rng.normal(size=reach.shape))[:, None] * rays
+    points = (reach + noise * rng.normal(size=reach.shape))[:, None] * rays
     source = int(np.argmin(np.linalg.norm(true_points[:, :2] - [5.6, 0.7], axis=1)))
     true = np.linalg.norm(true_points - true_points[source], axis=1)
     ahead = np.abs(np.arctan2(true_points[:, 1], true_points[:, 0]) - 0.13) < 0.5
     off = errors(solver_of(points).distance(source)[ahead], true[ahead], least=2)
     assert off.mean() < 0.01
-    assert off.max() < 0.06
+    assert off.max() < 3 * noise  # which moves the points themselves, at 2 m and farther
+
+
+def test_rings_on_a_street_are_connected_although_walls_are_nearer():
+    rng = np.random.default_rng(0)
+    down, turn = np.meshgrid(
+        np.radians(np.linspace(-15, 15, 16)), np.radians(np.arange(-75, 75, 0.1))
+    )
+    down, turn = down.ravel(), turn.ravel()
+    rays = np.column_stack([np.cos(down) * np.cos(turn), np.cos(down) * np.sin(turn), np.sin(down)])
+    with np.errstate(divide="ignore"):
+        ground = np.where(rays[:, 2] < 0, -1.8 / rays[:, 2], np.inf)
+        house = 7 / np.abs(rays[:, 1])
+    house[house * rays[:, 2] > 6] = np.inf
+    reach = np.minimum(ground, house)
+    seen = reach < 60
+    points = (reach + 0.02 * rng.normal(size=len(reach)))[seen, None] * rays[seen]
+    on_ground = (ground < house)[seen]
+    source = int(np.argmin(np.linalg.norm(points - [8, 0, -1.8], axis=1)))
+    true = np.linalg.norm(points - points[source], axis=1)
+    distance = solver_of(points).distance(source)
+    assert errors(distance[on_ground], true[on_ground], least=2).mean() < 0.01
 
 
 @pytest.mark.parametrize("noise", [0.0, 0.001, 0.03, 0.1])
@@ -305,11 +330,23 @@ def test_kernels_of_crowds_refuse_what_does_not_fit():
         _native.thinned(points, near, np.ones(len(points)))
 
 
+@pytest.mark.parametrize("spread", ["even", "random"])
+def test_creases_and_thin_sheets_are_no_blades(spread):
+    rng = np.random.default_rng(0)
+    flat = rng.uniform(-1, 1, (20_000, 2))
+    if spread == "even":
+        flat = np.stack(np.meshgrid(*[np.linspace(-1, 1, 141)] * 2), axis=-1).reshape(-1, 2)
+    roof = np.column_stack([flat, 0.5 * np.abs(flat[:, 0])])
+    sheet = np.column_stack([flat + 5, rng.choice([0.0, 0.05], len(flat))])
+    assert len(representatives(np.concatenate([roof, sheet]), 40).kept) > 0.99 * 2 * len(flat)
+
+
 # -- what is said --------------------------------------------------------------------------------
 
 
-def test_plain_heat_on_a_sweep_says_that_it_is_not_to_be_trusted():
-    points = sweep(16, -15, -1, 360)
+@pytest.mark.parametrize(("highest", "unevenness"), [(-1, 3), (-3, 1.5)])
+def test_plain_heat_on_a_sweep_says_that_it_is_not_to_be_trusted(highest, unevenness):
+    points = sweep(16 if highest == -1 else 7, -15, highest, 3600)
     solver = solver_of(points, refine=False)
     with pytest.warns(UnevenCloudWarning, match="use refine=True"):
         solver.distance(0)
@@ -317,7 +354,7 @@ def test_plain_heat_on_a_sweep_says_that_it_is_not_to_be_trusted():
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         refined.distance(0)
-    assert refined.diagnosis.notes["unevenness"] > 3
+    assert refined.diagnosis.notes["unevenness"] > unevenness
 
 
 def test_each_part_has_a_time_step_of_its_own():

@@ -16,6 +16,7 @@ import numpy as np
 from geodesic_toolkit import _native
 from geodesic_toolkit.core.types import BoolArray, FloatArray, IntArray
 from geodesic_toolkit.geometry.threads import threads_for
+from geodesic_toolkit.laplacians.pointcloud.blades import SAMPLE, where_blades
 from geodesic_toolkit.laplacians.pointcloud.neighbours import nearest_among, nearest_neighbours
 
 __all__ = ["Representatives", "representatives", "restored"]
@@ -70,6 +71,12 @@ BESIDE = 16
 
 SEEN = 0.05
 """Share of the probes that have to see one for all points to be asked."""
+
+WITHIN_BLADES = (2, 4, 8, 16)
+"""One of so many points is kept to look for blades that hold all neighbours of their points.
+Measured on sweeps of 32 beams over slopes of 0.15 and 0.3 with noise of 2 and 3 cm, refined: errors
+of 3 to 34 % become 0.003 to 0.016 % with these, 0.002 to 0.01 % with 3 and 9, and 0.006 to 3.2 %
+with 4 and 16."""
 
 AROUND = 9
 """Points around one, itself included, most of which have to agree."""
@@ -138,6 +145,7 @@ def representatives(points: FloatArray, k: int) -> Representatives:
         local = np.ascontiguousarray(near[:, : len(some) // LOCAL])
         found = _native.crowd_reaches(some, local, n_threads=threads_for(len(some)))
         found = np.maximum(found, _reaches_of_great_heaps(some, near))
+        found = np.maximum(found, _reaches_of_blades(some, k))
         if np.count_nonzero(found) <= BY_CHANCE * len(some):
             break
         reaches[kept] = np.maximum(reaches[kept], found)
@@ -232,6 +240,29 @@ def _reaches_of_great_heaps(points: FloatArray, near: IntArray) -> FloatArray:
     everything = np.arange(count)
     near = nearest_among(points, part, everything, k)
     return _in_great_heaps(points, near, everything, around)
+
+
+def _reaches_of_blades(points: FloatArray, k: int) -> FloatArray:
+    """Return how far the blades reach that hold all neighbours of their points, 0 where none are.
+
+    What is wider than the neighbourhoods is seen among a part of the points; to estimate normals
+    from more of them would not do, as stars, too, have to reach the next blade.
+    """
+    reaches = np.zeros(len(points))
+    shuffled = np.random.default_rng(0).permutation(len(points))  # steps alias with the scanner's
+    for every in WITHIN_BLADES:
+        if len(points) < every * SAMPLE or len(points) // every <= k:
+            break
+        part = np.sort(shuffled[: len(points) // every])
+        chosen = part[np.linspace(0, len(part) - 1, SAMPLE).astype(np.int64)]
+        near = nearest_among(points, part, chosen, k)
+        blades = where_blades(points, chosen, near)
+        if blades.any():
+            farthest = np.linalg.norm(points[near[:, -1]] - points[chosen], axis=1)
+            asked = np.flatnonzero(blades)
+            nearest = np.searchsorted(chosen, nearest_among(points, chosen, asked, 1)[:, 0])
+            reaches[asked] = np.maximum(reaches[asked], farthest[nearest])
+    return reaches
 
 
 def _to_all_sides(groups: FloatArray) -> BoolArray:
