@@ -50,6 +50,15 @@ edge lengths in the mean, to either side: the mean error from 100 sources on a f
 is 0.733 %, without 0.735 %; from 25 on a horse of 2,400 it is 0.193 % and 0.194 %.
 """
 
+RETURNS_AMONG_STARS = 0.1
+"""The same on point clouds, whose stars are not mutual: returns among them can go on and on.
+
+With 8 a sweep over 54,000 points of a street took 6.8 s instead of 0.3. With 0.1 sweeps take 0.04
+to 0.9 of the time without any, at worst 1.3 times as long: 18 clouds of 300 to 307,000 points, of
+sensors and of surfaces, three sources each. Mean errors of 48 sources on eight clouds are equal to
+0.002 percentage points for anything from 0 to 8.
+"""
+
 LARGE = 1_000
 """Vertices from which on the first sweep goes back too; on smaller meshes it keeps to the order of
 the heat, as there is no time to gain.
@@ -166,8 +175,7 @@ class WavefrontSweeper:
             known,
             curvatures,
             TOLERANCE * np.minimum.reduceat(self.metric.scales[vertices], begins[:-1]),
-            # Clouds' stars are not mutual, and returns among them can go on and on.
-            returns=0 if self._gradient.stars else RETURNS * count,
+            returns=int((RETURNS_AMONG_STARS if self._gradient.stars else RETURNS) * count),
             steady=int(count < LARGE),
             most_sweeps=MAX_SWEEPS,
             distances=distances,
