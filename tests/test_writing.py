@@ -355,3 +355,9 @@ def test_a_new_file_has_the_permissions_that_the_umask_leaves(tmp_path):
     finally:
         os.umask(old)
     assert (tmp_path / "d.csv").stat().st_mode & 0o777 == 0o640
+
+
+def test_the_older_name_of_write_is_the_same_function():
+    from geodesic_toolkit import io
+
+    assert io.write_distances is gt.write is io.write

@@ -5,5 +5,6 @@ Imports discretizations, linear solvers, sources and refinement; it knows no dom
 
 from geodesic_toolkit.heat.diffusion import HeatReport
 from geodesic_toolkit.heat.method import HeatMethod
+from geodesic_toolkit.sources.points import SourcePoints
 
-__all__ = ["HeatMethod", "HeatReport"]
+__all__ = ["HeatMethod", "HeatReport", "SourcePoints"]

@@ -7,6 +7,9 @@ from geodesic_toolkit.io.tables.points import read_points
 from geodesic_toolkit.io.tables.vertices import read_vertices
 from geodesic_toolkit.io.writing import write
 
+write_distances = write
+"""The older name of :func:`write`."""
+
 __all__ = [
     "check_output",
     "read",
@@ -15,4 +18,5 @@ __all__ = [
     "read_vertices",
     "replacing",
     "write",
+    "write_distances",
 ]
