@@ -143,7 +143,7 @@ def sanitized_python(session: nox.Session) -> None:
         "UBSAN_OPTIONS": "print_stacktrace=1",
     }
     names = ("test_native*.py", "test_supernodal.py", "test_cloud_kernels.py", "test_wavefronts.py")
-    tests = [path for name in names for path in sorted(ROOT.glob(f"tests/{name}"))]
+    tests = [path for name in names for path in sorted(ROOT.glob(f"tests/*/{name}"))]
     # -S and -P: not the editable install, and not the checkout beside the tests. A sanitizer ends
     # the process, so that pytest may not hold back what it has said. Tests of memory measure what
     # sanitizers change.
@@ -200,7 +200,7 @@ def plugins(session: nox.Session) -> None:
     session.install(*map(str, sorted(wheels.glob("*.whl"))), "pytest")
     session.run("geodesic-toolkit", "plugins")
     # This wheel has every level of processor; the editable install of other sessions has one.
-    levels = str(ROOT / "tests" / "test_native_module.py")
+    levels = str(ROOT / "tests" / "linear" / "test_native_module.py")
     session.run("pytest", "-p", "no:dash", "--noconftest", levels)
     for plugin in PLUGINS:
         project = tomllib.loads((plugin / "pyproject.toml").read_text(encoding="utf-8"))["project"]

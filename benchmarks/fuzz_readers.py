@@ -1,7 +1,7 @@
 """Whether damaged files are read or refused: never a crash, a hang, or an error of another kind.
 
-A thousand damaged copies of every kind of file that tests/sample_files.py makes, and of every file
-of ../shared/data: cut, bits flipped, bytes overwritten, pieces inserted, repeated or zeroed, half
+A thousand damaged copies of every kind of file that tests/helpers/sample_files.py makes, and of
+every file of ../shared/data: cut, bits flipped, bytes overwritten, pieces inserted, repeated or zeroed, half
 of it in the header. Each file has a process of its own, with a limit of time for every copy and of
 memory altogether; where that process dies, the next goes on behind the copy that killed it. Copies
 depend on their number alone: a fault can be repeated by name and number.
@@ -87,7 +87,7 @@ def damaged(data: bytes, rng: random.Random) -> bytes:
 
 def files(folder: Path, words: list[str]) -> Iterator[tuple[str, str, bytes]]:
     """Yield names, suffixes and contents: samples of every format, then real files."""
-    sys.path.insert(0, str(ROOT / "tests"))
+    sys.path.insert(0, str(ROOT / "tests" / "helpers"))
     from sample_files import SAMPLES, WRITTEN
 
     def wanted(name: str) -> bool:
