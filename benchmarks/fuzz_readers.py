@@ -1,10 +1,10 @@
 """Whether damaged files are read or refused: never a crash, a hang, or an error of another kind.
 
 A thousand damaged copies of every kind of file that tests/helpers/sample_files.py makes, and of
-every file of ../shared/data: cut, bits flipped, bytes overwritten, pieces inserted, repeated or zeroed, half
-of it in the header. Each file has a process of its own, with a limit of time for every copy and of
-memory altogether; where that process dies, the next goes on behind the copy that killed it. Copies
-depend on their number alone: a fault can be repeated by name and number.
+every file of ../shared/data: cut, bits flipped, bytes overwritten, pieces inserted, repeated or
+zeroed, half of it in the header. Each file has a process of its own, with a limit of time for every
+copy and of memory altogether; where that process dies, the next goes on behind the copy that killed
+it. Copies depend on their number alone: a fault can be repeated by name and number.
 
 python benchmarks/fuzz_readers.py                      everything, about twenty minutes
 python benchmarks/fuzz_readers.py ply bunny            files whose names hold one of these words
