@@ -165,7 +165,7 @@ class Analysis:
     @property
     def rows(self) -> Rows: ...
     @property
-    def above(self) -> Rows: ...
+    def parents(self) -> Rows: ...
     @property
     def n_stored(self) -> int: ...
     @property
@@ -385,7 +385,7 @@ def pole_normals(points: Numbers, neighbours: Indices, normals: Numbers, n_threa
 
 # -- shortest paths --------------------------------------------------------------------------------
 
-def best_way(
+def best_path(
     vertices: Numbers,
     faces: Indices,
     height: Numbers,

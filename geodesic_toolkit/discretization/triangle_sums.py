@@ -19,7 +19,7 @@ class TriangleSums:
     edges : CompressedRows of shape (N, N)
         The part of the stiffness L = Gᵀ W G, with L = -Δ positive semidefinite, that lies right of
         the diagonal, in no order within its rows. There is an entry for every edge.
-    thirds : ndarray of shape (N,), float64
+    lumped_mass : ndarray of shape (N,), float64
         The barycentric mass: a third of the measure of the triangles around each vertex.
     boundary : ndarray of shape (N,), bool
         Vertices of edges that one triangle has.
@@ -28,7 +28,7 @@ class TriangleSums:
     """
 
     edges: CompressedRows
-    thirds: FloatArray
+    lumped_mass: FloatArray
     boundary: BoolArray
     sides: _native.HalfEdges
 
@@ -60,5 +60,5 @@ def sums_of_triangles(
             "simplify the shape, or work on its parts"
         )
     sides = _native.sorted_half_edges(elements, n_vertices)
-    rows, thirds, boundary = _native.edge_sums(elements, sides, inverse_frames, measure)
-    return TriangleSums(CompressedRows(*rows), thirds, boundary, sides)
+    rows, lumped_mass, boundary = _native.edge_sums(elements, sides, inverse_frames, measure)
+    return TriangleSums(CompressedRows(*rows), lumped_mass, boundary, sides)

@@ -179,7 +179,7 @@ class CotanLaplacian(LaplaceOperator):
             squares=mean_squared_edges(lengths),
             areas=areas,
         )
-        excess, boundary = obtuse_excess(sums.edges, sums.thirds), sums.boundary
+        excess, boundary = obtuse_excess(sums.edges, sums.lumped_mass), sums.boundary
         rims = rim_edges(faces, boundary)
         flip = self._to_be_flipped(faces, parts, excess, rims[_does_harm(lengths, rims)])
         surface = None
@@ -198,7 +198,7 @@ class CotanLaplacian(LaplaceOperator):
             "triangulation": triangulation,
         }
         return Discretization(
-            mass=self._mass(gradient, sums.thirds),
+            mass=self._mass(gradient, sums.lumped_mass),
             stiffness=cast("csr_array", sums.stiffness()),  # what it makes of it
             gradient=gradient,
             spacing=spacing,
@@ -230,13 +230,13 @@ class CotanLaplacian(LaplaceOperator):
         wanted = worst > np.where(small, ROUNDING, DELAUNAY_LIMIT)
         return np.asarray(wanted[component])
 
-    def _mass(self, gradient: ElementGradient, thirds: FloatArray) -> FloatArray:
+    def _mass(self, gradient: ElementGradient, lumped_mass: FloatArray) -> FloatArray:
         faces, count = gradient.elements, gradient.n_vertices
         if self.mass == "voronoi":
             return voronoi_areas(faces, lengths_from_inverse(gradient.inverse_frames), count)
         if self.mass == "identity":
             return (np.bincount(faces.ravel(), minlength=count) > 0).astype(np.float64)
-        return thirds
+        return lumped_mass
 
 
 def _check_extent(mesh: TriangleMesh) -> None:

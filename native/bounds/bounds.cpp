@@ -11,7 +11,7 @@ namespace geodesic {
 namespace {
 
 // Share of a distance by which rounding may make it longer than the sum of two others.
-constexpr double kRounding = 1e-13;
+constexpr double kRelativeRounding = 1e-13;
 
 // A number of single precision that is less than a length, be that beyond their range.
 float below(double length) {
@@ -54,7 +54,8 @@ class Search {
 
   void lower(Index near, Index far, double edge) {
     const double most = distances_[near] + edge, now = distances_[far];
-    if (now - most <= kRounding * now || !(now < std::numeric_limits<double>::infinity())) return;
+    if (now - most <= kRelativeRounding * now || !(now < std::numeric_limits<double>::infinity()))
+      return;
     distances_[far] = most;
     fronts_.emplace(most, far);
   }
@@ -88,9 +89,9 @@ Matrix edges_of(std::span<const Index> triangles, Index n_vertices) {
   return rings;
 }
 
-void raise_to_straight_line(std::span<const double> vertices, const Starts& starts,
+void raise_to_straight_line(std::span<const double> vertices, const SourceValues& starts,
                             std::span<double> distances) {
-  Places places(starts);
+  SourceTree places(starts);
   for (Index v = 0; v < count(distances); ++v) {
     double& distance = distances[v];
     const double* const vertex = &vertices[3 * v];
@@ -99,7 +100,7 @@ void raise_to_straight_line(std::span<const double> vertices, const Starts& star
   }
 }
 
-Ways::Ways(std::span<const double> vertices, const Pattern& edges)
+EdgeBounds::EdgeBounds(std::span<const double> vertices, const Pattern& edges)
     : vertices_(vertices), edges_(edges) {
   Index size = 0;
   for (Index v = 0; v < edges.size(); ++v)
@@ -116,7 +117,7 @@ Ways::Ways(std::span<const double> vertices, const Pattern& edges)
   }
 }
 
-void Ways::lower(std::span<double> distances) const {
+void EdgeBounds::lower(std::span<double> distances) const {
   Search search(vertices_, edges_, distances);
   const Row *const tails = spans_.tails.data(), *const heads = spans_.heads.data();
   const float* const lengths = spans_.lengths.data();

@@ -1,7 +1,7 @@
 // What no distance along a surface can be: less than the straight line, more than along the edges.
 #pragma once
 
-#include "bounds/places.hpp"
+#include "bounds/source_tree.hpp"
 #include "core/matrix.hpp"
 
 namespace geodesic {
@@ -10,7 +10,7 @@ namespace geodesic {
 Matrix edges_of(std::span<const Index> triangles, Index n_vertices);
 
 // Raise finite distances to what the straight line from the nearest place reads.
-void raise_to_straight_line(std::span<const double> vertices, const Starts& starts,
+void raise_to_straight_line(std::span<const double> vertices, const SourceValues& starts,
                             std::span<double> distances);
 
 // Edges from their lower ends, one after the other, each with a little less than its length: what
@@ -22,11 +22,11 @@ struct Spans {
 
 // Vertices, (N, 3), those without an edge may be NaN, and the edges between them: a symmetric
 // pattern with sorted rows, whose diagonal is of no account.
-class Ways {
+class EdgeBounds {
  public:
-  Ways(std::span<const double> vertices, const Pattern& edges);
+  EdgeBounds(std::span<const double> vertices, const Pattern& edges);
 
-  // Lower distances to the shortest way along edges from any vertex. What is infinite stays.
+  // Lower distances to the shortest path along edges from any vertex. What is infinite stays.
   //
   // E. W. Dijkstra, A note on two problems in connexion with graphs, 1959,
   // https://doi.org/10.1007/BF01386390, begun at the edges across which distances differ by more

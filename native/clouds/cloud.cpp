@@ -14,7 +14,7 @@ void check_neighbours(const Cloud& cloud, int n_threads) {
       sound &= static_cast<std::uint64_t>(cloud.neighbours[i]) <
                static_cast<std::uint64_t>(cloud.size());
     if (!sound)
-      throw std::invalid_argument("a neighbour is no point of the cloud, which has " +
+      throw std::invalid_argument("a neighbour is not a point of the cloud, which has " +
                                   std::to_string(cloud.size()));
   });
 }

@@ -1,7 +1,7 @@
 // Point clouds and the neighbours of their points.
 #pragma once
 
-#include "triangles/places.hpp"
+#include "triangles/vector3.hpp"
 
 namespace geodesic {
 
@@ -21,7 +21,7 @@ struct Cloud {
 // Points that a thread takes at a time.
 inline constexpr Index kPointsAtOnce = 512;
 
-// Throw std::invalid_argument if a neighbour is no point of the cloud.
+// Throw std::invalid_argument if a neighbour is not a point of the cloud.
 void check_neighbours(const Cloud& cloud, int n_threads);
 
 }  // namespace geodesic

@@ -12,9 +12,9 @@
 
 namespace geodesic {
 
-// The normals, (N, 3), in which those that are in doubt point to the emptiest side.
+// The normals, (N, 3), with the doubtful ones replaced by poles.
 //
-// Throws std::invalid_argument if a neighbour is no point of the cloud.
+// Throws std::invalid_argument if a neighbour is not a point of the cloud.
 Array<double> pole_normals(const Cloud& cloud, int n_threads);
 
 }  // namespace geodesic

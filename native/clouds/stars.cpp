@@ -13,30 +13,30 @@ namespace {
 // Square of the sine of 45 degrees, and a little more, so that rounding does not decide in a
 // lattice: a neighbour that is farther along the normal than along the surface lies on another
 // sheet. Measured on a U-shaped sheet with a gap of 4 spacings: 53 degrees hold, 64 leak.
-constexpr double kSteep = 0.5 * (1 + 1e-12);
+constexpr double kMaxSquaredSineOfElevation = 0.5 * (1 + 1e-12);
 
 // Square of the sine of the elevation below which a neighbour of opposed normal is taken for one
 // whose normal was given the wrong sign; above it, for one of the other side of a thin sheet.
-constexpr double kFlat = 0.2 * 0.2;
+constexpr double kMaxSquaredSineOfWrongSign = 0.2 * 0.2;
 
-// How much a neighbour that stands off the sheet loses against those on it: it comes in as if it
-// were sqrt(1 + kFirm (rise^2 - kFree)) times as far, rise being the sine of its elevation over the
-// mean of both tangent planes, which is 0 on a circle through both. Without it sheets half a
-// spacing apart are woven into one: the refined distance on camelhead's vertices errs by 1.2 %
-// instead of 0.9 %.
-constexpr double kFirm = 10.0;
+// Penalty for neighbours off the sheet. Their distance is scaled by
+// sqrt(1 + kOffSheetPenalty (rise^2 - kMinSquaredSineOfPenalty)), where rise is the sine of the
+// elevation over the mean of both tangent planes, which is 0 on a circle through both. Without it
+// sheets half a spacing apart are connected: the refined distance on camelhead's vertices errs by
+// 1.2 % instead of 0.9 %.
+constexpr double kOffSheetPenalty = 10.0;
 
-// Square of that sine up to which it loses nothing: 18 degrees, which noise and creases come to.
-constexpr double kFree = 0.1;
+// Square of that sine up to which there is no penalty: 18 degrees, as noise and creases have.
+constexpr double kMinSquaredSineOfPenalty = 0.1;
 
-// The same, of neighbours that come in where the nearest do not settle a star: on smooth clouds
-// they lie within 27 degrees of the sheet, or not on it. A star at the rim of a hole looks far, and
-// would find the inside of the far wall: through such bridges all distances from one source
-// were 2.5 % short on the vertices of the Stanford bunny, which has five holes.
-constexpr double kGrown = 0.2;
+// The same, for neighbours beyond the nearest k: on smooth clouds they lie within 27 degrees of the
+// sheet, or not on it. At the rim of a hole, neighbourhoods grow and may reach the inside of the
+// opposite wall: such bridges shortened all distances from one source by 2.5 % on the vertices of
+// the Stanford bunny, which has five holes.
+constexpr double kMaxSquaredSineOfGrownStars = 0.2;
 
 // Sine of the smallest angle of a triangle at the centre of its star.
-constexpr double kThin = 1e-6;
+constexpr double kMinSineOfTriangle = 1e-6;
 
 struct Planar {
   double x, y;
@@ -50,13 +50,13 @@ Planar operator-(const Planar& a, const Planar& b) { return {a.x - b.x, a.y - b.
 // divide by zero: T. Duff et al., Building an orthonormal basis, revisited, 2017,
 // https://jcgt.org/published/0006/01/01/
 struct Tangents {
-  explicit Tangents(const Place& n) {
+  explicit Tangents(const Vector3& n) {
     const double sign = n.z >= 0 ? 1.0 : -1.0;
     const double c = -1.0 / (sign + n.z), d = n.x * n.y * c;
     u = {1.0 + sign * n.x * n.x * c, sign * d, -sign * n.x};
     v = {d, sign + n.y * n.y * c, -n.y};
   }
-  Place u, v;
+  Vector3 u, v;
 };
 
 // A neighbour in the tangent plane of the centre.
@@ -71,7 +71,7 @@ struct Soup {
   std::vector<double> frames;
 };
 
-// Makes one star after the other, in memory of its own.
+// Computes one star after the other, with its own memory.
 class StarMaker {
  public:
   StarMaker(const Cloud& cloud, std::span<const double> weights, const StarOptions& options)
@@ -103,9 +103,9 @@ class StarMaker {
 
 // Put the neighbours of one sheet into the tangent plane of the centre, and invert them.
 //
-// Beyond the first k of a smooth cloud they are asked more strictly whether they lie on it.
+// Neighbours beyond the first k of a smooth cloud must pass a stricter test.
 void StarMaker::project(Index centre, std::span<const Index> near, Index wanted) {
-  const Place here = at(cloud_.points, centre), normal = at(cloud_.normals, centre);
+  const Vector3 here = at(cloud_.points, centre), normal = at(cloud_.normals, centre);
   const Tangents tangents(normal);
   const Index known = options_.smooth ? options_.k : cloud_.width;
   seen_.clear();
@@ -117,24 +117,27 @@ void StarMaker::project(Index centre, std::span<const Index> near, Index wanted)
       break;
     }
     const Index other = near[i];
-    const Place step = at(cloud_.points, other) - here;
+    const Vector3 step = at(cloud_.points, other) - here;
     const double height = dot(step, normal);
     squared = dot(step, step);
-    if (height * height > kSteep * squared) continue;
-    const Place theirs = at(cloud_.normals, other);
+    if (height * height > kMaxSquaredSineOfElevation * squared) continue;
+    const Vector3 theirs = at(cloud_.normals, other);
     const double agreement = dot(normal, theirs);
-    if (options_.oriented && agreement < 0 && height * height > kFlat * squared) continue;
+    if (options_.oriented && agreement < 0 &&
+        height * height > kMaxSquaredSineOfWrongSign * squared)
+      continue;
     const double turn = agreement >= 0 ? 1.0 : -1.0;
-    const Place mean{normal.x + turn * theirs.x, normal.y + turn * theirs.y,
-                     normal.z + turn * theirs.z};
+    const Vector3 mean{normal.x + turn * theirs.x, normal.y + turn * theirs.y,
+                       normal.z + turn * theirs.z};
     const double rise = dot(step, mean);
     const double off = rise * rise / dot(mean, mean);
-    if (i >= known && off > kGrown * squared) continue;
+    if (i >= known && off > kMaxSquaredSineOfGrownStars * squared) continue;
     const double flat = squared - height * height;
     const double chord = std::max(flat, squared - off);
     const double stretch = std::sqrt(chord / flat);
     const Planar place{stretch * dot(step, tangents.u), stretch * dot(step, tangents.v)};
-    const double farther = chord + kFirm * std::max(off - kFree * squared, 0.0);
+    const double farther =
+        chord + kOffSheetPenalty * std::max(off - kMinSquaredSineOfPenalty * squared, 0.0);
     const double power =
         (farther + weights_[centre] - weights_[other]) / std::sqrt(farther / chord);
     seen_.push_back({place, {place.x / power, place.y / power}, other});
@@ -176,7 +179,7 @@ void StarMaker::add_triangles(Index centre, double reach, bool last, Soup& soup)
     const Neighbour &first = *hull_[side], &second = *hull_[side + 1];
     const double spanned = cross(first.place, second.place);
     const double a = length(first.place), b = length(second.place);
-    if (spanned <= kThin * a * b) {
+    if (spanned <= kMinSineOfTriangle * a * b) {
       closed_ = false;
       continue;
     }
@@ -215,7 +218,7 @@ bool StarMaker::add_star(Index centre, std::span<const Index> near, double reach
   return is_open;
 }
 
-// One table of the pieces of several.
+// Concatenate the tables of several blocks.
 template <class T>
 Array<T> joined(const std::vector<Soup>& soups, std::vector<T> Soup::* table) {
   Index size = 0;
@@ -234,7 +237,7 @@ Stars delaunay_stars(const Cloud& cloud, const Centres& centres, std::span<const
   const Index n_centres = count(centres.points);
   for (const Index centre : centres.points)
     if (centre < 0 || centre >= cloud.size())
-      throw std::invalid_argument("a centre is no point of the cloud, which has " +
+      throw std::invalid_argument("a centre is not a point of the cloud, which has " +
                                   std::to_string(cloud.size()));
   StarOptions limited = options;
   limited.k = std::min(options.k, cloud.width);

@@ -25,17 +25,17 @@ struct Stars {
   Array<bool> is_open;     // (M,), where the star does not surround its centre
 };
 
-// The points that stars are made of, one for each row of the cloud's neighbours, and how far each
-// may look.
+// The centres of the stars, one for each row of the cloud's neighbours, and the largest radius of
+// each.
 struct Centres {
   std::span<const Index> points;
   std::span<const double> reaches;
 };
 
 // `weights` are what squared distances are lessened by, one for each point, so that points on one
-// circle are told apart.
+// circle are distinguished.
 //
-// Throws std::invalid_argument if a neighbour or a centre is no point of the cloud.
+// Throws std::invalid_argument if a neighbour or a centre is not a point of the cloud.
 Stars delaunay_stars(const Cloud& cloud, const Centres& centres, std::span<const double> weights,
                      const StarOptions& options, int n_threads);
 

@@ -40,7 +40,7 @@ void ask_for_large_pages([[maybe_unused]] void* memory, [[maybe_unused]] std::si
 }
 
 // Whole pages pay for what is read often: a solve takes 0.75 to 0.9 of the time. In pools all are.
-std::size_t unit_of(std::size_t bytes) { return bytes > Pool::kMost ? Pool::kPage : kLine; }
+std::size_t unit_of(std::size_t bytes) { return bytes > Pool::kMaxBlock ? Pool::kPage : kLine; }
 
 }  // namespace
 
@@ -55,14 +55,14 @@ void* allocate(std::size_t bytes) {
 
 void release(void* memory, std::size_t bytes) noexcept {
   if constexpr (kPooled)
-    if (bytes >= Pool::kLeast && Pool::shared().give_back(memory, bytes)) return;
+    if (bytes >= Pool::kMinBlock && Pool::shared().give_back(memory, bytes)) return;
   ::operator delete(memory, std::align_val_t{unit_of(bytes)});
 }
 
 std::size_t release_rest(void* memory, std::size_t bytes, std::size_t needed) noexcept {
-  if (!kPooled || bytes < Pool::kLeast) return bytes;
+  if (!kPooled || bytes < Pool::kMinBlock) return bytes;
   const std::size_t kept =
-      (std::max(needed, Pool::kLeast) + Pool::kUnit - 1) / Pool::kUnit * Pool::kUnit;
+      (std::max(needed, Pool::kMinBlock) + Pool::kUnit - 1) / Pool::kUnit * Pool::kUnit;
   if (kept >= bytes || !Pool::shared().give_back(static_cast<char*>(memory) + kept, bytes - kept))
     return bytes;
   return kept;

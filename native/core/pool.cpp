@@ -11,8 +11,8 @@
 namespace geodesic {
 namespace {
 
-constexpr std::size_t kIdle = std::size_t{1}
-                              << 24;  // of the shared pool; times are the same from 8 to 64 MB
+constexpr std::size_t kMaxIdleBytes =
+    std::size_t{1} << 24;  // of the shared pool; times are the same from 8 to 64 MB
 
 constexpr std::size_t kUnits = Pool::kArena / Pool::kUnit, kPages = Pool::kArena / Pool::kPage;
 constexpr std::size_t kWord = 64;  // units of which a word tells
@@ -84,7 +84,7 @@ Pool::Pool(std::size_t most_idle) : most_idle_(most_idle) {}
 
 Pool& Pool::shared() {
   static Pool* const the_one = [] {
-    static Pool* pool = new Pool(kIdle);
+    static Pool* pool = new Pool(kMaxIdleBytes);
     // A child that is forked while another thread is here must find the lock open.
     pthread_atfork([] { pool->mutex_.lock(); }, [] { pool->mutex_.unlock(); },
                    [] { pool->mutex_.unlock(); });
@@ -123,7 +123,7 @@ void Pool::release(Arena& arena, std::size_t most_idle) noexcept {
 #else
 
 Pool& Pool::shared() {
-  static Pool* const the_one = new Pool(kIdle);
+  static Pool* const the_one = new Pool(kMaxIdleBytes);
   return *the_one;
 }
 Pool::~Pool() = default;
@@ -133,7 +133,7 @@ void Pool::release(Arena&, std::size_t) noexcept {}
 #endif
 
 void* Pool::take(std::size_t bytes) {
-  if (bytes < kLeast || bytes > kMost) return nullptr;
+  if (bytes < kMinBlock || bytes > kMaxBlock) return nullptr;
   const std::size_t count = units_of(bytes);
   const std::lock_guard lock(mutex_);
   for (std::size_t a = 0; a < arenas_.size() || add_arena(); ++a) {

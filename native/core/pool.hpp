@@ -24,7 +24,7 @@ class Pool {
   static constexpr std::size_t kPage = std::size_t{1} << 21;   // and a large one
   static constexpr std::size_t kArena = std::size_t{1} << 26;  // address space; memory comes later
   // Sizes of blocks: units would waste a good part of less, and more is seldom asked for.
-  static constexpr std::size_t kLeast = std::size_t{1} << 14, kMost = std::size_t{1} << 25;
+  static constexpr std::size_t kMinBlock = std::size_t{1} << 14, kMaxBlock = std::size_t{1} << 25;
 
   explicit Pool(std::size_t most_idle);
   ~Pool();

@@ -10,7 +10,7 @@ namespace geodesic {
 namespace {
 
 // Relative difference up to which two lengths are the same.
-constexpr double kAlike = 1e-6;
+constexpr double kLengthTolerance = 1e-6;
 
 constexpr std::size_t at(Index i) { return static_cast<std::size_t>(i); }
 
@@ -79,7 +79,7 @@ Lists at_right_angles(std::span<const Row> classes, std::span<const Rectangle> r
   return Lists(n_classes, pairs);
 }
 
-bool alike(double one, double other) { return std::abs(one - other) <= kAlike * one; }
+bool alike(double one, double other) { return std::abs(one - other) <= kLengthTolerance * one; }
 
 bool has_three_lengths_at_most(std::span<const double> lengths) {
   std::vector<double> found;
@@ -91,14 +91,14 @@ bool has_three_lengths_at_most(std::span<const double> lengths) {
   return true;
 }
 
-// Whether no vertex has more neighbours than one of a lattice in the plane.
+// True if no vertex has more neighbours than one of a lattice in the plane.
 bool is_flat(const EdgesAround& graph) {
   for (std::size_t v = 0; v + 1 < graph.starts.size(); ++v)
     if (graph.starts[v + 1] - graph.starts[v] > 4) return false;
   return true;
 }
 
-// One lattice after the other is given axes.
+// Assigns axes to one lattice after the other.
 class Axes {
  public:
   Axes(const EdgesAround& graph, std::span<const Rectangle> rectangles)
@@ -113,7 +113,7 @@ class Axes {
         full_(graph.starts.size() - 1),
         lengths_tell_(has_three_lengths_at_most(graph.lengths)) {}
 
-  // From three classes that are mutually at right angles on.
+  // Start at three classes that are mutually at right angles.
   void spread_from(const std::array<Row, 3>& frame) {
     for (const Row edge : frame)
       if (axis_[at(classes_[at(edge)])] != kNone) return;
@@ -124,7 +124,7 @@ class Axes {
     settle();
   }
 
-  // From any class on, in the plane, where all that meet are at right angles.
+  // Start at any class, in the plane, where all classes that meet are at right angles.
   void spread_in_plane(Row edge) {
     const Row begin = classes_[at(edge)];
     if (axis_[at(begin)] != kNone || across_.of(begin).empty()) return;

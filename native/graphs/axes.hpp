@@ -1,4 +1,4 @@
-// Which edges of a lattice run along the same axis.
+// The axes along which edges of a lattice run.
 #pragma once
 
 #include <array>

@@ -13,14 +13,14 @@
 namespace geodesic {
 namespace {
 
-// Neighbours of a vertex up to which its corners are looked for, as bits of a number: neighbours of
-// samples and of voxels are 4 to 30, and hubs have none that mean anything.
-constexpr Index kMost = 64;
-// Corners for each edge up to which three at a time are looked at: voxels have 4, and with many it
-// takes the third power of their number.
-constexpr Index kAboutAnEdge = 8;
+// Corners are searched at vertices of at most so many neighbours, one bit each: samples and voxels
+// have 4 to 30 neighbours, and the corners of hubs have no meaning.
+constexpr Index kMaxNeighbours = 64;
+// Triples of corners are examined if there are at most so many corners per edge: voxels have 4, and
+// the cost grows with the third power of their number.
+constexpr Index kMaxCornersPerEdge = 8;
 // Relative difference up to which two sides of a rectangle are equally long.
-constexpr double kAlike = 1e-6;
+constexpr double kLengthTolerance = 1e-6;
 
 using Bits = std::uint64_t;
 constexpr std::size_t at(Index i) { return static_cast<std::size_t>(i); }
@@ -78,7 +78,7 @@ struct Corner {
   Kind kind;
 };
 
-// Whether fronts need a chord between the ends: edges of a triangle have one, and in a rectangle
+// True if fronts need a chord between the ends: edges of a triangle have one, and in a rectangle
 // that comes after another the next corner does as well.
 bool is_open(Kind kind) { return kind == Kind::kQuadrangle || kind == Kind::kAxes; }
 
@@ -89,7 +89,7 @@ double diagonal(double a, double b, double c, double d) {
   return (a * c + b * d) * (a * d + b * c) / (a * b + c * d);
 }
 
-// Whether members of a set are all reached from the first, each to those that `joined` says.
+// True if members of a set are all reached from the first, each to those that `joined` says.
 template <class Joined>
 bool connects(Bits members, const Joined& joined) {
   Bits reached = members & -members;
@@ -115,7 +115,7 @@ class Finder {
 
   void look_about(Index x) {
     first_ = rows_.starts[at(x)], degree_ = rows_.degree(x);
-    if (degree_ < 2 || degree_ > kMost) return;
+    if (degree_ < 2 || degree_ > kMaxNeighbours) return;
     for (Index s = 0; s < degree_; ++s) place_[at(end(s))] = static_cast<Row>(s);
     find_triangles();
     find_quadrangles(x);
@@ -126,7 +126,7 @@ class Finder {
   }
 
  private:
-  struct Way {  // over an end of the vertex to one beyond
+  struct Route {  // over an end of the vertex to one beyond
     Row beyond, slot, edge;
     double length;
   };
@@ -140,17 +140,17 @@ class Finder {
   }
 
   void find_triangles() {
-    ways_.clear();
+    routes_.clear();
     for (Index s = 0; s < degree_; ++s) {
       joined_[at(s)] = 0;
       const Index a = end(s);
-      if (rows_.degree(a) > kMost) continue;
+      if (rows_.degree(a) > kMaxNeighbours) continue;
       for (Index r = rows_.starts[at(a)]; r < rows_.starts[at(a) + 1]; ++r) {
         const Row b = rows_.ends[at(r)];
-        if (rows_.degree(b) > kMost) continue;
+        if (rows_.degree(b) > kMaxNeighbours) continue;
         const Row t = place_[at(b)];
         if (t == kNone) {
-          ways_.push_back({b, static_cast<Row>(s), rows_.edge[at(r)], rows_.lengths[at(r)]});
+          routes_.push_back({b, static_cast<Row>(s), rows_.edge[at(r)], rows_.lengths[at(r)]});
         } else {
           joined_[at(s)] |= bit(t);
           if (s < t) add(s, t, squared(rows_.lengths[at(r)]), Kind::kTriangle);
@@ -159,20 +159,21 @@ class Finder {
     }
   }
 
-  // Two ways to one vertex beyond make a quadrangle; those back to the vertex itself do not.
+  // Two paths to one vertex beyond make a quadrangle; those back to the vertex itself do not.
   void find_quadrangles(Index x) {
-    std::ranges::sort(ways_, {}, [](const Way& way) { return std::pair(way.beyond, way.slot); });
+    std::ranges::sort(routes_, {},
+                      [](const Route& route) { return std::pair(route.beyond, route.slot); });
     found_.clear();
-    for (std::size_t i = 0, j; i < ways_.size(); i = j) {
-      for (j = i; j < ways_.size() && ways_[j].beyond == ways_[i].beyond;) ++j;
-      if (ways_[i].beyond == x) continue;
+    for (std::size_t i = 0, j; i < routes_.size(); i = j) {
+      for (j = i; j < routes_.size() && routes_[j].beyond == routes_[i].beyond;) ++j;
+      if (routes_[i].beyond == x) continue;
       ++near;
       for (std::size_t p = i; p < j; ++p)
-        for (std::size_t q = p + 1; q < j; ++q) add_quadrangle(x, ways_[p], ways_[q]);
+        for (std::size_t q = p + 1; q < j; ++q) add_quadrangle(x, routes_[p], routes_[q]);
     }
     std::ranges::sort(found_, {},
                       [](const Corner& c) { return std::tuple(c.one, c.other, c.across); });
-    std::array<Bits, at(kMost)> right{};
+    std::array<Bits, at(kMaxNeighbours)> right{};
     for (std::size_t k = 0; k < found_.size(); ++k) {
       const Corner& c = found_[k];
       if (k > 0 && found_[k - 1].one == c.one && found_[k - 1].other == c.other) continue;
@@ -189,7 +190,7 @@ class Finder {
       }
   }
 
-  void add_quadrangle(Index x, const Way& p, const Way& q) {
+  void add_quadrangle(Index x, const Route& p, const Route& q) {
     const Bits beside = joined_[at(p.slot)];
     if (beside & bit(q.slot)) return;  // it has a diagonal
     Bits two = beside;                 // those that a fan of two triangles leads to
@@ -197,7 +198,8 @@ class Finder {
       two |= joined_[at(std::countr_zero(rest))];
     if (two & joined_[at(q.slot)]) return;  // a fan of up to three fills it
     const double a = length(p.slot), b = length(q.slot), c = q.length, d = p.length;
-    const bool right = std::abs(a - c) <= kAlike * a && std::abs(b - d) <= kAlike * b;
+    const bool right =
+        std::abs(a - c) <= kLengthTolerance * a && std::abs(b - d) <= kLengthTolerance * b;
     const double across = right ? squared(a) + squared(b) : diagonal(a, b, c, d);
     found_.push_back({p.slot, q.slot, across, right ? Kind::kRectangle : Kind::kQuadrangle});
     if (right && x < std::min<Index>({end(p.slot), end(q.slot), p.beyond}))  // once of four times
@@ -207,8 +209,8 @@ class Finder {
   const Rows& rows_;
   std::vector<Row> place_;  // of a vertex among the ends of the one looked at
   Index first_ = 0, degree_ = 0;
-  std::array<Bits, at(kMost)> joined_{};  // which ends an end has edges to
-  std::vector<Way> ways_;
+  std::array<Bits, at(kMaxNeighbours)> joined_{};  // which ends an end has edges to
+  std::vector<Route> routes_;
   std::vector<Corner> found_;
 };
 
@@ -239,7 +241,7 @@ void add_right_angles(const Rows& rows, std::span<const Row> axes, Known& known,
   const auto n = static_cast<Index>(rows.starts.size()) - 1;
   for (Index v = 0; v < n; ++v) {
     const Index first = rows.starts[at(v)], degree = rows.degree(v);
-    if (degree > kMost) continue;
+    if (degree > kMaxNeighbours) continue;
     for (Index s = first; s < first + degree; ++s) {
       const Row one = axes[at(rows.edge[at(s)])];
       for (Index t = s + 1; t < first + degree; ++t) {
@@ -268,8 +270,8 @@ double covered(const Rows& rows, const Known& known) {
     const Index first = rows.starts[at(v)], degree = rows.degree(v);
     if (degree < 3) continue;
     ++junctions;
-    if (degree > kMost) continue;
-    const Bits all = degree == kMost ? ~Bits{0} : bit(degree) - 1;
+    if (degree > kMaxNeighbours) continue;
+    const Bits all = degree == kMaxNeighbours ? ~Bits{0} : bit(degree) - 1;
     whole += connects(all, known.about(first, degree));
   }
   return junctions ? static_cast<double>(whole) / static_cast<double>(junctions) : 0.0;
@@ -388,7 +390,7 @@ void judge(std::span<const Corner> corners, Index n_edges, bool boxes, GraphCorn
                      return c.kind == Kind::kRectangle || c.kind == Kind::kAxes;
                    }) > 0.9;
   const double triangles = share([](const Corner& c) { return c.kind == Kind::kTriangle; });
-  result.solid = (boxes || triangles < 0.5) && count(corners) <= kAboutAnEdge * n_edges;
+  result.solid = (boxes || triangles < 0.5) && count(corners) <= kMaxCornersPerEdge * n_edges;
 }
 
 }  // namespace

@@ -10,7 +10,7 @@ namespace geodesic {
 
 // A graph in compressed rows, chords among its edges, and the corners at every vertex.
 //
-// Slot s of vertex x is an edge from x to ends[s], and back[s] the same edge the other way. The
+// Slot s of vertex x is an edge from x to ends[s], and back[s] the same edge in reverse. The
 // corners of slot s are those of edge s and edge other[k] of the same vertex, for k from begins[s]
 // to begins[s + 1], whose ends are a distance apart of which across[k] is the square.
 struct GraphCorners {

@@ -13,11 +13,11 @@ namespace geodesic {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-// Share by which a way may miss the side or the triangle that it crosses, for rounding: a way along
-// an edge ends in a corner. It is the same from 1e-12 to 1e-6.
-constexpr double kMissing = 1e-9;
+// Share by which a path may miss the side or the triangle that it crosses, for rounding: a path
+// along an edge ends in a corner. It is the same from 1e-12 to 1e-6.
+constexpr double kCrossingTolerance = 1e-9;
 // Share of its squared length at which a side counts as flat.
-constexpr double kFlat = 1e-12;
+constexpr double kFlatnessTolerance = 1e-12;
 
 constexpr std::size_t at(Index i) { return static_cast<std::size_t>(i); }
 
@@ -26,7 +26,7 @@ struct End {
   double to_apex, to_source;
 };
 
-// The way from a source to the apex across the side between two ends, whose squared length is
+// The path from a source to the apex across the side between two ends, whose squared length is
 // given: both are laid out in the plane, on either side of it. Infinite where there is none.
 double across_side(const End& a, const End& b, double side) {
   const double twice = 2 * std::sqrt(side);
@@ -36,7 +36,7 @@ double across_side(const End& a, const End& b, double side) {
   if (!(height > 0 && depth >= 0)) return kInfinity;
   const double up = std::sqrt(height), down = std::sqrt(depth);
   const double passes = (from * up + x * down) * 2 / ((up + down) * twice);  // as a share
-  if (!(passes >= -kMissing && passes <= 1 + kMissing)) return kInfinity;
+  if (!(passes >= -kCrossingTolerance && passes <= 1 + kCrossingTolerance)) return kInfinity;
   return std::hypot(x - from, up + down);
 }
 
@@ -46,7 +46,7 @@ class Base {
   Base(double ab, double ac, double bc) : ab_(ab), ac_(ac), b_(std::sqrt(ab)) {
     x_ = (ac - bc + ab) / (2 * b_);
     const double height = ac - x_ * x_;
-    y_ = height > kFlat * ac ? std::sqrt(height) : 0.0;
+    y_ = height > kFlatnessTolerance * ac ? std::sqrt(height) : 0.0;
   }
   bool is_flat() const { return y_ == 0; }
 
@@ -60,7 +60,8 @@ class Base {
   }
   bool holds(double x, double y) const {
     const double third = y / y_, second = (x - third * x_) / b_;
-    return third >= -kMissing && second >= -kMissing && third + second <= 1 + kMissing;
+    return third >= -kCrossingTolerance && second >= -kCrossingTolerance &&
+           third + second <= 1 + kCrossingTolerance;
   }
 
  private:
@@ -73,7 +74,8 @@ double across_triangle(const End& a, const End& b, const End& c, double ab, doub
   if (base.is_flat()) return kInfinity;
   const Base::Point apex = base.point(a.to_apex, b.to_apex, c.to_apex);
   const Base::Point source = base.point(a.to_source, b.to_source, c.to_source);
-  if (!(apex.height > kFlat * a.to_apex && source.height >= -kMissing * a.to_source))
+  if (!(apex.height > kFlatnessTolerance * a.to_apex &&
+        source.height >= -kCrossingTolerance * a.to_source))
     return kInfinity;
   const double up = std::sqrt(apex.height), down = std::sqrt(std::max(source.height, 0.0));
   const double share = up / (up + down);
@@ -116,11 +118,11 @@ class Fronts {
 
   // What is known of the end of a slot, for a front that began with a distance.
   End end_of(Index s, double began) const {
-    const double way = distances_[at(corners_.ends[at(s)])] - began;
-    return {squared_length(s), way * way};
+    const double length = distances_[at(corners_.ends[at(s)])] - began;
+    return {squared_length(s), length * length};
   }
 
-  // Offer ways to the end of slot s of v, which has just been settled.
+  // Offer paths to the end of slot s of v, which has just been settled.
   void reach(Index v, Index s) {
     const Index x = corners_.ends[at(s)];
     const Index home = corners_.back[at(s)];

@@ -12,9 +12,9 @@ namespace geodesic {
 // starts with its own distance, of any sign.
 //
 // Vertices are settled from the nearest to the farthest, as in Dijkstra's algorithm. One that is
-// settled offers its neighbours the way along the edge, which therefore bounds them. At every
+// settled offers its neighbours the path along the edge, which therefore bounds them. At every
 // corner of which two ends are settled, and at three corners at right angles or so, it also offers
-// the straight way from the point at the distances of the ends, if that way passes between them.
+// the straight line from the point at the distances of the ends, if that line passes between them.
 void cross_corners(const GraphCorners& corners, std::span<const Index> begins,
                    std::span<const Index> vertices, std::span<const double> starts,
                    std::span<double> distances, int n_threads);

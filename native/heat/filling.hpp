@@ -1,4 +1,4 @@
-// The maximum principle made true where heat is missing.
+// Enforce the maximum principle where heat underflowed.
 #pragma once
 
 #include "core/matrix.hpp"

@@ -7,16 +7,18 @@ namespace geodesic {
 namespace {
 
 constexpr double kLog2 = 0.693147180559945309417232121458;
-constexpr double kTiny = 1e-300;  // differences of heat below it are no slope at all
-// Heat that differs by less than this share of itself over a triangle has no direction: what solves
-// leave there is rounding, and not the same in a block as alone. Rounding is 1e-16, and 1e-11 where
-// the logarithm of heat is -1e5; slopes are 1e-1, and 1e-5 with a million times the time step.
-constexpr double kRounding = 1e-11;
-constexpr Row kNothing = -(1 << 30);  // power of two that stands for no heat at all,
-constexpr Row kMost = 1 << 30;        // and the largest; their difference is still a Row
-constexpr Index kAtOnce = 64;  // triangles whose differences stay in the first level of cache
+constexpr double kMinHeatDifference = 1e-300;  // smaller differences of heat count as zero
+// If heat differs by less than this share of itself over a triangle, its direction is rounding,
+// which differs between solves of a block and of a single column. Rounding is 1e-16, and 1e-11
+// where the logarithm of heat is -1e5; slopes are 1e-1, and 1e-5 with a million times the time
+// step.
+constexpr double kMinRelativeSlope = 1e-11;
+constexpr Row kZeroExponent = -(1 << 30);  // power of two that stands for no heat at all,
+constexpr Row kMaxExponent = 1 << 30;      // and the largest; their difference is still a Row
+constexpr Index kTrianglesPerBlock =
+    64;  // triangles whose differences stay in the first level of cache
 
-// 2^n, n <= 0, and 0 where that is no normal number.
+// 2^n, n <= 0, and 0 where that is not a normal number.
 double two_to(Row power) {
   const std::int64_t upper = std::max<std::int64_t>(std::int64_t{power} + 1023, 0);
   return std::bit_cast<double>(upper << 52);
@@ -27,9 +29,9 @@ double two_to(Row power) {
 // With the inverse frame (p, q, r) the gradient is (p du, q du + r dv). Its direction does not
 // change if the differences are divided by the larger one, and then nothing underflows.
 inline void turn(double& du, double& dv, double p, double q, double r, double area) {
-  const double scale = 1 / std::max(std::max(std::abs(du), std::abs(dv)), kTiny);
+  const double scale = 1 / std::max(std::max(std::abs(du), std::abs(dv)), kMinHeatDifference);
   const double x = p * (du * scale), y = q * (du * scale) + r * (dv * scale);
-  const double weight = -area / std::sqrt(std::max(x * x + y * y, kTiny));
+  const double weight = -area / std::sqrt(std::max(x * x + y * y, kMinHeatDifference));
   du = weight * (p * x + q * y);
   dv = weight * (r * y);
 }
@@ -44,13 +46,14 @@ struct Split {
       : fractions(count(logarithms)), powers(count(logarithms)) {
     for (Index v = 0; v < fractions.size(); ++v) {
       const double power = logarithms[v] / kLog2;
-      if (power <= kNothing) {
+      if (power <= kZeroExponent) {
         fractions[v] = 0.0;
-        powers[v] = kNothing;
-      } else {  // what is no number stays none
+        powers[v] = kZeroExponent;
+      } else {  // NaN stays NaN
         const double whole = std::floor(power);
         fractions[v] = std::exp((power - whole) * kLog2);
-        powers[v] = std::isnan(whole) ? kNothing : static_cast<Row>(std::min<double>(whole, kMost));
+        powers[v] = std::isnan(whole) ? kZeroExponent
+                                      : static_cast<Row>(std::min<double>(whole, kMaxExponent));
       }
     }
   }
@@ -73,7 +76,7 @@ struct Heat {
       du = values[j] - origin;
       dv = values[k] - origin;
     }
-    const double least = kRounding * std::abs(origin);
+    const double least = kMinRelativeSlope * std::abs(origin);
     const double slope = std::max(std::abs(du), std::abs(dv)) > least ? 1.0 : 0.0;
     du *= slope;
     dv *= slope;
@@ -84,9 +87,9 @@ struct Heat {
 // apart from vertices that triangles share.
 void add_column(const Triangles& triangles, const Heat& heat, double* load) {
   const Index n_faces = count(triangles.measure);
-  double first[kAtOnce], second[kAtOnce];
-  for (Index begin = 0; begin < n_faces; begin += kAtOnce) {
-    const Index together = std::min(kAtOnce, n_faces - begin);
+  double first[kTrianglesPerBlock], second[kTrianglesPerBlock];
+  for (Index begin = 0; begin < n_faces; begin += kTrianglesPerBlock) {
+    const Index together = std::min(kTrianglesPerBlock, n_faces - begin);
     const Index* const corner = triangles.faces.data() + 3 * begin;
     const double* const frame = triangles.frames.data() + 3 * begin;
     for (Index c = 0; c < together; ++c)

@@ -8,14 +8,14 @@
 namespace geodesic {
 
 // Numbers that the substitution reads at once, wherever a column ends.
-inline constexpr int kReach = 8;
+inline constexpr int kPaddingRows = 8;
 
 // An order of elimination, in groups of vertices that are eliminated together.
 struct Elimination {
   Array<Row> order;    // the vertices
   Array<Row> starts;   // group g is order[starts[g], starts[g + 1])
   Array<Row> heights;  // rows of the first column of each group, without those set aside as full
-  Array<Row> parents;  // who takes over what the elimination of a group leaves, or kNone
+  Array<Row> parents;  // the group that receives the update of this one, or kNone
   Index n_full = 0;    // vertices that were set aside: the last group
 };
 
@@ -30,7 +30,7 @@ struct Analysis {
   Array<Row> first;
   Array<Index> row_starts;
   Array<Row> rows;
-  Array<Row> above;  // the parent of each supernode, kNone at roots
+  Array<Row> parents;  // the parent of each supernode, kNone at roots
   Array<Index> panels;
   Index n_entries = 0;  // of the pattern that was analysed
   Index stack = 0;      // numbers on the stack of update matrices, at the most
@@ -38,7 +38,7 @@ struct Analysis {
   Index largest = 0;    // numbers in the largest panel
 
   Index n_vertices() const { return order.size(); }
-  Index n_supernodes() const { return above.size(); }
+  Index n_supernodes() const { return parents.size(); }
   Index n_stored() const { return panels[n_supernodes()]; }
   // Bytes of the arrays.
   Index nbytes() const;
@@ -49,7 +49,7 @@ struct Analysis {
   const Row* rows_below(Index s) const { return rows_of(s) + width(s); }
 };
 
-// Of patterns with both halves and sorted columns.
+// Analyse a pattern that has both triangles and sorted columns.
 bool is_symmetric(const Pattern& pattern);
 Elimination minimum_degree(const Pattern& pattern);
 std::shared_ptr<const Analysis> analyze(const Pattern& pattern, const Elimination& elimination);

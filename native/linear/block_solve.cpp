@@ -3,8 +3,8 @@
 #include <algorithm>
 
 #include "core/processor.hpp"
-#include "core/room.hpp"
 #include "core/vectors.hpp"
+#include "core/workspace.hpp"
 #include "linear/substitution.hpp"
 
 namespace geodesic {
@@ -20,7 +20,10 @@ template <class T>
 class BlockSolve {
  public:
   BlockSolve(const Analysis& analysis, const T* panels)
-      : its_(analysis), panels_(panels), room_(kBlock * its_.n_vertices()), x_(room_.data()) {}
+      : its_(analysis),
+        panels_(panels),
+        workspace_(kBlock * its_.n_vertices()),
+        x_(workspace_.data()) {}
 
   bool solve(const double* b, double* x, Index stride, Index n_columns) {
     take(b, stride, n_columns);
@@ -157,7 +160,7 @@ class BlockSolve {
 
   const Analysis& its_;
   const T* const panels_;
-  Room room_;
+  Workspace workspace_;
   double* const x_;
 };
 

@@ -2,13 +2,12 @@
 //
 // A solve reads the factor twice and does little with it, so it is as fast as memory is. Where the
 // right-hand side is zero in all of a supernode's subtree, so is the solution of L y = b, and the
-// forward substitution passes it by: heat from one vertex touches only the way from there to the
-// root.
+// forward substitution skips it: heat from one vertex touches only the path from there to the root.
 #include <algorithm>
 
 #include "core/processor.hpp"
-#include "core/room.hpp"
 #include "core/vectors.hpp"
+#include "core/workspace.hpp"
 #include "linear/substitution.hpp"
 
 namespace geodesic {
@@ -18,9 +17,10 @@ using Four = Pack<4>;  // rows of a list
 constexpr int kRows = kLanes < 4 ? 4 : kLanes;
 using Rows = Pack<kRows>;  // rows that lie together
 
-constexpr Index kFew = 4;           // columns of a supernode up to which x is worked on where it is
-constexpr Index kAhead = 1024;      // numbers of a factor that are asked for ahead
-constexpr Index kCached = 1 << 20;  // bytes of a factor that stays in the cache between solves
+constexpr Index kMaxColumnsInPlace =
+    4;  // columns of a supernode up to which x is worked on where it is
+constexpr Index kPrefetchDistance = 1024;  // numbers of a factor that are asked for ahead
+constexpr Index kCachedBytes = 1 << 20;  // bytes of a factor that stays in the cache between solves
 
 // Up to four columns of a panel; where fewer are left, the first of them stands for the others.
 template <class T>
@@ -35,7 +35,8 @@ struct Columns {
   }
 };
 
-// Ask for what is `ahead` of some numbers of a factor, be it behind its end; of 0, for nothing.
+// Prefetch the numbers of a factor `ahead` of a position, which may lie behind its end; 0 disables
+// prefetching.
 template <class T>
 GT_INLINE void fetch(const T* begin, Index count, Index ahead) {
   if (ahead == 0) return;
@@ -84,7 +85,8 @@ GT_INLINE void backward_four(double* x, Index count, const Columns<T>& l,
   x[0] = x0 * p[0];
 }
 
-// Subtract multiples of four columns from x[0, count), and spoil up to kReach - 1 numbers behind.
+// Subtract multiples of four columns from x[0, count), and spoil up to kPaddingRows - 1 numbers
+// behind.
 template <class T>
 GT_INLINE void minus_columns(double* x, Index count, const Columns<T>& l, const double (&y)[4]) {
   Rows multiples[4];
@@ -115,7 +117,7 @@ struct FourSums {
   }
 };
 
-// The dot products of x[0, count), with kReach - 1 zeros behind, and four columns.
+// The dot products of x[0, count), with kPaddingRows - 1 zeros behind, and four columns.
 template <class T>
 GT_INLINE void dot_columns(const double* x, Index count, const Columns<T>& l, double (&dots)[4]) {
   FourSums<T, Rows> sums;
@@ -164,10 +166,11 @@ class ColumnSolve {
       : its_(analysis),
         panels_(panels),
         spare_(static_cast<Row>(its_.n_vertices())),
-        room_(its_.n_vertices() + 1 + its_.tallest + kReach),
-        x_(room_.data()),
+        workspace_(its_.n_vertices() + 1 + its_.tallest + kPaddingRows),
+        x_(workspace_.data()),
         own_(x_ + its_.n_vertices() + 1),
-        ahead_(its_.n_stored() * static_cast<Index>(sizeof(T)) > kCached ? kAhead : 0) {}
+        ahead_(its_.n_stored() * static_cast<Index>(sizeof(T)) > kCachedBytes ? kPrefetchDistance
+                                                                              : 0) {}
 
   bool solve(const double* b, double* x, Index stride) {
     const Index n = its_.n_vertices();
@@ -193,7 +196,7 @@ class ColumnSolve {
     const T* const panel = panels_ + its_.panels[s];
     const Row* const below = its_.rows_below(s);
     double y[4];
-    if (width <= kFew) {  // most are: no copy, and a loop or two
+    if (width <= kMaxColumnsInPlace) {  // most are: no copy, and a loop or two
       const Columns<T> l(panel, height, width);
       fetch(panel, width * height, ahead_);
       forward_four(x, width, l, y);
@@ -220,7 +223,7 @@ class ColumnSolve {
     const T* const panel = panels_ + its_.panels[s];
     const Row* const below = its_.rows_below(s);
     double dots[4];
-    if (width <= kFew) {
+    if (width <= kMaxColumnsInPlace) {
       const Columns<T> l(panel, height, width);
       fetch(panel, width * height, -ahead_);
       dot_rows(x_, below, height - width, spare_, Columns<T>(l, width), dots);
@@ -230,7 +233,7 @@ class ColumnSolve {
     double* const own = own_;
     std::copy_n(x, width, own);
     for (Index k = 0; k < height - width; ++k) own[width + k] = x_[below[k]];
-    std::fill_n(own + height, kReach, 0.0);
+    std::fill_n(own + height, kPaddingRows, 0.0);
     for (Index c = (width - 1) / 4 * 4; c >= 0; c -= 4) {
       const Index count = std::min<Index>(width - c, 4), end = c + count;
       const Columns<T> l(panel + c * height + c, height, count);
@@ -244,7 +247,7 @@ class ColumnSolve {
   const Analysis& its_;
   const T* const panels_;
   const Row spare_;  // one more row of x, which means nothing
-  Room room_;
+  Workspace workspace_;
   double *const x_, *const own_;  // what belongs to one supernode
   const Index ahead_;
 };

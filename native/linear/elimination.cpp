@@ -1,4 +1,4 @@
-// What the Cholesky factor of a pattern looks like, before any number is known.
+// Symbolic Cholesky factorisation: the structure of the factor, from the pattern alone.
 //
 // Eliminating a group of columns leaves entries in other rows, which the columns of its parent in a
 // tree take over. Everything here follows from that tree in nearly linear time.
@@ -14,7 +14,7 @@
 namespace geodesic {
 namespace {
 
-constexpr Index kAhead = 8;  // rows by which memory is asked for ahead
+constexpr Index kPrefetchDistance = 8;  // rows of prefetch distance
 
 // Share of zeros that a supernode may store, for those of up to 4, 16, 48 and more columns.
 //
@@ -92,10 +92,10 @@ Array<Row> amalgamate(const Elimination& its, Analysis& result) {
   result.first.shorten(done + 1);
   for (Row s = 0; s < done; ++s)
     for (Index k = nodes[s].begins; k <= nodes[s].last; ++k) owner[post[k]] = s;
-  result.above = Array<Row>(done);
+  result.parents = Array<Row>(done);
   for (Index s = 0; s < done; ++s) {
     const Row parent = its.parents[post[nodes[s].last]];
-    result.above[s] = parent == kNone ? kNone : owner[parent];
+    result.parents[s] = parent == kNone ? kNone : owner[parent];
   }
   tallest.shorten(done);
   return tallest;
@@ -103,22 +103,22 @@ Array<Row> amalgamate(const Elimination& its, Analysis& result) {
 
 // Write the lower triangle of the permuted pattern and the rows of every supernode.
 //
-// Row i belongs to the supernodes on the ways from its entries up the tree to its own. Visiting the
-// rows in order leaves each list sorted.
+// Row i belongs to the supernodes on the paths from its entries up the tree to its own. Visiting
+// the rows in order leaves each list sorted.
 void trace(const Pattern& pattern, const Array<Row>& tallest, Index n_full, Analysis& result) {
   const Index n = pattern.size(), n_supernodes = result.n_supernodes();
-  Array<Row> rank(n), owner(n), seen(n_supernodes, kNone);
-  for (Index j = 0; j < n; ++j) rank[result.order[j]] = static_cast<Row>(j);
+  Array<Row> inverse_order(n), owner(n), seen(n_supernodes, kNone);
+  for (Index j = 0; j < n; ++j) inverse_order[result.order[j]] = static_cast<Row>(j);
   Array<Index> end(n_supernodes);
   result.row_starts = Array<Index>(n_supernodes + 1);
-  Index room = 0;
+  Index workspace = 0;
   for (Index s = 0; s < n_supernodes; ++s) {
-    result.row_starts[s] = end[s] = room;
-    room += std::min<Index>(tallest[s] + n_full, n - result.first[s]);
+    result.row_starts[s] = end[s] = workspace;
+    workspace += std::min<Index>(tallest[s] + n_full, n - result.first[s]);
     std::fill(&owner[result.first[s]], &owner[result.first[s]] + result.width(s),
               static_cast<Row>(s));
   }
-  result.rows = Array<Row>(room + kReach);
+  result.rows = Array<Row>(workspace + kPaddingRows);
   const Index most = (static_cast<Index>(pattern.indices.size()) + n) / 2;
   result.starts = Array<Index>(n + 1);
   result.lower_rows = Array<Row>(most);
@@ -129,20 +129,20 @@ void trace(const Pattern& pattern, const Array<Row>& tallest, Index n_full, Anal
   Row* const at = result.places.data();
   Index q = result.starts[0] = 0;
   for (Row i = 0; i < n; ++i) {
-    if (i + 2 * kAhead < n) {
-      prefetch(place + order[i + 2 * kAhead]);
-      prefetch(entry + place[order[i + kAhead]]);
+    if (i + 2 * kPrefetchDistance < n) {
+      prefetch(place + order[i + 2 * kPrefetchDistance]);
+      prefetch(entry + place[order[i + kPrefetchDistance]]);
     }
     const Row own = owner[i];
     seen[own] = i;
     for (Row p = place[order[i]]; p < place[order[i] + 1]; ++p) {
-      const Row j = rank[entry[p]];
+      const Row j = inverse_order[entry[p]];
       if (j >= i) {
         lower[q] = j;
         at[q++] = p;
         continue;
       }
-      for (Row s = owner[j]; seen[s] != i; s = result.above[s]) {
+      for (Row s = owner[j]; seen[s] != i; s = result.parents[s]) {
         seen[s] = i;
         rows[end[s]++] = i;
       }
@@ -160,7 +160,7 @@ void trace(const Pattern& pattern, const Array<Row>& tallest, Index n_full, Anal
     kept += count;
   }
   result.row_starts[n_supernodes] = kept;
-  std::fill(rows + kept, rows + std::min<Index>(kept + kReach, result.rows.size()), 0);
+  std::fill(rows + kept, rows + std::min<Index>(kept + kPaddingRows, result.rows.size()), 0);
   result.rows.shorten(kept);
 }
 
@@ -178,7 +178,7 @@ void measure(Analysis& result) {
     result.tallest = std::max(result.tallest, result.height(s));
     peak = std::max(peak, height + left);
     height += left - of_children[s];
-    if (result.above[s] != kNone) of_children[result.above[s]] += left;
+    if (result.parents[s] != kNone) of_children[result.parents[s]] += left;
   }
   result.panels[n_supernodes] = total;
   result.stack = peak;
@@ -190,10 +190,10 @@ Index Analysis::nbytes() const {
   const auto bytes = [](const auto&... arrays) {
     return ((arrays.size() * static_cast<Index>(sizeof arrays[0])) + ...);
   };
-  return bytes(order, starts, lower_rows, places, first, row_starts, rows, above, panels);
+  return bytes(order, starts, lower_rows, places, first, row_starts, rows, parents, panels);
 }
 
-// Whether every entry of a pattern has its mirror image: all else trusts it, and would write to
+// True if every entry of a pattern has its mirror image: all else trusts it, and would write to
 // places that are not its own. Rows visited in order meet the entries of each column in order too.
 bool is_symmetric(const Pattern& pattern) {
   const Index n = pattern.size(), last = static_cast<Index>(pattern.indices.size()) - 1;
@@ -202,7 +202,7 @@ bool is_symmetric(const Pattern& pattern) {
   std::copy_n(start, n, mirror.data());
   for (Index i = 0; i < n; ++i) {
     for (Index p = start[i]; p < start[i + 1]; ++p) {
-      prefetch(column + mirror[column[std::min(p + kAhead, last)]]);
+      prefetch(column + mirror[column[std::min(p + kPrefetchDistance, last)]]);
       const Row j = column[p];
       if (mirror[j] == start[j + 1] || column[mirror[j]] != i) return false;
       ++mirror[j];

@@ -11,7 +11,7 @@
 namespace geodesic {
 namespace {
 
-constexpr Index kFew = 2;  // columns up to which one by one is quicker than a block
+constexpr Index kMaxColumnsOneByOne = 2;  // columns up to which one by one is quicker than a block
 
 // Share of a diagonal entry, times the root of the number of unknowns, below which what elimination
 // leaves of it is rounding.
@@ -19,12 +19,12 @@ constexpr Index kFew = 2;  // columns up to which one by one is quicker than a b
 // Rounding errors add up as the steps of a random walk do. Of Laplacians of grids, meshes, paths
 // and neighbour graphs of 3,000 to 100,000 vertices, which should leave nothing, a fifth of this
 // was left at the most; with one vertex held 1e-5 and more.
-constexpr double kSingular = 7e-15;
+constexpr double kMinRelativePivot = 7e-15;
 
 void check_definite(const Analysis& analysis, const Pivots& pivots) {
   const Index n = analysis.n_vertices();
   Index column = pivots.failed;
-  const double least = kSingular * std::sqrt(static_cast<double>(n));
+  const double least = kMinRelativePivot * std::sqrt(static_cast<double>(n));
   for (Index j = 0; j < n && column == kNone; ++j)
     if (!(pivots.left[j] > least)) column = j;  // nor is NaN
   if (column == kNone) return;
@@ -39,7 +39,7 @@ void check_definite(const Analysis& analysis, const Pivots& pivots) {
 
 Factor::Factor(std::shared_ptr<const Analysis> analysis, std::span<const double> data, bool compact)
     : analysis_(std::move(analysis)) {
-  const Index size = analysis_->n_stored() + kReach;
+  const Index size = analysis_->n_stored() + kPaddingRows;
   if (compact) {
     halves_ = Array<Half>(size);
     check_definite(*analysis_, factorize<Half>(*analysis_, data, halves_));
@@ -52,7 +52,7 @@ Factor::Factor(std::shared_ptr<const Analysis> analysis, std::span<const double>
 void Factor::solve(std::span<const double> b, std::span<double> x, Index n_columns) const {
   const auto with = [&](const auto* panels) {
     const Analysis& its = *analysis_;
-    const Index alone = n_columns <= kFew ? n_columns : 0;
+    const Index alone = n_columns <= kMaxColumnsOneByOne ? n_columns : 0;
     bool finite = true;
     for (Index k = 0; k < alone; ++k)
       finite &= solve_column(its, panels, b.data() + k, x.data() + k, n_columns);
@@ -71,7 +71,7 @@ Index Factor::nbytes() const {
 }
 
 Index Factor::nbytes_needed(const Analysis& its, bool compact) {
-  const Index stored = its.n_stored() + kReach, front = compact ? its.largest : 0;
+  const Index stored = its.n_stored() + kPaddingRows, front = compact ? its.largest : 0;
   const Index numbers = its.stack + front::packed_size(its.tallest) + front;
   return numbers * Index{sizeof(double)} + stored * Index(compact ? sizeof(Half) : sizeof(double));
 }

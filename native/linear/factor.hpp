@@ -24,7 +24,7 @@ class Factor {
   const Array<double>& numbers() const { return numbers_; }
   const Array<Half>& halves() const { return halves_; }
   Index nbytes() const;
-  // What making a factor takes.
+  // The bytes that factorising takes.
   static Index nbytes_needed(const Analysis& analysis, bool compact);
 
  private:

@@ -8,32 +8,32 @@
 namespace geodesic::front {
 namespace {
 
-constexpr Index kAcross = 4;                // columns of a tile
-constexpr int kVectors = 2;                 // registers of rows of a tile
-constexpr Index kTall = kVectors * kLanes;  // rows of a tile
-constexpr Index kChunk = 128;               // columns whose products are summed up at once
-constexpr Index kSlab = 128;                // rows that stay in the second level of cache
-constexpr Index kPacked = 320;  // rows from which on they are copied together before use
+constexpr Index kTileColumns = 4;                     // columns of a tile
+constexpr int kTileRegisters = 2;                     // registers of rows of a tile
+constexpr Index kTileRows = kTileRegisters * kLanes;  // rows of a tile
+constexpr Index kChunkColumns = 128;   // columns whose products are summed up at once
+constexpr Index kSlabRows = 128;       // rows that stay in the second level of cache
+constexpr Index kMinPackedRows = 320;  // rows from which on they are copied together before use
 
-// Subtract products A B' from a tile of `width` columns at `target`, zero before where `fresh`.
+// Subtract A B' from a tile of `width` columns at `target`; where `fresh`, the tile counts as zero.
 //
 // A[i, c] is a[c * step + i], B[j, c] is b[c * step + j], for `depth` columns c.
 template <int N, class Rows>
 GT_INLINE void subtract_tile(double* target, Index stride, const double* a, const double* b,
                              Index step, Index depth, Index width, bool fresh, Rows rows) {
-  Register sums[kAcross][N];
-  for (int k = 0; k < kAcross; ++k)
+  Register sums[kTileColumns][N];
+  for (int k = 0; k < kTileColumns; ++k)
     for (int v = 0; v < N; ++v) sums[k][v] = Register::zeros();
-  const Index places[kAcross] = {0, width > 1 ? 1 : 0, width > 2 ? 2 : 0, width > 3 ? 3 : 0};
+  const Index places[kTileColumns] = {0, width > 1 ? 1 : 0, width > 2 ? 2 : 0, width > 3 ? 3 : 0};
   for (Index c = 0; c < depth; ++c, a += step, b += step) {
     Register values[N];
     for (int v = 0; v < N; ++v) values[v] = rows.load(a + v * kLanes);
-    for (int k = 0; k < kAcross; ++k) {
+    for (int k = 0; k < kTileColumns; ++k) {
       const Register factor = Register::spread(b[places[k]]);  // not past the end of B
       for (int v = 0; v < N; ++v) sums[k][v] = sums[k][v] + factor * values[v];
     }
   }
-  for (int k = 0; k < kAcross; ++k) {
+  for (int k = 0; k < kTileColumns; ++k) {
     if (k >= width) break;
     for (int v = 0; v < N; ++v) {
       double* const where = target + k * stride + v * kLanes;
@@ -43,39 +43,41 @@ GT_INLINE void subtract_tile(double* target, Index stride, const double* a, cons
   }
 }
 
-// Copy columns, `height` apart, so that what a tile reads is in one piece: rows by kTall.
-void pack(double* room, const double* source, Index height, Index n_rows, Index depth) {
-  for (Index top = 0; top < n_rows; top += kTall) {
-    const Index count = std::min(kTall, n_rows - top);
+// Copy columns that are `height` apart into blocks of kTileRows rows, so that a tile reads
+// contiguous memory.
+void pack(double* workspace, const double* source, Index height, Index n_rows, Index depth) {
+  for (Index top = 0; top < n_rows; top += kTileRows) {
+    const Index count = std::min(kTileRows, n_rows - top);
     for (Index c = 0; c < depth; ++c)
-      std::copy_n(source + c * height + top, count, room + top * depth + c * kTall);
+      std::copy_n(source + c * height + top, count, workspace + top * depth + c * kTileRows);
   }
 }
 
-// Subtract B B' from the lower triangle of the first columns of C, of zero where `fresh`.
+// Subtract B B' from the lower triangle of the first columns of C; where `fresh`, C counts as zero.
 //
 // B has `depth` columns, `height` apart, C has `n_columns`, `stride` apart; both have `n_rows`.
-// What lies above the diagonal of C is spoilt. Of C, columns from `from` to `to` only.
+// Entries of C above the diagonal are overwritten. Only columns [from, to) of C are updated.
 void subtract_products(double* target, Index stride, Index n_rows, Index from, Index to,
-                       const double* source, Index height, Index depth, bool fresh, double* room) {
-  Index step = height, scale = 1, beyond = kAcross - 1;
-  if (n_rows > kPacked && to - from > kAcross) {
-    pack(room, source, height, n_rows, depth);
-    source = room;
-    step = kTall;
+                       const double* source, Index height, Index depth, bool fresh,
+                       double* workspace) {
+  Index step = height, scale = 1, beyond = kTileColumns - 1;
+  if (n_rows > kMinPackedRows && to - from > kTileColumns) {
+    pack(workspace, source, height, n_rows, depth);
+    source = workspace;
+    step = kTileRows;
     scale = depth;
-    beyond = kTall - 1;
+    beyond = kTileRows - 1;
   }
-  for (Index top = 0; top < n_rows; top += kSlab) {
-    const Index bottom = std::min(top + kSlab, n_rows);
-    for (Index j = from; j < std::min(to, bottom); j += kAcross) {
-      const Index width = std::min(to - j, kAcross);
+  for (Index top = 0; top < n_rows; top += kSlabRows) {
+    const Index bottom = std::min(top + kSlabRows, n_rows);
+    for (Index j = from; j < std::min(to, bottom); j += kTileColumns) {
+      const Index width = std::min(to - j, kTileColumns);
       const Index begin = j & ~beyond;  // of the piece that column j of B' is in; powers of two
       const double* const b = source + begin * scale + (j & beyond);
       Index i = std::max(top, begin);
-      for (; i + kTall <= bottom; i += kTall)
-        subtract_tile<kVectors>(target + j * stride + i, stride, source + i * scale, b, step, depth,
-                                width, fresh, Whole{});
+      for (; i + kTileRows <= bottom; i += kTileRows)
+        subtract_tile<kTileRegisters>(target + j * stride + i, stride, source + i * scale, b, step,
+                                      depth, width, fresh, Whole{});
       const double* a = source + i * scale;
       for (; i < bottom; i += kLanes, a += kLanes)
         subtract_tile<1>(target + j * stride + i, stride, a, b, step, depth, width, fresh,
@@ -136,26 +138,28 @@ Index eliminate_columns(double* panel, Index height, Index c, Index count) {
 
 }  // namespace
 
-Index packed_size(Index tallest) { return tallest > kPacked ? kChunk * (tallest + kTall) : 0; }
+Index packed_size(Index tallest) {
+  return tallest > kMinPackedRows ? kChunkColumns * (tallest + kTileRows) : 0;
+}
 
-Index eliminate(double* panel, double* update, Index height, Index width, double* room) {
-  for (Index begin = 0; begin < width; begin += kChunk) {
-    const Index end = std::min(begin + kChunk, width);
-    for (Index c = begin; c <= end; c += kAcross) {
-      const Index count = c < end ? std::min(end - c, kAcross) : width - end;
+Index eliminate(double* panel, double* update, Index height, Index width, double* workspace) {
+  for (Index begin = 0; begin < width; begin += kChunkColumns) {
+    const Index end = std::min(begin + kChunkColumns, width);
+    for (Index c = begin; c <= end; c += kTileColumns) {
+      const Index count = c < end ? std::min(end - c, kTileColumns) : width - end;
       const Index depth = c - begin;
       if (depth > 0)
         subtract_products(panel + c * height + c, height, height - c, 0, count,
-                          panel + begin * height + c, height, depth, false, room);
+                          panel + begin * height + c, height, depth, false, workspace);
       if (c == end) break;
       const Index failed = eliminate_columns(panel, height, c, count);
       if (failed != kNone) return failed;
     }
   }
   const Index below = height - width;
-  for (Index begin = 0; begin < width; begin += kChunk)
+  for (Index begin = 0; begin < width; begin += kChunkColumns)
     subtract_products(update, below, below, 0, below, panel + begin * height + width, height,
-                      std::min(kChunk, width - begin), begin == 0, room);
+                      std::min(kChunkColumns, width - begin), begin == 0, workspace);
   return kNone;
 }
 

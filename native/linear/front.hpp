@@ -1,4 +1,5 @@
-// Dense Cholesky of a front: its columns are eliminated, and its rows below are left less of them.
+// Partial Cholesky factorisation of a frontal matrix: it factorises the pivot block and updates the
+// trailing block.
 //
 //     P = [ P1 ]  ->  [ L1        ]        L1 L1' = P1,
 //         [ P2 ]      [ P2 L1^-T  ]        U = -(P2 L1^-T) (P2 L1^-T)'.
@@ -14,13 +15,14 @@
 
 namespace geodesic::front {
 
-// Numbers of room that `eliminate` needs for fronts of up to so many rows.
+// The size of the workspace, in numbers, that `eliminate` needs for fronts of up to `height` rows.
 Index packed_size(Index tallest);
 
 // Eliminate the `width` columns of a front in place; return the first with a pivot <= 0, or kNone.
 //
 // They become those of L, but for the diagonal, which becomes the inverse of L's. `update` receives
-// the lower triangle of U, square and of `height - width` rows; `room` has `packed_size` numbers.
-Index eliminate(double* panel, double* update, Index height, Index width, double* room);
+// the lower triangle of U, square and of `height - width` rows; `workspace` has `packed_size`
+// numbers.
+Index eliminate(double* panel, double* update, Index height, Index width, double* workspace);
 
 }  // namespace geodesic::front

@@ -17,14 +17,14 @@
 #include <vector>
 
 #include "core/processor.hpp"
-#include "core/room.hpp"
+#include "core/workspace.hpp"
 #include "linear/front.hpp"
 #include "linear/substitution.hpp"
 
 namespace geodesic {
 namespace {
 
-constexpr Index kAhead = 64;  // entries of the matrix by which memory is asked for ahead
+constexpr Index kPrefetchDistance = 64;  // entries of the matrix of prefetch distance
 
 // An update matrix that waits for the parent of the supernode that left it.
 struct Update {
@@ -93,7 +93,7 @@ class Eliminator {
     std::fill_n(panel, height * width, 0.0);
     for (Index j = 0; j < width; ++j) {
       for (Index p = its_.starts[begin + j]; p < its_.starts[begin + j + 1]; ++p) {
-        prefetch(&data_[its_.places[std::min(p + kAhead, last)]]);
+        prefetch(&data_[its_.places[std::min(p + kPrefetchDistance, last)]]);
         panel[j * height + local_[its_.lower_rows[p]]] += data_[its_.places[p]];
       }
       pivots_[begin + j] = panel[j * height + j];
@@ -140,16 +140,17 @@ Pivots factorize(const Analysis& its, std::span<const double> data, std::span<T>
   std::fill(panels.begin() + its.n_stored(), panels.end(), T(0.0));
   Array<bool> odd(n_supernodes);
   for (Index s = n_supernodes - 1; s >= 0; --s)
-    odd[s] = its.above[s] != kNone && !odd[its.above[s]];
+    odd[s] = its.parents[s] != kNone && !odd[its.parents[s]];
   Eliminator<T> eliminator(its, data, panels.data(), result.left.data());
-  Room stack(std::max(its.stack, kBlock * its.n_vertices()));  // solves of a block will have it
+  Workspace stack(
+      std::max(its.stack, kBlock * its.n_vertices()));  // solves of a block will have it
   std::vector<Update> waiting;
   double *low = stack.data(), *high = low + its.stack;
   for (Index s = 0; s < n_supernodes; ++s) {
     const Index below = its.below(s);
     double* const update = odd[s] ? high - below * below : low;
     std::size_t first = waiting.size();
-    while (first > 0 && its.above[waiting[first - 1].supernode] == s) --first;
+    while (first > 0 && its.parents[waiting[first - 1].supernode] == s) --first;
     const std::span<const Update> children(waiting.data() + first, waiting.size() - first);
     result.failed = eliminator.eliminate(s, children, update);
     if (result.failed != kNone) return result;

@@ -21,7 +21,7 @@
 namespace geodesic {
 namespace {
 
-constexpr Index kAhead = 16;  // groups by which memory is asked for ahead
+constexpr Index kPrefetchDistance = 16;  // groups of prefetch distance
 
 // `Place` holds where a list begins, and the largest mark.
 template <class Place>
@@ -87,7 +87,8 @@ class QuotientGraph {
       its.mark = 1;
       its.after = its.before = kNone;
     }
-    // Rows that are nearly full belong at the end whatever the rest does, and are dear to update.
+    // Nearly dense rows are ordered last: they cause the same fill anywhere and are expensive to
+    // update.
     const Row full = static_cast<Row>(std::max(16.0, 10 * std::sqrt(static_cast<double>(n_))));
     for (Row i = static_cast<Row>(n_ - 1); i >= 0; --i) {
       if (nodes_[i].degree > full) {
@@ -207,7 +208,7 @@ class QuotientGraph {
     }
   }
 
-  // New lists and approximate degrees of the members.
+  // Build the new lists and the approximate degrees of the members.
   void update_members() {
     Node& own = nodes_[pivot_];
     Row* const lists = lists_.data();
@@ -269,7 +270,7 @@ class QuotientGraph {
     }
   }
 
-  // Put what is eliminated with j behind what is eliminated with i.
+  // Append the vertices that are eliminated with j to those eliminated with i.
   void join(Row i, Row j) {
     next_member_[last_member_[i]] = j;
     last_member_[i] = last_member_[j];
@@ -288,7 +289,7 @@ class QuotientGraph {
     ++epoch_;
   }
 
-  // Merge those behind i in its bucket that have its lists into it.
+  // Merge into i the variables behind it in its bucket that have the same lists.
   void merge_into(Row i) {
     const Row* const lists = lists_.data();
     const Index epoch = ++epoch_;
@@ -314,7 +315,7 @@ class QuotientGraph {
     }
   }
 
-  // Back into the lists of degrees; out with the pivot.
+  // Put the members back into the lists of degrees, and remove the pivot from them.
   void put_back_members() {
     Node& own = nodes_[pivot_];
     Row* const lists = lists_.data();
@@ -348,7 +349,8 @@ class QuotientGraph {
     result_.parents = Array<Row>(n_groups);
     const Row after = result_.n_full ? static_cast<Row>(n_groups_) : kNone;
     for (Index g = 0; g < n_groups_; ++g) {
-      if (g + kAhead < n_groups_) prefetch(&nodes_[result_.order[result_.starts[g + kAhead]]]);
+      if (g + kPrefetchDistance < n_groups_)
+        prefetch(&nodes_[result_.order[result_.starts[g + kPrefetchDistance]]]);
       const Node& element = nodes_[result_.order[result_.starts[g]]];
       result_.heights[g] = element.size + element.degree;
       result_.parents[g] = element.after == kNone ? after : nodes_[element.after].elements;
@@ -378,8 +380,8 @@ class QuotientGraph {
 }  // namespace
 
 Elimination minimum_degree(const Pattern& pattern) {
-  const Index room = 2 * static_cast<Index>(pattern.indices.size()) + 2 * pattern.size() + 64;
-  if (room < std::numeric_limits<Row>::max()) return QuotientGraph<Row>(pattern).eliminate();
+  const Index workspace = 2 * static_cast<Index>(pattern.indices.size()) + 2 * pattern.size() + 64;
+  if (workspace < std::numeric_limits<Row>::max()) return QuotientGraph<Row>(pattern).eliminate();
   return QuotientGraph<Index>(pattern).eliminate();
 }
 

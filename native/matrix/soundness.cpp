@@ -7,17 +7,18 @@ namespace geodesic {
 namespace {
 
 // Part of a row's absolute sum from which on L 1 or L - L' is not 0.
-constexpr double kBroken = 1e-8;
-constexpr double kGolden = 0.6180339887498949;  // its multiples, without whole parts, are as random
+constexpr double kMaxRelativeRowSum = 1e-8;
+constexpr double kGoldenRatio =
+    0.6180339887498949;  // its multiples, without whole parts, are as random
 
 }  // namespace
 
-// Whether a matrix is finite, symmetric, kills constants and has no negative diagonal. Symmetry is
+// True if a matrix is finite, symmetric, kills constants and has no negative diagonal. Symmetry is
 // checked on one vector without a pattern, which L and L' take to the same.
 bool is_sound(const MatrixView& matrix) {
   const Index n = matrix.size();
   const auto probe = [](Index v) {
-    const double multiple = static_cast<double>(v) * kGolden;
+    const double multiple = static_cast<double>(v) * kGoldenRatio;
     return multiple - std::floor(multiple);
   };
   Array<double> skew(n, 0.0), scale(n, 0.0);
@@ -33,12 +34,12 @@ bool is_sound(const MatrixView& matrix) {
       skew[v] += value * probe(head);
       skew[head] -= value * at_v;
     }
-    const double limit = kBroken * scale[v];
+    const double limit = kMaxRelativeRowSum * scale[v];
     if (!(std::abs(total) <= limit && limit < std::numeric_limits<double>::infinity()))
       return false;
   }
   for (Index v = 0; v < n; ++v)
-    if (!(std::abs(skew[v]) <= kBroken * scale[v])) return false;
+    if (!(std::abs(skew[v]) <= kMaxRelativeRowSum * scale[v])) return false;
   return true;
 }
 

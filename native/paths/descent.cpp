@@ -11,7 +11,7 @@ namespace {
 constexpr double kInfinite = std::numeric_limits<double>::infinity();
 
 // Share of an edge within which a point of it counts as its end.
-constexpr double kAtVertex = 1e-9;
+constexpr double kVertexTolerance = 1e-9;
 
 constexpr Index kNowhere = -1;
 
@@ -55,8 +55,8 @@ class Walk {
   // Go on from a point of an edge (a, b) of the last face of a strip until a vertex.
   Index across(Index a, Index b, double share, Strip& strip) const {
     for (Index steps = 0; steps < 4 * surface_.n_faces(); ++steps) {
-      if (share < kAtVertex) return a;
-      if (share > 1 - kAtVertex) return b;
+      if (share < kVertexTolerance) return a;
+      if (share > 1 - kVertexTolerance) return b;
       double steepest = 0, rates[3] = {0, 0, 0};
       Index through = kNowhere, apex = kNowhere;
       for (const Index beside : surface_.around(a)) {
@@ -72,7 +72,7 @@ class Walk {
       if (through == kNowhere) break;
       strip.push_back(through);
       // Barycentric weights (1 - share, share, 0) change at these rates; one of the first two
-      // reaches 0 first, and the way leaves through the edge opposite.
+      // reaches 0 first, and the path leaves through the edge opposite.
       const double to_b = rates[0] < 0 ? (1 - share) / -rates[0] : kInfinite;
       const double to_a = rates[1] < 0 ? share / -rates[1] : kInfinite;
       share = std::clamp(std::min(to_a, to_b) * rates[2], 0.0, 1.0);

@@ -11,18 +11,18 @@ namespace {
 
 constexpr double kPi = std::numbers::pi;
 
-// Changes of side after which a way is taken as it is: each made it shorter all the same.
+// Changes of side after which a path is taken as it is: each made it shorter all the same.
 constexpr Index kMaxTurns = 100'000;
 // Angle within which a bend is none.
-constexpr double kStraight = 1e-9;
-// Share of the length by which a way must be shorter to be another one.
-constexpr double kShorter = 1e-13;
+constexpr double kStraightAngle = 1e-9;
+// Share of the length by which a path must be shorter to be another one.
+constexpr double kMinShortening = 1e-13;
 // Angle that is missing to 2 pi at a pointed vertex.
-constexpr double kPointed = 0.25;
-// The most pointed vertices along a way whose other side is tried.
+constexpr double kMinAngleDefect = 0.25;
+// The most pointed vertices along a path whose other side is tried.
 constexpr std::size_t kMaxCones = 16;
 
-using Place = std::ptrdiff_t;  // in a strip
+using Vector3 = std::ptrdiff_t;  // in a strip
 
 // Without the same face twice in a row, and without there-and-back.
 Strip without_returns(const Strip& strip) {
@@ -56,55 +56,55 @@ struct Unfolded {
   Planar first, last;
 };
 
-Unfolded unfolded(const Surface& surface, const Way& way) {
+Unfolded unfolded(const Surface& surface, const Path& path) {
   struct {
     Index vertex[3];
     Planar place[3];
     Planar of(Index v) const { return place[v == vertex[0] ? 0 : v == vertex[1] ? 1 : 2]; }
   } flat;
-  const Index* const c = surface.corners(way.strip.front());
+  const Index* const c = surface.corners(path.strip.front());
   std::copy_n(c, 3, flat.vertex);
   const double length = surface.length(c[0], c[1]);
   flat.place[0] = 0.0, flat.place[1] = length;
   flat.place[2] = length * surface.shape(c[0], c[1], c[2]);
-  Unfolded result{{}, flat.of(way.start), {}};
-  result.portals.reserve(way.strip.size());
-  for (std::size_t i = 1; i < way.strip.size(); ++i) {
-    const Index following = way.strip[i];
+  Unfolded result{{}, flat.of(path.start), {}};
+  result.portals.reserve(path.strip.size());
+  for (std::size_t i = 1; i < path.strip.size(); ++i) {
+    const Index following = path.strip[i];
     Index p = flat.vertex[0], q = flat.vertex[1];
     if (!surface.has(following, p)) p = flat.vertex[2];
     if (!surface.has(following, q)) q = flat.vertex[2];
-    const Index opposite = surface.third(way.strip[i - 1], p, q);
+    const Index opposite = surface.third(path.strip[i - 1], p, q);
     if (cross(flat.of(q) - flat.of(p), flat.of(opposite) - flat.of(p)) > 0) std::swap(p, q);
     const Planar at_p = flat.of(p), at_q = flat.of(q);
     result.portals.push_back({p, q, at_p, at_q});
     const Index apex = surface.third(following, p, q);
     flat = {{p, q, apex}, {at_p, at_q, at_p + (at_q - at_p) * surface.shape(p, q, apex)}};
   }
-  result.last = flat.of(way.end);
+  result.last = flat.of(path.end);
   return result;
 }
 
-// A corner of a way in the plane: at an end of which portal, on which side.
+// A corner of a path in the plane: at an end of which portal, on which side.
 struct Knot {
-  Place portal;
+  Vector3 portal;
   bool right;
   Planar place;
 };
 
-// The corners of the shortest way, between its start and its end.
+// The corners of the shortest path, between its start and its end.
 std::vector<Knot> funnel(const Unfolded& flat) {
-  const Place n = std::ssize(flat.portals);
+  const Vector3 n = std::ssize(flat.portals);
   std::vector<Knot> knots{{-1, false, flat.first}};
   Planar apex = flat.first, left = apex, right = apex;
-  Place at_left = 0, at_right = 0;
-  const auto bend = [&](Place portal, bool to_right, Planar place) {
+  Vector3 at_left = 0, at_right = 0;
+  const auto bend = [&](Vector3 portal, bool to_right, Planar place) {
     if (portal < n) knots.push_back({portal, to_right, place});
     apex = left = right = place;
     at_left = at_right = portal;
     return portal + 1;
   };
-  for (Place i = 0; i <= n;) {
+  for (Vector3 i = 0; i <= n;) {
     const Planar new_left = i < n ? flat.portals[i].at_left : flat.last;
     const Planar new_right = i < n ? flat.portals[i].at_right : flat.last;
     if (right == apex || cross(right - apex, new_right - apex) >= 0) {
@@ -137,29 +137,29 @@ std::vector<Bend> bends_of(const Unfolded& flat, const std::vector<Knot>& knots)
     if (inward == 0.0 || outward == 0.0) continue;
     const double turn = std::arg(outward / inward) * (right ? -1 : 1);
     double angle = turn < 0 ? turn + 2 * kPi : turn;
-    if (angle < kPi - 1e-3) angle += 2 * kPi;  // a taut way leaves at least pi: a full turn more
+    if (angle < kPi - 1e-3) angle += 2 * kPi;  // a taut path leaves at least pi: a full turn more
     const Portal& edge = flat.portals[portal];
     bends.push_back({right ? edge.right : edge.left, portal, angle});
   }
   return bends;
 }
 
-Way straightened(const Surface& surface, const Strip& strip, Index start, Index end) {
-  Way way{start, end, trimmed(surface, strip, start, end), 0.0, {}};
-  const Unfolded flat = unfolded(surface, way);
+Path straightened(const Surface& surface, const Strip& strip, Index start, Index end) {
+  Path path{start, end, trimmed(surface, strip, start, end), 0.0, {}};
+  const Unfolded flat = unfolded(surface, path);
   const std::vector<Knot> knots = funnel(flat);
   for (std::size_t i = 1; i < knots.size(); ++i)
-    way.length += std::abs(knots[i].place - knots[i - 1].place);
-  way.bends = bends_of(flat, knots);
-  return way;
+    path.length += std::abs(knots[i].place - knots[i - 1].place);
+  path.bends = bends_of(flat, knots);
+  return path;
 }
 
 // The faces of a strip around a vertex that share a portal, [first, last].
 struct Run {
-  Place first, last;
+  Vector3 first, last;
 };
 
-Run run_around(const Surface& surface, const Strip& strip, Index vertex, Place portal) {
+Run run_around(const Surface& surface, const Strip& strip, Index vertex, Vector3 portal) {
   Run run{portal, portal + 1};
   while (run.first > 0 && surface.has(strip[run.first - 1], vertex)) --run.first;
   while (run.last + 1 < std::ssize(strip) && surface.has(strip[run.last + 1], vertex)) ++run.last;
@@ -207,46 +207,46 @@ Strip key_of(const Strip& strip, Index vertex, const Run& run) {
   return key;
 }
 
-// The turns that shorten a way where they are, as far as they do not overlap.
-std::vector<Turn> turns_of(const Surface& surface, const Way& way, const Tried& tried) {
+// The turns that shorten a path where they are, as far as they do not overlap.
+std::vector<Turn> turns_of(const Surface& surface, const Path& path, const Tried& tried) {
   std::vector<Turn> turns;
-  for (const auto& [vertex, portal, angle] : way.bends) {
-    const Run run = run_around(surface, way.strip, vertex, portal);
+  for (const auto& [vertex, portal, angle] : path.bends) {
+    const Run run = run_around(surface, path.strip, vertex, portal);
     if (!turns.empty() && run.first <= turns.back().run.last) continue;
-    if (surface.total_angle(vertex) - angle >= kPi - kStraight) continue;
-    Strip key = key_of(way.strip, vertex, run);
+    if (surface.total_angle(vertex) - angle >= kPi - kStraightAngle) continue;
+    Strip key = key_of(path.strip, vertex, run);
     if (tried.contains(key)) continue;
-    Strip faces = other_side(surface, way.strip, vertex, run);
+    Strip faces = other_side(surface, path.strip, vertex, run);
     if (faces.empty()) continue;
     turns.push_back({run, std::move(faces), std::move(key)});
   }
   return turns;
 }
 
-// The way with all turns, or if that is not shorter with half of them, and so on.
-std::optional<Way> shortened(const Surface& surface, const Way& way, Turns turns, Tried& tried) {
+// The path with all turns, or if that is not shorter with half of them, and so on.
+std::optional<Path> shortened(const Surface& surface, const Path& path, Turns turns, Tried& tried) {
   if (turns.empty()) return std::nullopt;
-  Way other = straightened(surface, turned(way.strip, turns), way.start, way.end);
-  if (other.length < way.length * (1 - kShorter)) return other;
+  Path other = straightened(surface, turned(path.strip, turns), path.start, path.end);
+  if (other.length < path.length * (1 - kMinShortening)) return other;
   if (turns.size() == 1) {
     tried.insert(turns.front().key);
     return std::nullopt;
   }
   const std::size_t half = turns.size() / 2;
-  std::optional<Way> found = shortened(surface, way, turns.first(half), tried);
-  return found ? found : shortened(surface, way, turns.subspan(half), tried);
+  std::optional<Path> found = shortened(surface, path, turns.first(half), tried);
+  return found ? found : shortened(surface, path, turns.subspan(half), tried);
 }
 
 struct Cone {
   double angle;
   Index vertex;
-  Place portal;
+  Vector3 portal;
 };
 
 // The most pointed vertices of the inner edges of a strip, each with the last of these.
 std::vector<Cone> cones_of(const Surface& surface, const Strip& strip) {
-  std::vector<std::pair<Index, Place>> vertices;
-  for (Place i = 0; i + 1 < std::ssize(strip); ++i) {
+  std::vector<std::pair<Index, Vector3>> vertices;
+  for (Vector3 i = 0; i + 1 < std::ssize(strip); ++i) {
     const Index* const c = surface.corners(strip[i]);
     for (const Index vertex : {c[0], c[1], c[2]})
       if (surface.has(strip[i + 1], vertex)) vertices.push_back({vertex, i});
@@ -257,7 +257,7 @@ std::vector<Cone> cones_of(const Surface& surface, const Strip& strip) {
     const auto [vertex, portal] = vertices[i];
     if (i + 1 < vertices.size() && vertices[i + 1].first == vertex) continue;
     const double angle = surface.total_angle(vertex);
-    if (angle < 2 * kPi - kPointed) cones.push_back({angle, vertex, portal});
+    if (angle < 2 * kPi - kMinAngleDefect) cones.push_back({angle, vertex, portal});
   }
   std::ranges::sort(cones, {}, [](const Cone& cone) { return std::pair(cone.angle, cone.vertex); });
   if (cones.size() > kMaxCones) cones.resize(kMaxCones);
@@ -266,51 +266,51 @@ std::vector<Cone> cones_of(const Surface& surface, const Strip& strip) {
 
 }  // namespace
 
-Way shortest_way(const Surface& surface, const Strip& strip, Index start, Index end) {
-  Way way = straightened(surface, without_returns(strip), start, end);
+Path shortest_path(const Surface& surface, const Strip& strip, Index start, Index end) {
+  Path path = straightened(surface, without_returns(strip), start, end);
   Tried tried;
   for (Index i = 0; i < kMaxTurns; ++i) {
-    const std::vector<Turn> turns = turns_of(surface, way, tried);
+    const std::vector<Turn> turns = turns_of(surface, path, tried);
     if (turns.empty()) break;
-    if (std::optional<Way> shorter = shortened(surface, way, turns, tried))
-      way = std::move(*shorter);
+    if (std::optional<Path> shorter = shortened(surface, path, turns, tried))
+      path = std::move(*shorter);
   }
-  return way;
+  return path;
 }
 
-Way beside_cones(const Surface& surface, Way way) {
+Path beside_cones(const Surface& surface, Path path) {
   for (bool found = true; found;) {
     found = false;
-    for (const Cone& cone : cones_of(surface, way.strip)) {
-      const Run run = run_around(surface, way.strip, cone.vertex, cone.portal);
-      const Turn turn{run, other_side(surface, way.strip, cone.vertex, run), {}};
+    for (const Cone& cone : cones_of(surface, path.strip)) {
+      const Run run = run_around(surface, path.strip, cone.vertex, cone.portal);
+      const Turn turn{run, other_side(surface, path.strip, cone.vertex, run), {}};
       if (turn.faces.empty()) continue;
-      Way other = shortest_way(surface, turned(way.strip, {&turn, 1}), way.start, way.end);
-      found = other.length < way.length * (1 - kShorter);
+      Path other = shortest_path(surface, turned(path.strip, {&turn, 1}), path.start, path.end);
+      found = other.length < path.length * (1 - kMinShortening);
       if (!found) continue;
-      way = std::move(other);
+      path = std::move(other);
       break;
     }
   }
-  return way;
+  return path;
 }
 
-std::vector<Crossing> crossings(const Surface& surface, const Way& way) {
-  const Unfolded flat = unfolded(surface, way);
+std::vector<Crossing> crossings(const Surface& surface, const Path& path) {
+  const Unfolded flat = unfolded(surface, path);
   const std::vector<Knot> knots = funnel(flat);
-  std::vector<Crossing> points{{way.strip.front(), way.start, way.start, 0.0}};
+  std::vector<Crossing> points{{path.strip.front(), path.start, path.start, 0.0}};
   for (std::size_t i = 1; i < knots.size(); ++i) {
     const Planar p = knots[i - 1].place, q = knots[i].place;
-    const Place last = std::min(knots[i].portal, std::ssize(flat.portals) - 1);
-    for (Place portal = knots[i - 1].portal + 1; portal <= last; ++portal) {
+    const Vector3 last = std::min(knots[i].portal, std::ssize(flat.portals) - 1);
+    for (Vector3 portal = knots[i - 1].portal + 1; portal <= last; ++portal) {
       const auto& [left, right, a, b] = flat.portals[portal];
       const double across = cross(b - a, q - p);
-      // Where the way runs along the edge it is on its way to one end: to q.
+      // Where the path runs along the edge it is on its way to one end: to q.
       const double share = across != 0 ? cross(p - a, q - p) / across : q != a;
-      points.push_back({way.strip[portal], left, right, std::clamp(share, 0.0, 1.0)});
+      points.push_back({path.strip[portal], left, right, std::clamp(share, 0.0, 1.0)});
     }
   }
-  points.push_back({way.strip.back(), way.end, way.end, 0.0});
+  points.push_back({path.strip.back(), path.end, path.end, 0.0});
   return points;
 }
 

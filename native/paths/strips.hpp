@@ -1,10 +1,10 @@
-// The shortest way through a strip of triangles, and through the strips beside it.
+// The shortest path through a strip of triangles, and through the strips beside it.
 //
-// Unfolded into the plane, the shortest way through a strip from one corner to another is found by
+// Unfolded into the plane, the shortest path through a strip from one corner to another is found by
 // the funnel algorithm. Where that bends around a vertex and the surface on the other side of it
-// spans less than pi, the way around the other side is shorter (S.-Q. Xin, G.-J. Wang, Efficiently
+// spans less than pi, the path around the other side is shorter (S.-Q. Xin, G.-J. Wang, Efficiently
 // determining a locally exact shortest path on polyhedral surfaces, Computer-Aided Design 39, 2007,
-// https://doi.org/10.1016/j.cad.2007.08.001). When no bend is left of that kind the way is a
+// https://doi.org/10.1016/j.cad.2007.08.001). When no bend is left of that kind the path is a
 // geodesic.
 #pragma once
 
@@ -12,36 +12,36 @@
 
 namespace geodesic {
 
-// A vertex that a way bends around: the edge of the strip, by number, at which it does, and the
+// A vertex that a path bends around: the edge of the strip, by number, at which it does, and the
 // angle on the strip's side.
 struct Bend {
   Index vertex, portal;
   double angle;
 };
 
-// A point of a way: of a face, on its edge from `left` to `right`, with this share of the latter.
+// A point of a path: of a face, on its edge from `left` to `right`, with this share of the latter.
 struct Crossing {
   Index face, left, right;
   double share;
 };
 
-// The shortest way through a strip.
-struct Way {
+// The shortest path through a strip.
+struct Path {
   Index start, end;
   Strip strip;
   double length;
   std::vector<Bend> bends;
 };
 
-// The way from a corner of the first face to one of the last, made a geodesic.
-Way shortest_way(const Surface& surface, const Strip& strip, Index start, Index end);
+// The path from a corner of the first face to one of the last, made a geodesic.
+Path shortest_path(const Surface& surface, const Strip& strip, Index start, Index end);
 
 // A shorter geodesic, if there is one on the other side of a pointed vertex; else the same. A
-// geodesic passes a vertex of less than 2 pi on one side or on the other, and neither way can be
+// geodesic passes a vertex of less than 2 pi on one side or on the other, and neither path can be
 // pulled over it.
-Way beside_cones(const Surface& surface, Way way);
+Path beside_cones(const Surface& surface, Path path);
 
-// The points of a way: its start, where it crosses each edge, its end.
-std::vector<Crossing> crossings(const Surface& surface, const Way& way);
+// The points of a path: its start, where it crosses each edge, its end.
+std::vector<Crossing> crossings(const Surface& surface, const Path& path);
 
 }  // namespace geodesic

@@ -7,7 +7,7 @@ namespace geodesic {
 namespace {
 
 // Squared area of a triangle, to the product of two squared edges, below which it has none.
-constexpr double kFlat = 1e-24;
+constexpr double kMinSquaredArea = 1e-24;
 
 struct Step {
   double x, y, z;
@@ -122,7 +122,7 @@ bool Surface::descent(const Index (&corners)[3], std::span<const double> height,
   const Step u = step(places_, a, b), v = step(places_, a, c);
   const double uu = dot(u, u), uv = dot(u, v), vv = dot(v, v);
   const double determinant = uu * vv - uv * uv;
-  if (!(determinant > kFlat * uu * vv)) return false;
+  if (!(determinant > kMinSquaredArea * uu * vv)) return false;
   rates[1] = -(vv * rise_u - uv * rise_v) / determinant;
   rates[2] = -(uu * rise_v - uv * rise_u) / determinant;
   rates[0] = -rates[1] - rates[2];

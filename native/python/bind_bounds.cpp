@@ -10,10 +10,10 @@ namespace {
 struct Bounds {
   In<double, 2> vertices;
   In<Row> indptr, indices;
-  Ways ways;
+  EdgeBounds edge_bounds;
 
   Bounds(In<double, 2> places, In<Row> begins, In<Row> ends)
-      : vertices(places), indptr(begins), indices(ends), ways(span(places), checked()) {}
+      : vertices(places), indptr(begins), indices(ends), edge_bounds(span(places), checked()) {}
 
   Pattern checked() const {
     const Pattern edges = pattern_of(indptr, indices);
@@ -40,10 +40,10 @@ struct Bounds {
         const std::span row(distances.data() + set * n_vertices,
                             static_cast<std::size_t>(n_vertices));
         const Index first = begins.data()[set], size = begins.data()[set + 1] - first;
-        const Starts from{span(places).subspan(3 * first, 3 * size),
-                          span(starts).subspan(first, size)};
+        const SourceValues from{span(places).subspan(3 * first, 3 * size),
+                                span(starts).subspan(first, size)};
         raise_to_straight_line(span(vertices), from, row);
-        ways.lower(row);
+        edge_bounds.lower(row);
       });
     });
   }

@@ -44,7 +44,7 @@ void bind_linear(nb::module_& module) {
       .def_prop_ro("first", field(&Analysis::first))
       .def_prop_ro("row_starts", field(&Analysis::row_starts))
       .def_prop_ro("rows", field(&Analysis::rows))
-      .def_prop_ro("above", field(&Analysis::above))
+      .def_prop_ro("parents", field(&Analysis::parents))
       .def_prop_ro("panels", field(&Analysis::panels))
       .def_prop_ro("n_stored", &Analysis::n_stored)
       .def_prop_ro("nbytes", &Analysis::nbytes)
@@ -72,7 +72,7 @@ void bind_linear(nb::module_& module) {
           [](const Factor& self, Columns b, nb::ndarray<double, nb::c_contig, nb::device::cpu> x) {
             const Index columns = n_columns(b);
             require(n_rows(b) == self.analysis().n_vertices() && have_one_shape(b, x),
-                    "a row for each unknown, and room for as many solutions");
+                    "a row for each unknown, and workspace for as many solutions");
             unlocked([&] { self.solve(span(b), span(x), columns); });
           },
           "b"_a.noconvert(), "x"_a.noconvert())
@@ -90,9 +90,9 @@ void bind_linear(nb::module_& module) {
         require(0 < width && width <= height && n_rows(panel) == height * width,
                 "so many columns of so many rows");
         Array<double> update((height - width) * (height - width));
-        Array<double> room(front::packed_size(height));
+        Array<double> workspace(front::packed_size(height));
         const Index failed = unlocked([&] {
-          return front::eliminate(panel.data(), update.data(), height, width, room.data());
+          return front::eliminate(panel.data(), update.data(), height, width, workspace.data());
         });
         return nb::make_tuple(failed, give(std::move(update)));
       },

@@ -1,5 +1,5 @@
 // Shortest paths over triangles in Python.
-#include "paths/ways.hpp"
+#include "paths/candidates.hpp"
 #include "python/bindings.hpp"
 
 namespace geodesic {
@@ -26,7 +26,7 @@ nb::tuple give(const std::vector<Crossing>& points) {
 
 void bind_paths(nb::module_& module) {
   module.def(
-      "best_way",
+      "best_path",
       [](In<double, 2> vertices, In<Index, 2> faces, In<double> height, In<double> back,
          Index start, In<Index> ends) {
         const Index n = n_rows(vertices);
@@ -37,7 +37,7 @@ void bind_paths(nb::module_& module) {
                 "a start and ends below the number of vertices");
         return give(unlocked([&] {
           const Surface surface(span(vertices), span(faces));
-          return best_way(surface, span(height), span(back), start, span(ends));
+          return best_path(surface, span(height), span(back), start, span(ends));
         }));
       },
       "vertices"_a.noconvert(), "faces"_a.noconvert(), "height"_a.noconvert(), "back"_a.noconvert(),

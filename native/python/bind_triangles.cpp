@@ -85,7 +85,7 @@ void bind_triangles(nb::module_& module) {
                 "a measure for each triangle, and their half-edges");
         EdgeSums sums =
             unlocked([&] { return edge_sums(span(faces), sides, span(frames), span(measure)); });
-        return nb::make_tuple(give(std::move(sums.edges)), give(std::move(sums.thirds)),
+        return nb::make_tuple(give(std::move(sums.edges)), give(std::move(sums.lumped_mass)),
                               give(std::move(sums.boundary)));
       },
       "faces"_a.noconvert(), "sides"_a, "frames"_a.noconvert(), "measure"_a.noconvert());

@@ -39,7 +39,7 @@ inline void check(bool holds, const char* what, const char* file, int line,
               where.c_str());
 }
 
-// Whether `work` throws an `Error`, and what it says.
+// True if `work` throws an `Error`, and what it says.
 template <class Error, class Work>
 std::string message_of(Work work) {
   try {

@@ -1,4 +1,4 @@
-// Distances held between the straight line and the way along edges.
+// Distances held between the straight line and the path along edges.
 #include <cmath>
 #include <limits>
 
@@ -24,7 +24,7 @@ struct Some {
     }
   }
 
-  Starts starts() const { return {positions, distances}; }
+  SourceValues starts() const { return {positions, distances}; }
 
   double straight(const double* point) const {
     double least = kNowhere;
@@ -48,7 +48,7 @@ TEST(places_know_the_least_that_any_of_them_reads) {
   const Mesh mesh = sheared_grid(20, 0.4);
   for (const Index count : {1, 7, 9, 150}) {
     const Some some(mesh, count);
-    Places places(some.starts());
+    SourceTree places(some.starts());
     for (Index v = 0; v < mesh.n_vertices(); ++v) {
       const double* const point = &mesh.vertices[3 * v];
       const double expected = some.straight(point);
@@ -79,7 +79,7 @@ TEST(no_edge_is_shorter_than_what_distances_differ_by_at_its_ends) {
   for (double& distance : distances) distance *= 3;
   distances[30] = kNowhere;
   const std::vector<double> before = distances;
-  Ways(mesh.vertices, {edges.indptr, edges.indices}).lower(distances);
+  EdgeBounds(mesh.vertices, {edges.indptr, edges.indices}).lower(distances);
   CHECK(distances[30] == kNowhere);
   for (std::size_t i = 0; i < mesh.faces.size(); ++i) {
     const Index a = mesh.faces[i], b = mesh.faces[i - i % 3 + (i + 1) % 3];
@@ -96,7 +96,7 @@ TEST(distances_that_are_possible_stay_to_the_bit) {
   for (Index v = 0; v < mesh.n_vertices(); ++v) distances.push_back(edge_length(mesh, v, 40));
   const std::vector<double> before = distances, at_zero{0.0};
   const std::vector<double> place(&mesh.vertices[120], &mesh.vertices[120] + 3);
-  Ways(mesh.vertices, {edges.indptr, edges.indices}).lower(distances);
+  EdgeBounds(mesh.vertices, {edges.indptr, edges.indices}).lower(distances);
   CHECK(distances == before);
   raise_to_straight_line(mesh.vertices, {place, at_zero}, distances);
   for (Index v = 0; v < mesh.n_vertices(); ++v) CHECK(std::abs(distances[v] - before[v]) < 1e-14);

@@ -44,7 +44,7 @@ std::vector<Index> nearest(std::span<const double> points) {
   for (Index v = 0; v < n; ++v) {
     std::vector<std::pair<double, Index>> others;
     for (Index w = 0; w < n; ++w) {
-      const Place step = at(points, w) - at(points, v);
+      const Vector3 step = at(points, w) - at(points, v);
       if (w != v) others.push_back({dot(step, step), w});
     }
     std::partial_sort(others.begin(), others.begin() + kWidth, others.end());
@@ -131,7 +131,7 @@ TEST(neighbours_that_are_no_points_are_refused) {
   for (const Index wrong : {Index{-1}, kPoints, std::numeric_limits<Index>::max()}) {
     Example cloud{sphere(kPoints)};
     cloud.near[kWidth * kPoints - 1] = wrong;
-    const std::string expected = "a neighbour is no point of the cloud, which has 1100";
+    const std::string expected = "a neighbour is not a point of the cloud, which has 1100";
     using Error = std::invalid_argument;
     CHECK(message_of<Error>([&] { stars_of(cloud.cloud, true, 2); }) == expected);
     CHECK(message_of<Error>([&] { pole_normals(cloud.cloud, 2); }) == expected);

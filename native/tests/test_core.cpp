@@ -1,11 +1,11 @@
-// What all kernels stand on: threads, halves, registers, room.
+// What all kernels stand on: threads, halves, registers, workspace.
 #include <cmath>
 #include <stdexcept>
 #include <system_error>
 
-#include "core/room.hpp"
 #include "core/threads.hpp"
 #include "core/vectors.hpp"
+#include "core/workspace.hpp"
 #include "tests/check.hpp"
 #include "tests/examples.hpp"
 
@@ -110,9 +110,9 @@ TEST(packs_of_every_width_load_add_and_sum) {
   check_width(std::integral_constant<int, 16>{});
 }
 
-TEST(room_is_kept_and_belongs_to_one_at_a_time) {
+TEST(workspace_is_kept_and_belongs_to_one_at_a_time) {
   for (const Index size : {0, 10, 100000, 20}) {
-    Room one(size), other(size);
+    Workspace one(size), other(size);
     CHECK(size == 0 || one.data() != other.data());
     std::fill_n(one.data(), size, 1.0);
     std::fill_n(other.data(), size, 2.0);

@@ -74,8 +74,9 @@ void check_front(Index height, Index width) {
   const std::vector<double> expected = eliminated(whole, height, width);
   std::vector<double> panel(whole.begin(), whole.begin() + height * width);
   const Index below = height - width;
-  std::vector<double> update(below * below), room(front::packed_size(height));
-  CHECK(front::eliminate(panel.data(), update.data(), height, width, room.data()) == kNone, shape);
+  std::vector<double> update(below * below), workspace(front::packed_size(height));
+  CHECK(front::eliminate(panel.data(), update.data(), height, width, workspace.data()) == kNone,
+        shape);
   double worst = 0.0;
   for (Index c = 0; c < width; ++c) {
     worst = std::max(worst, std::abs(panel[c * height + c] * expected[c * height + c] - 1.0));
@@ -157,7 +158,7 @@ TEST(an_analysis_is_a_permutation_and_a_tree) {
   CHECK(std::find(seen.begin(), seen.end(), false) == seen.end());
   CHECK(its->first[its->n_supernodes()] == matrix.size());
   for (Index s = 0; s < its->n_supernodes(); ++s) {
-    CHECK(its->above[s] == kNone ? its->below(s) == 0 : its->above[s] > s);
+    CHECK(its->parents[s] == kNone ? its->below(s) == 0 : its->parents[s] > s);
     CHECK(std::is_sorted(its->rows_of(s), its->rows_of(s) + its->height(s)));
     for (Index k = 0; k < its->width(s); ++k) CHECK(its->rows_of(s)[k] == its->first[s] + k);
   }

@@ -2,7 +2,7 @@
 // meet.
 #include <cmath>
 
-#include "paths/ways.hpp"
+#include "paths/candidates.hpp"
 #include "tests/check.hpp"
 #include "tests/examples.hpp"
 
@@ -70,10 +70,10 @@ TEST(a_way_over_a_plane_is_straight_however_it_was_begun) {
   const Sheet sheet = square();
   const Surface surface(sheet.places, sheet.faces);
   const Index start = 0, end = 13 * (kSide + 1) + kSide;
-  const std::vector<Crossing> way =
-      best_way(surface, taxicab(sheet, end), taxicab(sheet, start), start, std::vector{end});
-  CHECK(way.front().left == start && way.back().left == end);
-  CHECK(std::abs(length_of(sheet, way) - std::hypot(kSide, 13)) < 1e-9);
+  const std::vector<Crossing> path =
+      best_path(surface, taxicab(sheet, end), taxicab(sheet, start), start, std::vector{end});
+  CHECK(path.front().left == start && path.back().left == end);
+  CHECK(std::abs(length_of(sheet, path) - std::hypot(kSide, 13)) < 1e-9);
 }
 
 TEST(a_way_through_a_hollow_goes_along_edges_first) {
@@ -81,15 +81,15 @@ TEST(a_way_through_a_hollow_goes_along_edges_first) {
   const Surface surface(sheet.places, sheet.faces);
   const std::vector<double> nothing(sheet.places.size() / 3, 0.0);
   const Index end = (kSide + 1) * (kSide + 1) - 1;
-  const std::vector<Crossing> way = best_way(surface, nothing, nothing, 0, std::vector{end});
-  CHECK(std::abs(length_of(sheet, way) - kSide * std::sqrt(2.0)) < 1e-9);
+  const std::vector<Crossing> path = best_path(surface, nothing, nothing, 0, std::vector{end});
+  CHECK(std::abs(length_of(sheet, path) - kSide * std::sqrt(2.0)) < 1e-9);
 }
 
 TEST(where_no_triangle_leads_there_is_no_way) {
   const std::vector<double> places{0, 0, 0, 1, 0, 0, 0, 1, 0, 5, 0, 0, 6, 0, 0, 5, 1, 0};
   const std::vector<Index> faces{0, 1, 2, 3, 4, 5};
   const std::vector<double> nothing(6, 0.0);
-  CHECK(best_way(Surface(places, faces), nothing, nothing, 0, std::vector<Index>{4}).empty());
+  CHECK(best_path(Surface(places, faces), nothing, nothing, 0, std::vector<Index>{4}).empty());
 }
 
 TEST(triangles_of_several_stars_are_counted_once) {

@@ -10,7 +10,7 @@ using namespace geodesic;
 
 namespace {
 
-constexpr std::size_t kPage = Pool::kPage, kLeast = Pool::kLeast;
+constexpr std::size_t kPage = Pool::kPage, kLeast = Pool::kMinBlock;
 
 // A block of a pool, filled with its own number.
 struct Block {
@@ -40,7 +40,7 @@ bool has_pools() {
 TEST(sizes_that_are_not_for_a_pool_are_refused) {
   Pool pool(0);
   CHECK(pool.take(0) == nullptr && pool.take(kLeast - 1) == nullptr);
-  CHECK(pool.take(Pool::kMost + 1) == nullptr);
+  CHECK(pool.take(Pool::kMaxBlock + 1) == nullptr);
   double elsewhere = 0;
   CHECK(!pool.give_back(&elsewhere, kLeast));
 }
@@ -100,9 +100,9 @@ TEST(a_full_arena_is_followed_by_another) {
   if (!has_pools()) return;
   Pool pool(0);
   std::vector<void*> blocks;
-  for (int k = 0; k < 3; ++k) blocks.push_back(pool.take(Pool::kMost));
+  for (int k = 0; k < 3; ++k) blocks.push_back(pool.take(Pool::kMaxBlock));
   CHECK(blocks[2] != nullptr);
-  for (void* const block : blocks) CHECK(pool.give_back(block, Pool::kMost));
+  for (void* const block : blocks) CHECK(pool.give_back(block, Pool::kMaxBlock));
   CHECK(pool.held() == 0);
 }
 

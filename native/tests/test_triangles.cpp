@@ -8,9 +8,9 @@
 #include "triangles/flips.hpp"
 #include "triangles/half_edges.hpp"
 #include "triangles/measures.hpp"
-#include "triangles/places.hpp"
 #include "triangles/proper.hpp"
 #include "triangles/stiffness.hpp"
+#include "triangles/vector3.hpp"
 
 using namespace geodesic;
 using namespace geodesic::testing;
@@ -74,8 +74,8 @@ Entries cotangent_stiffness(const Mesh& mesh) {
   Entries rows = diagonal(static_cast<Row>(mesh.n_vertices()), 0.0);
   for (Index half = 0; half < 3 * mesh.n_faces(); ++half) {
     const Index c = mesh.faces[half], i = mesh.faces[next(half)], j = mesh.faces[previous(half)];
-    const Place u = at(mesh.vertices, i) - at(mesh.vertices, c);
-    const Place v = at(mesh.vertices, j) - at(mesh.vertices, c);
+    const Vector3 u = at(mesh.vertices, i) - at(mesh.vertices, c);
+    const Vector3 v = at(mesh.vertices, j) - at(mesh.vertices, c);
     add_edge(rows, static_cast<Row>(i), static_cast<Row>(j), dot(u, v) / length(cross(u, v)) / 2);
   }
   return rows;
@@ -179,7 +179,7 @@ TEST(stiffness_is_that_of_cotangents_and_symmetric_to_the_bit) {
     }
     CHECK(std::count(sums.boundary.begin(), sums.boundary.end(), true) == 4 * 11);
     double area = 0.0;
-    for (const double third : sums.thirds) area += third;
+    for (const double third : sums.lumped_mass) area += third;
     CHECK(std::abs(area - 11 * 11) < 1e-9);
   }
 }

@@ -8,7 +8,7 @@
 #include "tests/examples.hpp"
 #include "triangles/half_edges.hpp"
 #include "triangles/measures.hpp"
-#include "triangles/places.hpp"
+#include "triangles/vector3.hpp"
 #include "wavefront/corners.hpp"
 #include "wavefront/curvature.hpp"
 #include "wavefront/sweeper.hpp"

@@ -9,12 +9,12 @@ namespace {
 
 // Sum of two cotangents below zero, over that of 1 and their sizes, from which on an edge is
 // flipped: no rounding must flip it back.
-constexpr double kTolerance = 1e-10;
+constexpr double kCotangentTolerance = 1e-10;
 
 Index next(Index half) { return half % 3 == 2 ? half - 2 : half + 1; }
 Index previous(Index half) { return half % 3 == 0 ? half + 2 : half - 1; }
 
-// Half-edges that wait to be looked at, each of them once.
+// The stack of half-edges to check, each at most once.
 class Waiting {
  public:
   explicit Waiting(Index n_halves) : stack_(n_halves), is_waiting_(n_halves, false) {}
@@ -63,7 +63,8 @@ Index flip_edges(std::span<Index> faces, std::span<double> length, std::span<Ind
     // Twice the cotangents at c and d, times the doubled area of each triangle.
     const double at_c = (bc * bc + ca * ca - ab * ab) * below;
     const double at_d = (ad * ad + db * db - ab * ab) * above;
-    if (!(at_c + at_d < -kTolerance * (above * below + std::abs(at_c) + std::abs(at_d)))) continue;
+    if (!(at_c + at_d < -kCotangentTolerance * (above * below + std::abs(at_c) + std::abs(at_d))))
+      continue;
     const double x = ((ca - bc) * (ca + bc) - (ad - db) * (ad + db)) / (2 * ab);
     const double y = (above + below) / ab;
     const double cd = std::sqrt(x * x + y * y);

@@ -5,7 +5,7 @@
 namespace geodesic {
 namespace {
 
-constexpr Index kAhead = 48;  // corners by which memory is asked for: places come in no order
+constexpr Index kPrefetchDistance = 48;  // corners of prefetch distance: places come in no order
 
 // Half-edges between two vertices: none, one, two that run against or along one another, more.
 enum class Met : std::int8_t { kNobody, kOne, kAgainst, kAlong, kMore };
@@ -34,7 +34,7 @@ HalfEdges sorted_half_edges(std::span<const Index> faces, Index n_vertices) {
     ++half;
   };
   for (Index f = 0; f < n_sides; f += 3) {
-    const Index soon = std::min(f + kAhead, n_sides - 3);
+    const Index soon = std::min(f + kPrefetchDistance, n_sides - 3);
     const Index a = faces[soon], b = faces[soon + 1], c = faces[soon + 2];
     prefetch(&result.halves[free[std::min(b, c)]]);
     prefetch(&result.halves[free[std::min(c, a)]]);

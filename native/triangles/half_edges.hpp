@@ -2,7 +2,7 @@
 //
 // Half-edge 3 f + c is the side of face f opposite its corner c. It runs from corner c + 1 to
 // corner c + 2. Those of one edge meet at its vertex of lower index: there stiffness adds them up,
-// and edge flips find who is whose twin.
+// and edge flips find twins.
 #pragma once
 
 #include "core/array.hpp"
@@ -23,7 +23,7 @@ struct HalfEdges {
   Index n_vertices() const { return starts.size() - 1; }
 };
 
-// Of fewer than 2^31 of them.
+// There must be fewer than 2^31 half-edges.
 HalfEdges sorted_half_edges(std::span<const Index> faces, Index n_vertices);
 
 // The twin of each half-edge or -1, as where its edge has not two of them, and whether twins run

@@ -3,7 +3,7 @@
 #include <cmath>
 #include <limits>
 
-#include "triangles/places.hpp"
+#include "triangles/vector3.hpp"
 
 namespace geodesic {
 namespace {
@@ -32,7 +32,7 @@ Measured measure_triangles(std::span<const double> vertices, std::span<const Ind
                   std::numeric_limits<double>::infinity()};
   for (Index f = 0; f < n_faces; ++f) {
     const Index i = faces[3 * f], j = faces[3 * f + 1], k = faces[3 * f + 2];
-    const Place u = at(vertices, j) - at(vertices, i), v = at(vertices, k) - at(vertices, i);
+    const Vector3 u = at(vertices, j) - at(vertices, i), v = at(vertices, k) - at(vertices, i);
     const double ij = length(u), ik = length(v), jk = length(at(vertices, k) - at(vertices, j));
     const double sum = ij + ik + jk, longest = std::max({ij, ik, jk});
     result.total += sum;

@@ -6,7 +6,8 @@
 namespace geodesic {
 namespace {
 
-constexpr Index kFew = 16;  // faces that are compared each with each other sooner than sorted
+constexpr Index kMaxFacesComparedInPairs =
+    16;  // faces that are compared each with each other sooner than sorted
 
 // A face as its vertex of lowest index has it.
 struct Rest {
@@ -21,7 +22,7 @@ std::array<Index, 3> in_order(const Index* face) {
 
 // Strike out the faces that have the vertices of one before them.
 void strike_repeats(std::span<Rest> rests, Array<bool>& proper) {
-  if (count(rests) > kFew) {
+  if (count(rests) > kMaxFacesComparedInPairs) {
     std::sort(rests.begin(), rests.end(), [](const Rest& one, const Rest& other) {
       return std::pair(one.vertices(), one.face) < std::pair(other.vertices(), other.face);
     });

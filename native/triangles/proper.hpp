@@ -1,11 +1,11 @@
-// Which faces make up a surface.
+// The faces that belong to a surface.
 #pragma once
 
 #include "core/array.hpp"
 
 namespace geodesic {
 
-// Whether each face has three different vertices that no face before it has, in whatever order:
+// True if each face has three different vertices that no face before it has, in whatever order:
 // front and back of one triangle are one.
 Array<bool> proper_faces(std::span<const Index> faces, Index n_vertices);
 // The faces that have a marked vertex, by number.

@@ -1,12 +1,12 @@
 #include "triangles/stiffness.hpp"
 
 #include "core/processor.hpp"
-#include "triangles/places.hpp"
+#include "triangles/vector3.hpp"
 
 namespace geodesic {
 namespace {
 
-constexpr Index kAhead = 16;  // half-edges by which memory is asked for
+constexpr Index kPrefetchDistance = 16;  // half-edges of prefetch distance
 
 }  // namespace
 
@@ -23,7 +23,7 @@ EdgeSums edge_sums(std::span<const Index> faces, const HalfEdges& sides,
     entries[e] = area * (q * r);
     entries[e + 1] = -(area * (s * r));
     entries[e + 2] = -(area * (p * p + s * q));
-    for (int c = 0; c < 3; ++c) result.thirds[faces[e + c]] += area / 3;
+    for (int c = 0; c < 3; ++c) result.lumped_mass[faces[e + c]] += area / 3;
   }
   // Sides are added in their order, so that an edge's weight is one sum of one order. `edge_to` is
   // the edge from v to a vertex, plus 1; of earlier vertices it is less.
@@ -36,7 +36,7 @@ EdgeSums edge_sums(std::span<const Index> faces, const HalfEdges& sides,
   for (Index v = 0; v < n; ++v) {
     const Row old = result.edges.indptr[v] = count;
     for (Row side = sides.starts[v]; side < sides.starts[v + 1]; ++side) {
-      prefetch(&entries[number(halves[std::min(side + kAhead, n_sides - 1)].half)]);
+      prefetch(&entries[number(halves[std::min(side + kPrefetchDistance, n_sides - 1)].half)]);
       const Row head = halves[side].head;
       const double value = entries[number(halves[side].half)];
       if (head == v) continue;  // from a vertex to itself

@@ -7,9 +7,9 @@
 namespace geodesic {
 
 struct EdgeSums {
-  Matrix edges;          // the strict upper triangle of L, in no order within its rows
-  Array<double> thirds;  // a third of the measure of the elements around each vertex
-  Array<bool> boundary;  // vertices of edges that one element has
+  Matrix edges;               // the strict upper triangle of L, in no order within its rows
+  Array<double> lumped_mass;  // a third of the measure of the elements around each vertex
+  Array<bool> boundary;       // vertices of edges that one element has
 };
 
 EdgeSums edge_sums(std::span<const Index> faces, const HalfEdges& sides,

@@ -29,7 +29,7 @@ struct Range {
 };
 
 // Sort keys by their bits [first, end), from the last digit to the first.
-void sort(std::span<Key> keys, int first, int end, Array<Key>& room) {
+void sort(std::span<Key> keys, int first, int end, Array<Key>& workspace) {
   const int n_digits = (end - first + kMostBits - 1) / kMostBits;
   if (n_digits <= 0) return;
   const int bits = (end - first + n_digits - 1) / n_digits;
@@ -38,7 +38,7 @@ void sort(std::span<Key> keys, int first, int end, Array<Key>& room) {
   for (const Key key : keys)
     for (int digit = 0; digit < n_digits; ++digit)
       ++free[digit * size + (key >> (first + digit * bits) & (size - 1))];
-  std::span<Key> from = keys, to = std::span<Key>(room).first(keys.size());
+  std::span<Key> from = keys, to = std::span<Key>(workspace).first(keys.size());
   for (int digit = 0; digit < n_digits; ++digit) {
     Row* const place = free.data() + digit * size;
     Row sum = 0;
@@ -69,7 +69,7 @@ Array<Row> falling(const HeatTable& heat, Index begin, Index end) {
     range.least &= ~(one - 1);
     range.most = range.most < range.least ? one : range.most - range.least + one;
   }
-  Array<Key> keys(n_columns * n), room(n);
+  Array<Key> keys(n_columns * n), workspace(n);
   for (Index row = 0; row < n; ++row) {
     const double* const values = heat.values.data() + row * heat.n_columns + begin;
     for (Index c = 0; c < n_columns; ++c) {
@@ -81,7 +81,7 @@ Array<Row> falling(const HeatTable& heat, Index begin, Index end) {
   Array<Row> order(n_columns * n);
   for (Index c = 0; c < n_columns; ++c) {
     const std::span<Key> own(keys.data() + c * n, static_cast<std::size_t>(n));
-    sort(own, rest, std::bit_width(ranges[c].most), room);
+    sort(own, rest, std::bit_width(ranges[c].most), workspace);
     for (Index rank = 0; rank < n; ++rank)
       order[c * n + rank] = static_cast<Row>(own[rank] & number);
   }

@@ -10,7 +10,7 @@ namespace {
 // more than rounding, and less than any two stars of a cloud.
 constexpr double kSame = 1e-12;
 
-// Writes the fans of one vertex after the other; or only counts them, where there is no room.
+// Writes the fans of one vertex after the other; or only counts them, where there is no workspace.
 class Writer {
  public:
   explicit Writer(Fan* fans) : fans_(fans) {}

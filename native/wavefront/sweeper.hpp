@@ -34,8 +34,8 @@ class Sweeper {
   Index n_vertices() const { return curvature_.size(); }
 
   // Write the distances of all vertices from each set, a row each, infinite where no triangle
-  // connects, and if there is room for it the curvature of the front there. The heat of each set
-  // gives the order of visits.
+  // connects, and if there is workspace for it the curvature of the front there. The heat of each
+  // set gives the order of visits.
   void sweep(const HeatTable& heat, const Sources& sources, const Effort& effort,
              std::span<double> distances, std::span<double> kappas, int n_threads) const;
 

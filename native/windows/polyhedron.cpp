@@ -8,7 +8,7 @@ namespace geodesic {
 namespace {
 
 // Angle beyond 2π that rounding may make of a flat vertex.
-constexpr double kFlat = 1e-10;
+constexpr double kAngleTolerance = 1e-10;
 
 double distance(const double* a, const double* b) {
   return std::hypot(a[0] - b[0], a[1] - b[1], a[2] - b[2]);
@@ -73,7 +73,7 @@ void Polyhedron::find_turns(Index n_edges) {
   std::vector<double> angles(turns_.size(), 0.0);
   for (const Side& side : sides_) angles[side.tail] += std::atan2(side.y, side.x);
   for (std::size_t v = 0; v < angles.size(); ++v)
-    turns_[v] = angles[v] > 2 * std::numbers::pi + kFlat;
+    turns_[v] = angles[v] > 2 * std::numbers::pi + kAngleTolerance;
   for (const Side& side : sides_)
     if (side.length == 0) turns_[side.tail] = turns_[side.head] = 1;
   for (Index edge = 0; edge < n_edges; ++edge) {
@@ -83,7 +83,7 @@ void Polyhedron::find_turns(Index n_edges) {
   for (Index v = 0; v < n_vertices(); ++v) turns_[v] |= !is_one_fan(v);
 }
 
-// Whether one comes from every face around a vertex to every other across edges at the vertex.
+// True if one comes from every face around a vertex to every other across edges at the vertex.
 bool Polyhedron::is_one_fan(Index v) const {
   std::vector<Index> left(opposite(v).begin(), opposite(v).end()), reached;
   while (!left.empty()) {

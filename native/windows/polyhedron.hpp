@@ -27,7 +27,7 @@ class Polyhedron {
   std::span<const Index> beside(Index s) const { return sides_of_.at(edge_[s]); }
   // The sides opposite a vertex, one for each face around it.
   std::span<const Index> opposite(Index v) const { return opposite_.at(v); }
-  // Whether a shortest way may turn about a vertex: the angles there are more than 2π, it lies on
+  // True if a shortest path may turn about a vertex: the angles there are more than 2π, it lies on
   // an edge that has not two faces, sheets meet there in this vertex alone, or it lies where one of
   // its neighbours does.
   bool turns(Index v) const { return turns_[v]; }

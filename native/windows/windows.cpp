@@ -11,10 +11,10 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 // Share of an edge by which a ray may miss a vertex and still meet it. Beside a flat vertex the
 // rays to either side belong to two windows, and rounding must leave no gap between them.
-constexpr double kMiss = 1e-9;
+constexpr double kVertexTolerance = 1e-9;
 
-// Share of a distance by which rounding may make it longer than another way of the same length.
-constexpr double kRounding = 1e-13;
+// Share of a distance by which rounding may make it longer than another path of the same length.
+constexpr double kRelativeRounding = 1e-13;
 
 // Where a face is entered: through [begin, end] of its side, seen straight from (x, y), y <= 0, in
 // the plane of the side. The distance at (x, y) is `start`.
@@ -119,7 +119,7 @@ class Propagation {
     const double rise = side.y - view.y;
     // Where the ray to the third corner crosses the side.
     const double middle = rise > 0 ? view.x - (side.x - view.x) * view.y / rise : side.x;
-    const double miss = kMiss * side.length;
+    const double miss = kVertexTolerance * side.length;
     if (view.begin - miss <= middle && middle <= view.end + miss)
       lower(side.third, view.start + std::hypot(side.x - view.x, rise));
     if (middle < view.end) {
@@ -153,7 +153,7 @@ class Propagation {
     double hit(const View& view, double place) const {
       const double source = off(view.x, view.y), through = off(place, 0.0), at = along(place, 0.0);
       // Off the line by less than rounding tells: it is there already.
-      if (!(std::abs(source - through) > kRounding * std::abs(source))) return at;
+      if (!(std::abs(source - through) > kRelativeRounding * std::abs(source))) return at;
       const double from = along(view.x, view.y);
       return std::clamp(from + (at - from) * (source / (source - through)), 0.0, length);
     }
@@ -182,13 +182,13 @@ class Propagation {
     }
   }
 
-  // Whether every point of an interval is reached sooner from an end of its edge.
+  // True if every point of an interval is reached sooner from an end of its edge.
   bool is_of_no_use(const View& view) const {
     const Side& side = shape_.side(view.side);
     const double by_tail = distances_[side.tail] + view.end,
                  by_head = distances_[side.head] + side.length - view.begin;
-    return by_tail < (1 - kRounding) * view.to(view.end) ||
-           by_head < (1 - kRounding) * view.to(view.begin);
+    return by_tail < (1 - kRelativeRounding) * view.to(view.end) ||
+           by_head < (1 - kRelativeRounding) * view.to(view.begin);
   }
 
   const Polyhedron& shape_;

@@ -1,7 +1,7 @@
 // Exact distances on a polyhedron: windows, propagated over its faces.
 //
 // A window is an interval of an edge that is seen straight from a source, or from a vertex about
-// which ways turn, through a sequence of faces that are unfolded into one plane. J. Chen, Y. Han,
+// which paths turn, through a sequence of faces that are unfolded into one plane. J. Chen, Y. Han,
 // Shortest paths on a polyhedron, 1990, https://doi.org/10.1145/98524.98601, with the order and the
 // filter of S.-Q. Xin, G.-J. Wang, Improving Chen and Han's algorithm on the discrete geodesic
 // problem, 2009, https://doi.org/10.1145/1559755.1559761.

@@ -107,7 +107,7 @@ def test_it_is_that_of_the_surface_and_its_mirror_image(seed, n):
         matrix = expected.stiffness().scipy.toarray()
         scale = np.abs(matrix).max()
         np.testing.assert_allclose(found.stiffness.toarray(), matrix, atol=1e-7 * scale)
-        assert found.mass.sum() == pytest.approx(expected.thirds.sum(), rel=1e-9)
+        assert found.mass.sum() == pytest.approx(expected.lumped_mass.sum(), rel=1e-9)
 
 
 def messy(seed):

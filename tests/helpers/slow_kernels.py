@@ -172,8 +172,8 @@ def edge_sums(faces, sides, frames, measure):
     counts = coo_array(csr_array(coo_array((np.ones(len(ends)), tuple(ends.T)), shape=shape)))
     boundary = np.zeros(n, dtype=bool)
     boundary[np.column_stack(counts.coords)[counts.data == 1]] = True
-    thirds = np.bincount(faces.ravel(), np.repeat(measure / 3, 3), n)
-    return rows_of(upper), thirds, boundary
+    lumped_mass = np.bincount(faces.ravel(), np.repeat(measure / 3, 3), n)
+    return rows_of(upper), lumped_mass, boundary
 
 
 def mirrored(indptr, indices, data):

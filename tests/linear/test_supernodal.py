@@ -286,7 +286,7 @@ def test_the_rows_of_supernodes_hold_the_factor_and_few_zeros_more(matrix):
     pattern = filled(matrix, its.order)
     assert its.first[0] == 0
     assert its.first[-1] == matrix.shape[0]
-    for s in range(len(its.above)):
+    for s in range(len(its.parents)):
         columns = np.arange(its.first[s], its.first[s + 1])
         rows = its.rows[its.row_starts[s] : its.row_starts[s + 1]]
         assert (np.diff(rows) > 0).all()
@@ -296,7 +296,7 @@ def test_the_rows_of_supernodes_hold_the_factor_and_few_zeros_more(matrix):
         stored = sum(len(rows) - k for k in range(len(columns)))
         limit = ZEROS[int(np.searchsorted([4, 16, 48], len(columns)))]
         assert stored - true.sum() <= limit * stored
-        parent = its.above[s]
+        parent = its.parents[s]
         if parent < 0:
             assert len(rows) == len(columns)
         else:
@@ -466,7 +466,7 @@ def test_the_panels_hold_the_cholesky_factor(laplacian):
     found = SOLVER.factorize(system)
     its, n, panels = found._analysis, system.shape[0], panels_of(found)
     lower = np.zeros((n, n))
-    for s in range(len(its.above)):
+    for s in range(len(its.parents)):
         columns = slice(its.first[s], its.first[s + 1])
         rows = its.rows[its.row_starts[s] : its.row_starts[s + 1]]
         panel = panels[its.panels[s] : its.panels[s + 1]]

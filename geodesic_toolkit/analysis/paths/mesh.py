@@ -7,10 +7,10 @@ from typing import Any
 import numpy as np
 from scipy.sparse import csr_array, vstack
 
+from geodesic_toolkit.analysis.paths.candidates import best_path
 from geodesic_toolkit.analysis.paths.cloud import CloudPath, path_on_cloud
 from geodesic_toolkit.analysis.paths.fronts import first_to_arrive, refined_distance
 from geodesic_toolkit.analysis.paths.insertion import Insertion, insert_points
-from geodesic_toolkit.analysis.paths.ways import best_way
 from geodesic_toolkit.core.types import FloatArray, IntArray
 from geodesic_toolkit.discretization.data import Discretization
 from geodesic_toolkit.discretization.element_gradient import ElementGradient
@@ -192,7 +192,7 @@ def _path_on_mesh(
             mesh, (_surface_point(mesh, original, split, int(beside[0]), [start], np.ones(1)),)
         )
     unreached = start in ends or not np.isfinite(height[start])
-    way = None if unreached else best_way(split.vertices, split.faces, height, behind, start, ends)
+    way = None if unreached else best_path(split.vertices, split.faces, height, behind, start, ends)
     if way is None:
         return None
     passed = zip(way.faces[::-1].tolist(), way.ends[::-1].tolist(), way.weights[::-1], strict=True)

@@ -3,7 +3,7 @@
 import numpy as np
 
 from geodesic_toolkit import _native
-from geodesic_toolkit.analysis.paths.ways import Way, best_way
+from geodesic_toolkit.analysis.paths.candidates import Way, best_path
 from geodesic_toolkit.core.types import FloatArray, IntArray
 from geodesic_toolkit.discretization.data import Discretization
 from geodesic_toolkit.discretization.element_gradient import ElementGradient
@@ -90,7 +90,7 @@ def _through(  # noqa: PLR0917 - what it needs, in the order of its doing
     faces = np.concatenate([triangles, np.column_stack([links, middles])])
     height, behind = (np.concatenate([d, d[links].mean(axis=1)]) for d in (distance, back))
     height[ends] = 0.0
-    way = best_way(places, faces, height, behind, start, ends)
+    way = best_path(places, faces, height, behind, start, ends)
     return None if way is None else _between_points(way, links, len(points))
 
 

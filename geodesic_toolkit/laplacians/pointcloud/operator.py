@@ -581,9 +581,9 @@ def _shares(part: IntArray, chosen: BoolArray, among: BoolArray) -> FloatArray:
 
 def _areas(soup: _Soup, count: int) -> FloatArray:
     """Return the measure of every place: a third of a third of its triangles, half of its links."""
-    thirds = np.repeat(soup.shares * face_areas(soup.frames) / 9, 3)
+    corner_areas = np.repeat(soup.shares * face_areas(soup.frames) / 9, 3)
     halves = np.repeat(soup.link_lengths * soup.link_widths / 2, 2)
-    area = np.bincount(soup.triangles.ravel(), thirds, minlength=count)
+    area = np.bincount(soup.triangles.ravel(), corner_areas, minlength=count)
     return np.asarray(area + np.bincount(soup.links.ravel(), halves, minlength=count))
 
 

@@ -7,7 +7,7 @@ import numpy as np
 from geodesic_toolkit import _native
 from geodesic_toolkit.core.types import FloatArray, IntArray
 
-__all__ = ["Way", "best_way"]
+__all__ = ["Way", "best_path"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -28,7 +28,7 @@ class Way:
     weights: FloatArray
 
 
-def best_way(  # noqa: PLR0917 - what it needs, in the order of its doing
+def best_path(  # noqa: PLR0917 - what it needs, in the order of its doing
     vertices: FloatArray,
     faces: IntArray,
     height: FloatArray,
@@ -59,7 +59,7 @@ def best_way(  # noqa: PLR0917 - what it needs, in the order of its doing
     -------
     Way or None
     """
-    passed, beside, shares = _native.best_way(
+    passed, beside, shares = _native.best_path(
         np.ascontiguousarray(vertices), np.ascontiguousarray(faces), height, back, start, ends
     )
     if len(passed) == 0:

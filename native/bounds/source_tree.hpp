@@ -1,4 +1,4 @@
-// Places in space from which distances begin, arranged to be asked for the nearest.
+// SourceTree in space from which distances begin, arranged to be asked for the nearest.
 #pragma once
 
 #include <limits>
@@ -8,8 +8,8 @@
 
 namespace geodesic {
 
-// Places, (P, 3), and the distance that is read at each.
-struct Starts {
+// SourceTree, (P, 3), and the distance that is read at each.
+struct SourceValues {
   std::span<const double> positions, distances;
   Index size() const { return count(distances); }
 };
@@ -17,15 +17,15 @@ struct Starts {
 // A k-d tree: J. L. Bentley, Multidimensional binary search trees used for associative searching,
 // 1975, https://doi.org/10.1145/361002.361007. A node knows the box around its places, and the
 // least distance that is read in it.
-class Places {
+class SourceTree {
  public:
-  explicit Places(const Starts& starts);
+  explicit SourceTree(const SourceValues& starts);
 
   // The least of what the straight lines from all places read at a point, or the first found that
   // is not above `enough`.
   double straight(const double* point, double enough);
 
-  // Whether the place that was nearest last reads no more than `enough` at a point, as a rule: of a
+  // True if the place that was nearest last reads no more than `enough` at a point, as a rule: of a
   // point close by it often is, too.
   bool last_reads_at_most(double enough, const double* point) const {
     const double* const at = &starts_.positions[3 * last_];
@@ -45,7 +45,7 @@ class Places {
   double bound(const Node& node, const double* point) const;
   void visit(Index node, const double* point, double enough, double& best);
 
-  Starts starts_;
+  SourceValues starts_;
   std::vector<Index> order_;
   std::vector<Node> nodes_;
   Index last_ = 0;

@@ -1,4 +1,4 @@
-#include "bounds/places.hpp"
+#include "bounds/source_tree.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -7,19 +7,19 @@
 namespace geodesic {
 namespace {
 
-// Places in a leaf.
-constexpr Index kLeaf = 8;
+// SourceTree in a leaf.
+constexpr Index kLeafSize = 8;
 
 }  // namespace
 
-Places::Places(const Starts& starts)
+SourceTree::SourceTree(const SourceValues& starts)
     : starts_(starts), order_(static_cast<std::size_t>(starts.size())) {
   std::iota(order_.begin(), order_.end(), Index{0});
   nodes_.push_back({{}, {}, 0, 0, starts.size(), kNone});
   for (std::size_t node = 0; node < nodes_.size(); ++node) divide(static_cast<Index>(node));
 }
 
-void Places::divide(Index index) {
+void SourceTree::divide(Index index) {
   Node node = nodes_[index];
   node.least = std::numeric_limits<double>::infinity();
   std::fill_n(node.low, 3, node.least);
@@ -32,7 +32,7 @@ void Places::divide(Index index) {
     }
     node.least = std::min(node.least, starts_.distances[order_[i]]);
   }
-  if (node.end - node.begin > kLeaf) {
+  if (node.end - node.begin > kLeafSize) {
     int widest = 0;
     for (int axis = 1; axis < 3; ++axis)
       if (node.high[axis] - node.low[axis] > node.high[widest] - node.low[widest]) widest = axis;
@@ -47,13 +47,13 @@ void Places::divide(Index index) {
   nodes_[index] = node;
 }
 
-double Places::from(Index place, const double* point) const {
+double SourceTree::from(Index place, const double* point) const {
   const double* const at = &starts_.positions[3 * place];
   const double x = point[0] - at[0], y = point[1] - at[1], z = point[2] - at[2];
   return starts_.distances[place] + std::sqrt(x * x + y * y + z * z);
 }
 
-double Places::bound(const Node& node, const double* point) const {
+double SourceTree::bound(const Node& node, const double* point) const {
   double sum = 0;
   for (int axis = 0; axis < 3; ++axis) {
     const double outside =
@@ -63,13 +63,13 @@ double Places::bound(const Node& node, const double* point) const {
   return node.least + std::sqrt(sum);
 }
 
-double Places::straight(const double* point, double enough) {
+double SourceTree::straight(const double* point, double enough) {
   double best = std::numeric_limits<double>::infinity();
   visit(0, point, enough, best);
   return best;
 }
 
-void Places::visit(Index index, const double* point, double enough, double& best) {
+void SourceTree::visit(Index index, const double* point, double enough, double& best) {
   const Node& node = nodes_[index];
   if (node.left == kNone) {
     for (Index i = node.begin; i < node.end; ++i) {

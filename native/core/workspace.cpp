@@ -1,11 +1,12 @@
-#include "room.hpp"
+#include "workspace.hpp"
 
 #include <mutex>
 
 namespace geodesic {
 namespace {
 
-constexpr Index kKept = Index{1} << 24;  // numbers that wait for the next solve, at the most
+// The largest workspace, in numbers, that is kept for the next solve.
+constexpr Index kMaxKeptNumbers = Index{1} << 24;
 
 struct Kept {
   std::mutex mutex;
@@ -18,7 +19,7 @@ Kept& kept() {
 
 }  // namespace
 
-Room::Room(Index size) {
+Workspace::Workspace(Index size) {
   {
     const std::lock_guard lock(kept().mutex);
     memory_ = std::exchange(kept().memory, {});
@@ -26,9 +27,9 @@ Room::Room(Index size) {
   if (memory_.size() < size) memory_ = Array<double>(size);
 }
 
-Room::~Room() {
+Workspace::~Workspace() {
   const std::lock_guard lock(kept().mutex);
-  if (memory_.size() <= kKept && memory_.size() > kept().memory.size())
+  if (memory_.size() <= kMaxKeptNumbers && memory_.size() > kept().memory.size())
     kept().memory = std::move(memory_);
 }
 

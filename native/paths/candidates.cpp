@@ -1,4 +1,4 @@
-#include "paths/ways.hpp"
+#include "paths/candidates.hpp"
 
 #include <algorithm>
 #include <array>
@@ -8,13 +8,13 @@
 namespace geodesic {
 namespace {
 
-// Ways over a vertex up to so many times as long as the shortest are straightened and compared:
+// Paths over a vertex up to so many times as long as the shortest are straightened and compared:
 // refined distances err by some per cent on coarse meshes.
-constexpr double kNearly = 1.05;
-// Such vertices that are tried, those of the shortest ways.
-constexpr std::size_t kMost = 12;
+constexpr double kMaxLengthRatio = 1.05;
+// Such vertices that are tried, those of the shortest paths.
+constexpr std::size_t kMaxCandidates = 12;
 
-// Vertices over which a way is nearly the shortest, and shorter than beside them.
+// Vertices over which a path is nearly the shortest, and shorter than beside them.
 std::vector<Index> between(const Surface& surface, std::span<const double> height,
                            std::span<const double> back) {
   const auto total = [&](Index v) { return height[v] + back[v]; };
@@ -23,7 +23,7 @@ std::vector<Index> between(const Surface& surface, std::span<const double> heigh
     if (!surface.around(v).empty()) least = std::min(least, total(v));
   std::vector<std::pair<double, Index>> found;
   for (Index v = 0; v < surface.n_vertices(); ++v) {
-    if (surface.around(v).empty() || !(total(v) <= kNearly * least)) continue;
+    if (surface.around(v).empty() || !(total(v) <= kMaxLengthRatio * least)) continue;
     const bool lowest = std::ranges::all_of(surface.around(v), [&](Index face) {
       const auto [p, q] = surface.others(face, v);
       return total(v) <= total(p) && total(v) <= total(q);
@@ -31,13 +31,13 @@ std::vector<Index> between(const Surface& surface, std::span<const double> heigh
     if (lowest) found.push_back({total(v), v});
   }
   std::ranges::sort(found);
-  if (found.size() > kMost) found.resize(kMost);
+  if (found.size() > kMaxCandidates) found.resize(kMaxCandidates);
   std::vector<Index> vertices;
   for (const auto& [_, vertex] : found) vertices.push_back(vertex);
   return vertices;
 }
 
-// Ways from a vertex to ends: down, and where none arrives along edges.
+// Paths from a vertex to ends: down, and where none arrives along edges.
 std::vector<Route> routes_of(const Surface& surface, std::span<const double> height,
                              std::span<const double> back, Index start,
                              std::span<const bool> is_end) {
@@ -103,27 +103,27 @@ std::vector<Leg> joined(const Surface& surface, const Route& route) {
 
 }  // namespace
 
-std::vector<Crossing> best_way(const Surface& surface, std::span<const double> height,
-                               std::span<const double> back, Index start,
-                               std::span<const Index> ends) {
+std::vector<Crossing> best_path(const Surface& surface, std::span<const double> height,
+                                std::span<const double> back, Index start,
+                                std::span<const Index> ends) {
   Array<bool> is_end(surface.n_vertices(), false);
   for (const Index end : ends) is_end[end] = true;
-  std::vector<Way> best;
+  std::vector<Path> best;
   double least = std::numeric_limits<double>::infinity();
   for (const Route& route : routes_of(surface, height, back, start, is_end)) {
-    std::vector<Way> ways;
+    std::vector<Path> paths;
     double length = 0;
     for (const Leg& leg : joined(surface, route)) {
-      ways.push_back(shortest_way(surface, leg.strip, leg.first, leg.last));
-      length += ways.back().length;
+      paths.push_back(shortest_path(surface, leg.strip, leg.first, leg.last));
+      length += paths.back().length;
     }
-    if (ways.empty() || !(length < least)) continue;
-    best = std::move(ways);
+    if (paths.empty() || !(length < least)) continue;
+    best = std::move(paths);
     least = length;
   }
   std::vector<Crossing> points;
-  for (Way& way : best) {
-    const std::vector<Crossing> part = crossings(surface, beside_cones(surface, std::move(way)));
+  for (Path& path : best) {
+    const std::vector<Crossing> part = crossings(surface, beside_cones(surface, std::move(path)));
     points.insert(points.end(), part.begin(), part.end());
   }
   return points;
