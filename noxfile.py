@@ -50,6 +50,12 @@ def lint(session: nox.Session) -> None:
     run(session, "codespell", *PROSE)
 
 
+@nox.session(default=False)
+def prose(session: nox.Session) -> None:
+    """Private and vague words in texts, as tools/prose.toml lists them."""
+    session.run(sys.executable, "tools/prose.py", *session.posargs, external=True)
+
+
 @nox.session
 def types(session: nox.Session) -> None:
     """Types, strictly."""
