@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from typing import Any, final
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from geodesic_toolkit.core.checks import check_nothing_masked
 from geodesic_toolkit.core.frozen import freeze
@@ -73,7 +74,7 @@ class Curve:
 
 
 @final
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, init=False)
 class OffsetSources:
     """Sources that do not all start at zero: the distance is the least of offset plus way.
 
@@ -104,15 +105,16 @@ class OffsetSources:
     sources: Any
     offsets: FloatArray
 
-    def __post_init__(self) -> None:
-        offsets = np.atleast_1d(_floats(self.offsets, "offsets"))
-        if offsets.ndim != 1:
-            raise InvalidSourceError(f"offsets must have shape (P,), not {offsets.shape}")
-        _check_finite(offsets, "offset")
-        if (offsets < 0).any():
-            bad = int(offsets.argmin())
-            raise InvalidSourceError(f"offset {bad} is {offsets[bad]}; it must not be negative")
-        object.__setattr__(self, "offsets", freeze(offsets))
+    def __init__(self, sources: Any, offsets: ArrayLike) -> None:
+        values = np.atleast_1d(_floats(offsets, "offsets"))
+        if values.ndim != 1:
+            raise InvalidSourceError(f"offsets must have shape (P,), not {values.shape}")
+        _check_finite(values, "offset")
+        if (values < 0).any():
+            bad = int(values.argmin())
+            raise InvalidSourceError(f"offset {bad} is {values[bad]}; it must not be negative")
+        object.__setattr__(self, "sources", sources)
+        object.__setattr__(self, "offsets", freeze(values))
 
 
 def _floats(values: Any, name: str) -> FloatArray:
