@@ -1,14 +1,16 @@
 """Files in and out: one reader a format, and outputs that are whole or not there."""
 
 from geodesic_toolkit.core.atomic import check_output, replacing
+from geodesic_toolkit.core.deprecation import deprecated_alias
 from geodesic_toolkit.io.reading import read
 from geodesic_toolkit.io.tables.masks import read_mask
 from geodesic_toolkit.io.tables.points import read_points
 from geodesic_toolkit.io.tables.vertices import read_vertices
 from geodesic_toolkit.io.writing import write
 
-write_distances = write
-"""The older name of :func:`write`."""
+write_distances = deprecated_alias(
+    write, "geodesic_toolkit.io.write_distances", "geodesic_toolkit.write", since="0.1"
+)
 
 __all__ = [
     "check_output",

@@ -357,7 +357,11 @@ def test_a_new_file_has_the_permissions_that_the_umask_leaves(tmp_path):
     assert (tmp_path / "d.csv").stat().st_mode & 0o777 == 0o640
 
 
-def test_the_older_name_of_write_is_the_same_function():
-    from geodesic_toolkit import io
-
-    assert io.write_distances is gt.write is io.write
+def test_the_older_name_of_write_writes_the_same_and_warns_at_the_line_of_its_caller(tmp_path):
+    mesh = gt.testing.shapes.icosphere(0)
+    gt.write(tmp_path / "new.ply", mesh, np.arange(12.0))
+    message = r"io\.write_distances is deprecated since version 0\.1; use geodesic_toolkit\.write"
+    with pytest.warns(DeprecationWarning, match=message) as warned:
+        gt.io.write_distances(tmp_path / "old.ply", mesh, np.arange(12.0))
+    assert (tmp_path / "old.ply").read_bytes() == (tmp_path / "new.ply").read_bytes()
+    assert [warning.filename for warning in warned] == [__file__]
