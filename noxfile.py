@@ -48,6 +48,8 @@ def lint(session: nox.Session) -> None:
     run(session, "clang-format", "--dry-run", "-Werror", *sources())
     run(session, "lint-imports", "--no-cache")
     run(session, "codespell", *PROSE)
+    run(session, "zizmor", "--offline", "--quiet", ".github/workflows")
+    run(session, "towncrier", "build", "--draft", "--version", "next", silent=True)
 
 
 @nox.session(default=False)
@@ -58,8 +60,10 @@ def prose(session: nox.Session) -> None:
 
 @nox.session
 def types(session: nox.Session) -> None:
-    """Types, strictly."""
+    """Types, strictly: of the package, and of a user's program by both common checkers."""
     run(session, "mypy")
+    run(session, "mypy", "tests/typing")
+    run(session, "pyright", "--pythonpath", sys.executable)
 
 
 @nox.session
