@@ -108,7 +108,7 @@ def self_test(session: nox.Session, name: str, *options: str) -> None:
 
 
 def host_level() -> int:
-    """Return the level of this processor, as the installed package tells it."""
+    """Return the level of this processor, as the installed package reports it."""
     try:
         from geodesic_toolkit._native import _processor
     except ImportError:  # not an x86-64 processor: one build serves them all

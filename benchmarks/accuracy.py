@@ -4,7 +4,7 @@ python benchmarks/accuracy.py                    the four meshes of the first ta
 python benchmarks/accuracy.py --battery          all eleven, five sources each, and symmetry
 python benchmarks/accuracy.py --choices          the options of plain heat over the battery
 python benchmarks/accuracy.py --spheres          the order of convergence on spheres
-python benchmarks/accuracy.py --trust            how well the eikonal residual tells the error
+python benchmarks/accuracy.py --trust            correlation of the eikonal residual with the error
 python benchmarks/accuracy.py ... --write        also into docs/_tables
 
 Exact distances are kept in the system's folder for temporary files: those of the whole battery take
@@ -210,7 +210,7 @@ def choices() -> str:
         results[name] = []
         closed = not gt.GeodesicSolver(mesh).method.metric.boundary.any()
         for choice, options in CHOICES.items():
-            if closed and "boundary" in options:  # nothing to tell apart
+            if closed and "boundary" in options:  # no boundary: no difference
                 results[name].append(results[name][0])
                 continue
             solver = gt.GeodesicSolver(mesh, refine=False, **options)

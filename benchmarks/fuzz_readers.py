@@ -1,10 +1,10 @@
-"""Whether damaged files are read or refused: never a crash, a hang, or an error of another kind.
+"""Check that damaged files are read or refused, without a crash, a hang or an untyped error.
 
 A thousand damaged copies of every kind of file that tests/helpers/sample_files.py makes, and of
 every file of ../shared/data: cut, bits flipped, bytes overwritten, pieces inserted, repeated or
 zeroed, half of it in the header. Each file has a process of its own, with a limit of time for every
-copy and of memory altogether; where that process dies, the next goes on behind the copy that killed
-it. Copies depend on their number alone: a fault can be repeated by name and number.
+copy and of memory altogether; if that process dies, the next continues after the copy that killed
+it. Copies depend only on their number: a fault can be repeated by name and number.
 
 python benchmarks/fuzz_readers.py                      everything, about twenty minutes
 python benchmarks/fuzz_readers.py ply bunny            files whose names hold one of these words
@@ -56,7 +56,7 @@ TOKENS = (
 
 
 def damaged(data: bytes, rng: random.Random) -> bytes:
-    """Return a damaged copy: what broken transfers, disks and writers do."""
+    """Return a copy with the damage of broken transfers, disks and writers."""
     if rng.random() < 0.15:
         return data[: rng.randrange(len(data))]
     copy = bytearray(data)
@@ -175,7 +175,7 @@ def work(source: Path, name: str, first: int, copies: int, limit: int, log: Path
         for number in range(first, copies):
             target.write_bytes(damaged(data, random.Random(f"{name} {number}")))
             told.write(json.dumps({"number": number}) + "\n")
-            signal.alarm(limit)  # nobody catches it: the process dies, whatever it is busy with
+            signal.alarm(limit)  # not caught: the process dies at once
             started = time.process_time()
             try:
                 outcome = type(reader(target)).__name__
@@ -183,7 +183,7 @@ def work(source: Path, name: str, first: int, copies: int, limit: int, log: Path
                 outcome = type(error).__name__
                 if "\n" in str(error) or "damaged" not in str(error):
                     outcome += " of many lines" if "\n" in str(error) else " without the name"
-            except BaseException as error:  # what it is, is what is measured
+            except BaseException as error:  # its kind is the measurement
                 outcome = f"bare {type(error).__name__}"
             signal.alarm(0)
             foreign = [w for w in caught if not issubclass(w.category, gt.errors.GeodesicWarning)]
@@ -203,7 +203,7 @@ def work(source: Path, name: str, first: int, copies: int, limit: int, log: Path
 def examine(
     name: str, suffix: str, data: bytes, copies: int, limit: int, folder: Path, keep: Path | None
 ) -> bool:
-    """Damage one file `copies` times, print what came of it, and return whether it is well."""
+    """Damage one file `copies` times, print the outcomes, and return whether all are right."""
     source, log = folder / f"source.{suffix}", folder / "log"
     source.write_bytes(data)
     log.unlink(missing_ok=True)

@@ -105,7 +105,7 @@ def table(results: dict[str, Any]) -> str:
 
 
 def cells(figures: dict[str, Any]) -> list[str]:
-    """Return a row of the table; what failed stands where its time would."""
+    """Return a row of the table, with a failure in place of a time."""
     failure = figures.get("failure", "-")
     build, one = figures.get("build", {}), figures.get("one", {})
     shown = []

@@ -1,4 +1,4 @@
-"""All pairs of a sphere by the command ``matrix``: in one go, and interrupted half way and resumed.
+"""Measure all pairs of a sphere by ``matrix``: uninterrupted, and interrupted and resumed.
 
 Each command is a process of its own, interrupted as by Ctrl-C. Stores are compared file by file.
 

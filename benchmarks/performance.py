@@ -1,9 +1,9 @@
-"""Time and memory beside other libraries, in new processes: what the page on performance quotes.
+"""Time and memory beside other libraries, in new processes, for the page on performance.
 
 A round is a new process of every library, one after the other. NumPy is imported and the mesh is in
-memory when its clock starts; nothing of the library is. It is asked for the import and a first
-distance, then for further sources one by one, then for sixteen at once. Everything is measured on
-what libraries do by themselves: threads, options and buffers are theirs.
+memory when its clock starts; the library is not imported. The process runs the import and a first
+distance, then further sources one by one, then sixteen at once. Libraries keep their defaults of
+threads, options and buffers.
 
 python benchmarks/performance.py                            everything, about half an hour
 python benchmarks/performance.py --sizes 3.5k,35k           some of the sizes
@@ -107,7 +107,7 @@ def rounds_of(text: str, n_sizes: int) -> list[int]:
 
 
 def usual_rounds(n_vertices: int) -> int:
-    """Return the rounds that a mesh has unless told."""
+    """Return the default number of rounds of a mesh."""
     return next((count for most, count in ROUNDS.items() if n_vertices <= most), LARGE_ROUNDS)
 
 
@@ -148,7 +148,7 @@ def read_files(setting: Setting) -> None:
 
 
 def turned(names: list[str], by: int) -> list[str]:
-    """Return names beginning with another one each time: whoever is first meets other caches."""
+    """Return names beginning with another one each time: the first one has other caches."""
     start = by % max(len(names), 1)
     return names[start:] + names[:start]
 

@@ -1,14 +1,14 @@
-"""Time of every phase beside another version of this package: has anything become slower?
+"""Compare the time of every phase with that of another version of this package.
 
 python benchmarks/regression.py --base v1.2          against a commit, branch or tag
 python benchmarks/regression.py --base ~/old/bin/python
                                                      against what that interpreter has installed
 python benchmarks/regression.py --base v1.2 --new HEAD
-                                                     both installed anew, for every processor
+                                                     both newly installed, for every processor
 
-With a compiler, an innocent line can cost 3 to 40 times, and no test sees it. This does: a new
-process of each version is asked for the same phases in turn, round by round, on generated meshes,
-and the CPU time of the one is divided by that of the other. A ratio above 1 says that the new
+A compiler can make an ordinary line 3 to 40 times as slow, and no test detects that. This script
+does: a new process of each version runs the same phases, interleaved, round by round, on generated
+meshes, and the CPU time of one is divided by that of the other. A ratio above 1 says that the new
 version is faster. Where the median of the rounds is below the bound, the phase is named, and the
 exit status is 1.
 
@@ -56,7 +56,7 @@ TOUCHED = 4000
 
 @dataclass
 class Phase:
-    """What the rounds have found of one phase; times are pairs of base and new."""
+    """The results of one phase in all rounds; times are pairs of base and new."""
 
     size: str
     level: int

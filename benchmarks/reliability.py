@@ -1,8 +1,8 @@
-"""Whether an answer comes and is right, on every file of ../shared/data, libraries side by side.
+"""Count the right answers of several libraries on every file of ../shared/data.
 
 Each call, one library from one source, is a process of its own with a time limit: a crash or a hang
-is an outcome like any other. Sources are the middle vertices of every component of ten vertices or
-more, and of the largest of each file. How an answer is judged stands in docs/reliability.md.
+is recorded as an outcome. Sources are the middle vertices of every component of ten vertices or
+more, and of the largest of each file. docs/reliability.md has the criteria of a right answer.
 
 python benchmarks/reliability.py                     everything, about half an hour
 python benchmarks/reliability.py bunny truck         files whose names hold one of these words
@@ -205,7 +205,7 @@ def components_of(graph: csr_array) -> np.ndarray:
 
 @dataclass
 class Outcome:
-    """What became of one call."""
+    """The outcome of one call."""
 
     fault: str | None
     error: float | None = None

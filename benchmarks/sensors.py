@@ -3,8 +3,8 @@
 python benchmarks/sensors.py           all of it: five minutes
 python benchmarks/sensors.py --write   also into docs/_tables
 
-Errors are relative to the way over the ground, in per cent, from 2 m or 2 spacings on. What is
-within sight of the source counts, so that neither blind discs nor shadows are in the way.
+Errors are relative to the shortest path over the ground, in per cent, from 2 m or 2 spacings on.
+Only points within sight of the source count, so that blind discs and shadows block no path.
 """
 
 import argparse
@@ -49,7 +49,7 @@ def sweep(beams: int, azimuth: float, slope: float, boxes: list) -> tuple[np.nda
 
 
 def sweeps() -> Iterator[Case]:
-    """Yield sweeps with a source ahead; what lies in its direction has a true distance."""
+    """Yield sweeps with a source ahead; points in its direction have a known distance."""
     for name, slope, boxes in (
         ("flat", 0.0, []),
         ("slope", 0.15, []),

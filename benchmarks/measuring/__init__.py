@@ -1,1 +1,1 @@
-"""What the benchmarks of speed and size share: shapes, libraries, processes, the machine."""
+"""Code that the benchmarks of speed and size share: shapes, libraries, processes, the machine."""

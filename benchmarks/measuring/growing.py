@@ -2,7 +2,7 @@
 
 python -m measuring.growing mesh|cloud WARM-UP.npz SHAPE.npz
 
-What was finished before memory ran out has been told.
+Lines that were finished before memory ran out have been printed.
 """
 
 import json

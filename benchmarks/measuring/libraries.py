@@ -1,7 +1,7 @@
 """The libraries that are measured, all behind two functions; each imports its own package only.
 
-A process that is to measure an import imports this module before: nothing here imports more than
-NumPy has done already.
+A process that measures an import imports this module first: it imports nothing beyond the modules
+of NumPy.
 """
 
 import importlib

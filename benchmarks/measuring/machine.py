@@ -1,4 +1,4 @@
-"""What the figures were measured on."""
+"""The machine of the measurements."""
 
 import mmap
 import os
@@ -61,10 +61,10 @@ def reading(long: np.ndarray) -> float:
 
 
 def touch(size: int) -> None:
-    """Write to so many bytes of fresh memory, and give them back.
+    """Write to `size` bytes of fresh memory, and free them.
 
-    The host of a virtual machine takes away memory that has been free for some seconds. Whoever is
-    next to use it waits twenty times as long for each page (measured: 2.4 ms a megabyte instead of
-    0.1), which is no property of a library.
+    The host of a virtual machine takes away memory that has been free for some seconds. The
+    next process that uses it waits twenty times as long for each page (measured: 2.4 ms a megabyte
+    instead of 0.1), which is not a property of a library.
     """
     np.empty(size, dtype=np.uint8)[:: mmap.PAGESIZE] = 1

@@ -1,4 +1,4 @@
-"""The process of one version: it clocks one phase of the method at a time, as it is told.
+"""The process of one version: it clocks the phase of the method that it is asked for.
 
 python -m measuring.phases MESH.npz SECONDS
 
@@ -33,15 +33,15 @@ COMPACT = 20_000
 """Vertices from which on whole builds have compact factors, as they have by default."""
 
 NEIGHBOURS = 12
-"""Of a point, to begin its star with."""
+"""Neighbours of a point that its star begins with."""
 
 Work = Callable[[], Any]
 
 
 class Phases:
-    """What the phases work on, made when the first of them needs it.
+    """The data of the phases, made when the first of them needs it.
 
-    Every method whose name is no property prepares a phase and returns what is to be clocked.
+    Every method that is not a property prepares a phase and returns what is to be clocked.
     """
 
     def __init__(self, vertices: np.ndarray, faces: np.ndarray) -> None:
@@ -289,7 +289,7 @@ def main() -> None:
     """Answer the names of phases until there are no more."""
     warnings.simplefilter("ignore")  # of shapes: known
     answers = os.fdopen(os.dup(1), "w", encoding="utf-8")
-    os.dup2(2, 1)  # what libraries print is no answer
+    os.dup2(2, 1)  # output of libraries is not an answer
     compile_all()
     mesh, enough = sys.argv[1:]
     with np.load(mesh) as file:

@@ -154,7 +154,7 @@ def main() -> None:
     warnings.simplefilter("ignore")  # of shapes: known
     answers = os.fdopen(os.dup(1), "w", encoding="utf-8")
     clocks.go_first()
-    os.dup2(2, 1)  # what libraries print is no answer
+    os.dup2(2, 1)  # output of libraries is not an answer
     worker = Worker(*sys.argv[1:])
     print(json.dumps({}), file=answers, flush=True)
     for line in sys.stdin:

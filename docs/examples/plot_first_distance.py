@@ -12,7 +12,7 @@ import numpy as np
 import geodesic_toolkit as gt
 
 # %%
-# The shape is made here; ``gt.read("bunny.off")`` would read one from a file. The solver
+# The shape is generated; ``gt.read("bunny.off")`` would read one from a file. The solver
 # factorises two sparse matrices once, and every source after that costs two pairs of
 # back-substitutions.
 
@@ -21,7 +21,7 @@ solver = gt.GeodesicSolver(mesh)
 print(mesh)
 
 # %%
-# One number a vertex comes back, in the unit of the mesh. The source itself is at 0, and the
+# The result has one number for each vertex, in the unit of the mesh. The source reads 0, and the
 # farthest vertex is half way around the knot.
 
 source = 0
@@ -30,8 +30,7 @@ farthest = int(distance.argmax())
 print(f"from vertex {source}: vertex {farthest} is farthest, at {distance[farthest]:.2f}")
 
 # %%
-# A picture of it, here as an array, with a line for every step of the distance. Given a ``path`` it
-# is written to a file.
+# A picture as an array, with a line for every step of the distance. With a ``path`` it is saved.
 
 picture = gt.viz.plot(mesh, distance, size=(1600, 700))
 fig = plt.figure(figsize=(8, 3.5))
@@ -39,7 +38,8 @@ fig.add_axes((0, 0, 1, 1)).imshow(picture)
 plt.axis("off")
 
 # %%
-# Where two strands of the knot pass close to each other, the way through the air is a poor guess.
+# Where two strands of the knot pass close to each other, the distance through the air is a poor
+# estimate.
 
 straight = np.linalg.norm(mesh.vertices - mesh.vertices[source], axis=1)
 edge = solver.method.metric.spacing  # the resolution of the mesh, and about that of the method

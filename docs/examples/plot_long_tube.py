@@ -2,9 +2,9 @@
 Beyond the range of 64-bit floats
 =================================
 
-Heat that has diffused for a short time falls by a factor of about e for each edge. Some 700 edges
-from the source it is smaller than the smallest 64-bit float, and there is nothing left to take a
-direction from. The distances are right all the same.
+Heat that has diffused for a short time falls by a factor of about e per edge. Some 700 edges from
+the source it is smaller than the smallest 64-bit float, and has no direction. The distances are right
+nevertheless.
 """
 
 import matplotlib.pyplot as plt
@@ -24,7 +24,7 @@ turned = np.arange(0, rings, 2) / 2 % around  # by which the rings are twisted, 
 exact = np.hypot(tube.vertices[line, 2], np.minimum(turned, around - turned))
 
 # %%
-# Solved plainly, the heat underflows to zero. Its logarithm does not: where the heat gets small,
+# A single solve underflows to zero. Its logarithm does not: where the heat gets small,
 # the solver starts again from there, scaled up, with the same factor
 # (see :doc:`/mathematics`).
 

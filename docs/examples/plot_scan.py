@@ -2,8 +2,8 @@
 Distances in a scan
 ===================
 
-A depth camera looks into a room. How far is it along what it saw, from one place to all the others,
-and to places where there is no pixel?
+A depth camera records one corner of a hall. The distance is measured along the recorded surface,
+from one point to all pixels, and to points between them.
 """
 
 import matplotlib.pyplot as plt
@@ -12,10 +12,10 @@ import numpy as np
 import geodesic_toolkit as gt
 
 # %%
-# The scan is made here: rays from a camera at 1.5 m meet a floor, a wall and a box. As real ones
-# do, the camera measures with noise that grows with depth, loses pixels at random and sees nothing
-# behind the box. ``gt.read("frame.pcd")`` would read a scan from a file, ``gt.as_domain`` takes one
-# from Open3D.
+# The scan is generated: rays from a camera at 1.5 m meet a floor, a wall and a box. Like a real
+# camera it has noise that grows with depth, loses pixels at random and records nothing behind the
+# box. ``gt.read("frame.pcd")`` would read a scan from a file, ``gt.as_domain`` takes one from
+# Open3D.
 
 rng = np.random.default_rng(0)
 height, width = 90, 120
@@ -52,9 +52,9 @@ depth[rng.random(depth.shape) < 0.03] = np.nan
 points = eye + depth[..., None] * rays
 
 # %%
-# Missing pixels may stay: they keep their index, and their distance is infinite. So the result has
-# the camera's own shape again. Where the camera stood, all normals can be turned towards it; given
-# normals tell the two sides of a thin sheet apart. Here nobody knows them, and they are estimated.
+# Missing pixels keep their index, and their distance is infinite, so the result has the shape of
+# the camera's image. If the position of the camera is known, normals can be turned towards it, and
+# oriented normals distinguish the two sides of a thin sheet. Here the normals are estimated.
 
 cloud = gt.PointCloud(points.reshape(-1, 3))
 solver = gt.GeodesicSolver(cloud)
@@ -64,9 +64,9 @@ print(cloud)
 print("normals by", solver.method.metric.notes["normals"])
 
 # %%
-# Between the pixels, and a little off them, :meth:`~geodesic_toolkit.GeodesicSolver.query` answers:
-# here on a fine square grid over the floor. Farther than its reach from all that was seen there is
-# no answer, as in the shadow of the box.
+# :meth:`~geodesic_toolkit.GeodesicSolver.query` returns distances between the pixels and slightly
+# off the surface, here on a fine square grid over the floor. Points farther than ``reach`` from all
+# pixels, as in the shadow of the box, read infinity.
 
 x, y = np.meshgrid(np.linspace(-2.2, 2.2, 221), np.linspace(1.0, 4.2, 161))
 floor = np.column_stack([x.ravel(), y.ravel(), np.zeros(x.size)])
@@ -79,7 +79,7 @@ look = {"cmap": "viridis", "vmin": 0, "vmax": 4.5}
 lines = {"levels": np.arange(0, 4.5, 0.25), "colors": "black", "linewidths": 0.5}
 seen.imshow(distance, **look)
 seen.contour(np.where(np.isfinite(distance), distance, np.nan), **lines)
-seen.set(title="what the camera saw: missing pixels are blank")
+seen.set(title="the image of the camera: missing pixels are blank")
 seen.axis("off")
 answered = np.where(np.isfinite(on_floor), on_floor, np.nan)
 plan = above.pcolormesh(x, y, answered, **look)
@@ -89,7 +89,7 @@ above.set(title="the floor from above, by queries", xlabel="m", ylabel="m", aspe
 fig.colorbar(plan, ax=above, label="distance (m)")
 
 # %%
-# What the camera did not see is no way: from the corner to the other side of the box it leads
+# Paths do not cross areas without pixels: from the corner to the other side of the box they lead
 # around the whole shadow, along the wall or in front of the box.
 
 straight = np.linalg.norm(floor - np.array(source), axis=1).reshape(x.shape)
