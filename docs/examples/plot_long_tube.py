@@ -3,8 +3,8 @@ Beyond the range of 64-bit floats
 =================================
 
 Heat that has diffused for a short time falls by a factor of about e per edge. Some 700 edges from
-the source it is smaller than the smallest 64-bit float, and has no direction. The distances are right
-nevertheless.
+the source it is smaller than the smallest 64-bit float, and has no direction. The distances are
+right nevertheless.
 """
 
 import matplotlib.pyplot as plt
