@@ -1,8 +1,12 @@
 """One HTML file that rotates in any browser, offline; and the same as a widget in notebooks."""
 
+import base64
+import html
 import os
+import zlib
 from collections.abc import Sequence
 from importlib import resources
+from string import Template
 from typing import Any
 
 import numpy as np
@@ -11,6 +15,7 @@ from numpy.typing import ArrayLike
 from geodesic_toolkit.core.atomic import replacing
 from geodesic_toolkit.core.types import FloatArray
 from geodesic_toolkit.domains import Domain
+from geodesic_toolkit.errors import MissingDependencyError
 from geodesic_toolkit.viz.camera import choose_views
 from geodesic_toolkit.viz.colours import (
     INK,
@@ -23,7 +28,7 @@ from geodesic_toolkit.viz.colours import (
 )
 from geodesic_toolkit.viz.contours import contour_lines
 from geodesic_toolkit.viz.extras import require
-from geodesic_toolkit.viz.legend import with_legend
+from geodesic_toolkit.viz.legend import legend
 from geodesic_toolkit.viz.scene import Scene, compacted, make_scene
 
 __all__ = ["save_html", "show"]
@@ -31,6 +36,9 @@ __all__ = ["save_html", "show"]
 FIELD_OF_VIEW = 25.0
 LINE_WIDTH = 0.004
 MARKER_RADIUS = 0.025
+VIEWER = "static/standalone.js"  # k3d's viewer, an AMD module without dependencies
+ENTRY = "CreateK3DAndLoadBinarySnapshot"  # the function of it that page.js calls
+COMPRESSION = 6
 
 
 def save_html(
@@ -65,7 +73,7 @@ def save_html(
     UnsupportedDomainError, InvalidOptionError, InvalidSourceError, WriteError
         As for :func:`plot`.
     MissingDependencyError
-        k3d, pyvista or matplotlib is not installed.
+        k3d, pyvista or matplotlib is not installed, or k3d is of a version without the viewer.
 
     Examples
     --------
@@ -86,9 +94,14 @@ def save_html(
     for item in widget.objects:
         if item.type == "Mesh":
             item.hover_callback = _nothing
-    script = resources.files(__package__).joinpath("page.js").read_text(encoding="utf-8")
-    page = widget.get_snapshot(compression_level=6, additional_js_code=script)
-    page = with_legend(page, scene, style, label=label, unit=unit, title=title)
+    page = Template(_text_of("page.html")).substitute(
+        title=html.escape(title or label),
+        css=_text_of("page.css"),
+        legend=legend(scene, style, label=label, unit=unit, title=title),
+        viewer=_encoded(zlib.compress(_viewer(), COMPRESSION)),
+        scene=_encoded(widget.get_binary_snapshot(COMPRESSION)),
+        script=_text_of("page.js"),
+    )
     with replacing(path) as temporary:
         temporary.write_text(page, encoding="utf-8")
 
@@ -138,6 +151,34 @@ def show(
     widget = _widget(scene, choose_style(scene, cmap, isolines), name=label)
     widget.height = height
     return widget
+
+
+def _viewer() -> bytes:
+    """Return the program that draws in the browser, from the files of k3d.
+
+    Raises
+    ------
+    MissingDependencyError
+        The installed k3d has no such program.
+    """
+    try:
+        program = resources.files("k3d").joinpath(VIEWER).read_bytes()
+    except FileNotFoundError:
+        program = b""
+    if ENTRY.encode() not in program:
+        raise MissingDependencyError(
+            f"the installed k3d has no viewer for HTML pages ({VIEWER} with {ENTRY}), as version "
+            '3.2 has; install one that fits: pip install -U "geodesic-toolkit[viz]"'
+        )
+    return program
+
+
+def _text_of(name: str) -> str:
+    return resources.files(__package__).joinpath(name).read_text(encoding="utf-8")
+
+
+def _encoded(data: bytes) -> str:
+    return base64.b64encode(data).decode("ascii")
 
 
 def _widget(scene: Scene, style: Style, *, name: str) -> Any:

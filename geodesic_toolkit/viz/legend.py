@@ -1,16 +1,11 @@
-"""What stands around the shape on an HTML page: title, colour bar, the value under the pointer."""
+"""The legend of an HTML page: title, colour bar, label, and the value under the pointer."""
 
 import html
-from importlib import resources
 
-from geodesic_toolkit.errors import MissingDependencyError
 from geodesic_toolkit.viz.colours import UNREACHED, Style, isoline_levels, packed
 from geodesic_toolkit.viz.scene import Scene
 
-__all__ = ["with_legend"]
-
-CANVAS = '<div id="canvasTarget"></div>'
-"""Where k3d's page has its drawing."""
+__all__ = ["legend"]
 
 NO_WEBGL = """\
 <div class="gt" id="gt-no-webgl">This browser offers no WebGL 2, which draws the shape. Turn on
@@ -20,7 +15,7 @@ if (document.createElement('canvas').getContext('webgl2')) {
     document.getElementById('gt-no-webgl').remove();
 }
 </script>"""
-"""Stands on the page until the browser shows that it can draw: k3d says nothing if it cannot."""
+"""Shown until the browser has proved that it can draw: k3d reports nothing if it cannot."""
 
 STOPS = 64
 """Colours of the bar's gradient."""
@@ -29,24 +24,9 @@ MOST_MARKS = 60
 """More isolines than that would blacken the bar."""
 
 
-def with_legend(
-    page: str, scene: Scene, style: Style, *, label: str, unit: str, title: str | None
-) -> str:
-    """Return k3d's page with a legend and a title of its own.
-
-    Raises
-    ------
-    MissingDependencyError
-        The page is not of the form that k3d 3.2 gives it.
-    """
-    start, end = page.find("<title>"), page.find("</title>")
-    if page.count(CANVAS) != 1 or not 0 <= start < end:
-        raise MissingDependencyError(
-            "the k3d that is installed writes HTML pages of another form than version 3.2; "
-            'install one that fits: pip install -U "geodesic-toolkit[viz]"'
-        )
-    css = resources.files(__package__).joinpath("page.css").read_text(encoding="utf-8")
-    parts = [CANVAS, f"<style>\n{css}</style>", NO_WEBGL]
+def legend(scene: Scene, style: Style, *, label: str, unit: str, title: str | None) -> str:
+    """Return the elements of the legend as HTML."""
+    parts = [NO_WEBGL]
     if title:
         parts.append(_box("title", html.escape(title)))
     if scene.reached.any():
@@ -55,8 +35,7 @@ def with_legend(
     if not scene.reached[scene.present].all():
         parts.append(_box("none", f'<b style="background: {_hex(UNREACHED)}"></b>not reached'))
     parts.append(_box("value", "", f'data-unit="{html.escape(unit)}"'))
-    head = f"{page[:start]}<title>{html.escape(title or label)}{page[end:]}"
-    return head.replace(CANVAS, "\n".join(parts))
+    return "\n".join(parts)
 
 
 def _bar(scene: Scene, style: Style) -> str:

@@ -15,6 +15,7 @@ from geodesic_toolkit.errors import (
     WriteError,
 )
 from geodesic_toolkit.testing import shapes
+from geodesic_toolkit.viz import html
 
 pytest.importorskip("k3d", reason="HTML pictures need the extra viz")
 pytest.importorskip("pyvista", reason="isolines need the extra viz")
@@ -135,7 +136,7 @@ def test_the_file_refers_to_no_other(page):
     text = page.read_text(encoding="utf-8")
     assert text.startswith("<!doctype html>")
     assert not re.search(r"<(script|link|img|iframe)[^>]*\b(src|href)\s*=", text)
-    assert "[DATA]" not in text
+    assert not re.search(r"[$](title|css|legend|viewer|scene|script)\b", text)
 
 
 def test_the_widget_has_the_shape_the_rest_the_lines_and_the_sources(pair):
@@ -185,11 +186,13 @@ def test_a_missing_k3d_is_named_with_its_extra(pair, monkeypatch, tmp_path):
         gt.viz.show(*pair)
 
 
-def test_a_k3d_with_another_page_is_an_error_and_not_a_blank_file(pair, monkeypatch, tmp_path):
-    import k3d
-
-    kind = next(kind for kind in type(k3d.plot()).__mro__ if "get_snapshot" in vars(kind))
-    monkeypatch.setattr(kind, "get_snapshot", lambda *_, **__: "<html></html>")
-    with pytest.raises(MissingDependencyError, match="another form"):
+@pytest.mark.parametrize(
+    ("constant", "value"), [("VIEWER", "static/other.js"), ("ENTRY", "CreateSomethingElse")]
+)
+def test_a_k3d_without_the_viewer_is_an_error_and_not_a_blank_file(
+    pair, monkeypatch, tmp_path, constant, value
+):
+    monkeypatch.setattr(html, constant, value)
+    with pytest.raises(MissingDependencyError, match="no viewer for HTML pages"):
         gt.viz.save_html(*pair, tmp_path / "a.html")
     assert not (tmp_path / "a.html").exists()
