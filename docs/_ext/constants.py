@@ -1,6 +1,7 @@
-"""The directive ``constants``: every tuned constant of the package, with what is said of it."""
+"""The directive ``constants``: every tuned constant of the package, with the text below it."""
 
 import ast
+import re
 from collections.abc import Iterator
 from itertools import pairwise
 from pathlib import Path
@@ -22,14 +23,18 @@ class Constant(NamedTuple):
 
 
 def constants_of(module: Path) -> Iterator[Constant]:
-    """Yield the constants of a module that are numbers and have a text."""
+    """Yield the constants of a module that are numbers, or several numbers, and have a text."""
     body = ast.parse(module.read_text(encoding="utf-8")).body
     for statement, below in pairwise(body):
-        if not (isinstance(statement, ast.Assign) and isinstance(statement.targets[0], ast.Name)):
+        if isinstance(statement, ast.Assign):
+            target = statement.targets[0]
+        elif isinstance(statement, ast.AnnAssign) and statement.value is not None:
+            target = statement.target
+        else:
             continue
-        name, value = statement.targets[0].id, ast.unparse(statement.value)
+        name, value = (ast.unparse(part).strip("()") for part in (target, statement.value))
         is_text = isinstance(below, ast.Expr) and isinstance(below.value, ast.Constant)
-        is_number = any(character.isdigit() for character in value) and "(" not in value
+        is_number = re.search(r"\b\d", value) and not re.search(r"[({\[]", value)
         if name.isupper() and is_text and is_number and isinstance(below.value.value, str):
             yield Constant(name.lstrip("_"), value, below.value.value.strip())
 
