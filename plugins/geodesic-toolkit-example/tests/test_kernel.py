@@ -1,4 +1,4 @@
-"""What the contract does not say: the options, and points that coincide."""
+"""The options, and points that coincide, which the contract does not cover."""
 
 import numpy as np
 import pytest

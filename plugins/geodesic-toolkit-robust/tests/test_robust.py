@@ -84,7 +84,7 @@ def test_a_missing_point_is_infinitely_far_and_changes_no_other():
     np.testing.assert_allclose(distance[1:], alone, atol=1e-12)
 
 
-def test_duplicate_points_are_no_distance_apart():
+def test_duplicate_points_have_distance_zero():
     points = gt.testing.shapes.icosphere(3).vertices
     twice = gt.PointCloud(np.concatenate([points, points[:100]]))
     distance = gt.geodesic_distance(twice, 0, operator="robust")

@@ -77,7 +77,7 @@ def small_sizes():
 @pytest.fixture(scope="module")
 def results(tube, small_sizes):
     with warnings.catch_warnings():
-        # The tube is coarse for plain heat: how much, the tables tell.
+        # The tube is coarse for plain heat; the tables have its error.
         warnings.simplefilter("ignore", CoarseMeshWarning)
         subject = Subject(tube, "a tube", [3, 479])
         return Results(
@@ -209,7 +209,7 @@ def test_errors_do_not_count_what_is_not_reached():
     assert error_of(np.full(4, np.inf), true) == {"mean": 0.0, "largest": 0.0}
 
 
-def test_ranks_that_do_not_vary_have_no_correlation():
+def test_values_that_do_not_vary_have_no_correlation():
     assert rank_correlation(np.ones(3), np.arange(3.0)) is None
     assert rank_correlation(np.array([1.0, np.inf]), np.array([np.inf, 1.0])) is None
 
@@ -223,12 +223,12 @@ def test_a_document_is_the_same_in_markdown_and_html():
         Paragraph("**bold** and `code`"),
         Bullets(["one", "two"]),
         Table(["a", "b"], [["x|y", "1"]]),
-        Figure("f.png", "what it shows"),
+        Figure("f.png", "a caption"),
     ]
     text = as_markdown(blocks)
     assert "# A <b> & c" in text
     assert "x\\|y" in text
-    assert "![what it shows](f.png)" in text
+    assert "![a caption](f.png)" in text
     page = as_html("t", blocks, {"f.png": b"abc"})
     assert "<h1>A &lt;b&gt; &amp; c</h1>" in page
     assert "<strong>bold</strong> and <code>code</code>" in page
@@ -257,8 +257,9 @@ def test_where_nothing_is_flat_nothing_is_said_of_it(small_sizes):
 
 def test_every_experiment_has_its_place_in_the_report(results):
     text = as_markdown(compose(results))
-    for heading in ("1. The time step", "2. Noise", "3. What the heat flows in", "4. Beyond it"):
-        assert f"## {heading}" in text
+    headings = ("The time step", "Noise", "Diffusion by other operators", "More accurate methods")
+    for number, heading in enumerate(headings, start=1):
+        assert f"## {number}. {heading}" in text
     assert "nan" not in text
     json.dumps(results.figures, allow_nan=False)
 

@@ -115,7 +115,7 @@ class RobustLaplacian(gt.LaplaceOperator):
         lengths = _lengths(mesh.vertices, edges)
         if not lengths.any():
             raise UnsupportedDomainError("every face of the mesh is a single place; it has no area")
-        # The library gives an unreferenced vertex a weight to nowhere: hand it the others alone.
+        # The library gives unreferenced vertices invalid weights: pass the others only.
         used, compact = np.unique(faces, return_inverse=True)
         laplacian, mass = mesh_laplacian(
             mesh.vertices[used], compact.reshape(-1, 3), mollify_factor=self.mollify_factor

@@ -27,12 +27,12 @@ Distance = Callable[[int], FloatArray]
 REFINED = "heat, refined"
 
 RUNS = 2
-"""How often a cost is measured, to take the least: a first run compiles and imports."""
+"""Measurements of each cost, of which the least counts: a first run imports."""
 
 
 @dataclass
 class Beyond:
-    """What the experiment found.
+    """Results of the experiment.
 
     Attributes
     ----------
@@ -100,12 +100,12 @@ def _methods(subject: Subject) -> dict[str, Callable[[], Distance]]:
         "point cloud": heat(cloud),
         "point cloud, refined": heat(cloud, refine=True),
         "graph of the edges": heat(edge_graph(subject)),
-        "shortest way along edges": lambda: _along_edges(edge_graph(subject)),
+        "shortest path along edges": lambda: _along_edges(edge_graph(subject)),
     }
 
 
 def _along_edges(graph: Graph) -> Distance:
-    """Return Dijkstra's distance: what one had before, and far from straight."""
+    """Return Dijkstra's distance along the edges, for comparison."""
     shape = (graph.n_vertices, graph.n_vertices)
     lengths = csr_array(coo_array((graph.lengths, tuple(graph.edges.T)), shape=shape))
     return lambda source: np.asarray(dijkstra(lengths, directed=False, indices=[source])[0])

@@ -164,8 +164,8 @@ def _tolerances(results: Results, sheet: _Sheet) -> None:
         )
     for axes in (sheet.left, sheet.right):
         axes.invert_xaxis()
-    _label(sheet.left, "Heat that is none, at t = h²", "relative tolerance", "vertices")
-    _label(sheet.right, "What it does to the distance", "relative tolerance", "mean error [%]")
+    _label(sheet.left, "Vertices without heat, at t = h²", "relative tolerance", "vertices")
+    _label(sheet.right, "Effect on the distance", "relative tolerance", "mean error [%]")
     _plain_numbers(sheet.right.yaxis)
 
 
@@ -205,7 +205,7 @@ def _noise(results: Results, sheet: _Sheet) -> None:
             )
     _label(
         sheet.left,
-        "Order: ranks of the heat",
+        "Order of the heat",
         "noise, sigma [% of the diagonal]",
         "rank correlation of u, noisy and clean",
     )
@@ -252,7 +252,7 @@ def _time_factors(results: Results, sheet: _Sheet) -> None:
     _label(sheet.left, "Error, and what rules choose", "t / h²", "mean error [%]")
     _label(
         sheet.right,
-        "What can be known without the truth",
+        "Error indicators without the exact distance",
         "t / h²",
         "mean deviation [%]",
     )

@@ -1,4 +1,4 @@
-"""What the figures say, in words: every sentence rests on the numbers of the mesh at hand."""
+"""Conclusions in words: every sentence follows from the numbers of the given mesh."""
 
 from collections.abc import Iterable
 from typing import Any
@@ -155,7 +155,7 @@ def on_the_discretization(results: Results) -> list[str]:
     )
     h, gap = results.subject.h, abs(voronoi - thirds)
     areas = f"Voronoi and barycentric areas give {voronoi:.2f} % and {thirds:.2f} % at t = h: " + (
-        "the choice hardly matters."
+        "the choice has almost no effect."
         if gap < 0.1 * max(voronoi, thirds)
         else "the choice matters on this mesh."
     )
@@ -165,9 +165,9 @@ def on_the_discretization(results: Results) -> list[str]:
     )
     if h < 0.2:
         edges += (
-            f"So t = h = {h:.3g} is next to no time: u falls by a factor of about 1/t = "
-            f"{1 / h:.0f} with every ring, {spread:.0f} decades in all, and tells the number of "
-            "the ring rather than a length. "
+            f"So t = h = {h:.3g} is a tiny time step: u falls by a factor of about 1/t = "
+            f"{1 / h:.0f} with every ring, {spread:.0f} decades in all, and depends on the number "
+            "of the ring rather than on a length. "
         )
     edges += (
         "At t = 1, which is to it what t = h² is to the cotangent Laplacian, it is "
@@ -203,10 +203,10 @@ def on_operators(results: Results) -> list[str]:
             "reached, and the sweep measures how far they are."
         )
     if "graph of the edges" in errors:
-        along = errors["shortest way along edges"]
+        along = errors["shortest path along edges"]
         points.append(
-            f"A graph that knows nothing but its edges reaches {errors['graph of the edges']:.1f} "
-            f"% by heat; the shortest way along the same edges is {along:.1f} % off"
+            f"A graph of the edges alone reaches {errors['graph of the edges']:.1f} "
+            f"% by heat; the shortest path along the same edges is {along:.1f} % off"
             + (", because it cannot cut corners." if along > errors["graph of the edges"] else ".")
         )
     points += [f"Left out: {name}, because {why}" for name, why in results.beyond.left_out.items()]
@@ -258,7 +258,7 @@ def on_sizes(results: Results) -> list[str]:
             points.append(f"{surface}, {kind}: {shown} vertices; {trend}.")
     points.append(
         "On the sphere the truth is that of the smooth surface. Subdividing the mesh itself keeps "
-        "its polyhedron, whose curvature sits in the old vertices and nowhere else: triangles "
+        "its polyhedron, whose curvature is in the old vertices only: triangles "
         "keep their angles, and a sweep that takes the surface for smooth gains less."
     )
     return points

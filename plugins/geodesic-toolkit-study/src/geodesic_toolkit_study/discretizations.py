@@ -24,12 +24,12 @@ CASES: tuple[tuple[str, LaplaceOperator, str], ...] = (
     ("cotan, Voronoi areas", CotanLaplacian(mass="voronoi"), "h^2"),
     ("cotan, barycentric areas", CotanLaplacian(), "h^2"),
 )
-"""Where the heat flows, and for how long; the first four are those of the first experiments."""
+"""Diffusions and time steps; the first four are those of the first experiments."""
 
 
 @dataclass
 class Discretizations:
-    """What the experiment found.
+    """Results of the experiment.
 
     Attributes
     ----------

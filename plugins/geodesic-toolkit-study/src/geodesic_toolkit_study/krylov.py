@@ -18,7 +18,7 @@ MOST_STEPS = 2000
 
 @dataclass(frozen=True, eq=False)
 class Iteration:
-    """What a run of conjugate gradients came to.
+    """Result of a run of conjugate gradients.
 
     Attributes
     ----------

@@ -18,7 +18,7 @@ LEVELS = (0.001, 0.0025, 0.005, 0.01)
 
 @dataclass
 class Noise:
-    """What the experiment found; everything at t = h² of the mesh that is measured.
+    """Results of the experiment; everything at t = h² of the mesh that is measured.
 
     Attributes
     ----------

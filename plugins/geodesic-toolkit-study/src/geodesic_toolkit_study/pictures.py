@@ -140,7 +140,7 @@ def _time_step(results: Results, source: int) -> list[list[_Cell]]:
 
 
 def _heat(results: Results) -> list[list[_Cell]]:
-    """What conjugate gradients leave of the heat, and how far they came."""
+    """Return cells with the heat of conjugate gradients, and the rings that they reached."""
     source, subject = worst_source(results), results.subject
     ring = results.time_step.rings[source]
     steps = len(results.time_step.spread[source])
@@ -152,7 +152,7 @@ def _heat(results: Results) -> list[list[_Cell]]:
             mesh=subject.mesh,
             values=np.where(ring < steps, ring, np.nan),
             source=source,
-            title=f"rings 0 to {steps - 1}: what {steps} steps can reach",
+            title=f"rings 0 to {steps - 1}: within reach of {steps} steps",
             label="edges from the source",
             cmap="cividis",
         )
@@ -202,7 +202,7 @@ def _noise(results: Results) -> list[list[_Cell]]:
 
 
 def _discretizations(results: Results) -> list[list[_Cell]]:
-    """Heat by each diffusion, and the signed error of the distance that comes of it."""
+    """Return cells with the heat of each diffusion, and the signed error of its distance."""
     found, source = results.discretizations, results.subject.sources[0]
     true = results.subject.true(source)
     off = [

@@ -107,14 +107,14 @@ def _time_step(results: Results) -> list[Block]:
             )
             for source in results.subject.sources
         ),
-        Heading(3, "What the flat part is"),
+        Heading(3, "The cause of the flat part"),
         Paragraph(
-            "Conjugate gradients start from 0, and each step multiplies by the matrix once. A "
-            "vertex hears of the source only through its neighbours, so after k steps nothing is "
-            "known beyond k - 1 edges from it: **one ring of neighbours a step**. The iteration "
+            "Conjugate gradients start from 0, and each step multiplies by the matrix once, which "
+            "passes information from neighbour to neighbour. After k steps, vertices beyond k - 1 "
+            "edges from the source are unchanged: **one ring of neighbours a step**. The iteration "
             "stops when the residual is small relative to its start. But the heat falls by a "
             "factor of about e with every edge, so the residual is small long before the far side "
-            "has been reached, and there u is still what it was at the start: exactly 0. Just "
+            "has been reached, and there u still has its initial value: exactly 0. Just "
             "inside that front the values are leftovers of the iteration, of either sign."
         ),
         Bullets(conclusions.on_the_solver(results)),
@@ -172,8 +172,8 @@ def _noise(results: Results) -> list[Block]:
         Heading(2, "2. Noise"),
         Paragraph(
             "Every coordinate is moved by Gaussian noise; sigma is a share of the bounding box's "
-            "diagonal. Each noisy mesh gets its own h and its own t = h². Columns: the rank "
-            "correlation (Spearman) of u with and without noise; the change of the distance by "
+            "diagonal. Each noisy mesh gets its own h and its own t = h². Columns: Spearman's "
+            "correlation of u with and without noise; the change of the distance by "
             "heat; the change of the true distance; the error of the noisy mesh's distance "
             "against the clean truth, against its own truth, and the latter with the operator "
             "that the library chooses; and the vertices at which u ≤ 0. All but the first in %."
@@ -183,7 +183,7 @@ def _noise(results: Results) -> list[Block]:
                 "source",
                 "sigma [% of diagonal]",
                 "sigma / h",
-                "ranks of u",
+                "correlation of u",
                 "heat, noisy – clean",
                 "truth, noisy – clean",
                 "error, clean truth",
@@ -194,7 +194,7 @@ def _noise(results: Results) -> list[Block]:
             rows,
         ),
         Figure("noise_heat.png", "Heat and distance with more and more noise."),
-        Figure("noise.png", "What noise changes, and what it does not."),
+        Figure("noise.png", "Effects of noise on heat and distance."),
         Bullets(conclusions.on_noise(results)),
     ]
 
@@ -211,7 +211,7 @@ def _discretizations(results: Results) -> list[Block]:
         for row in results.discretizations.rows
     ]
     return [
-        Heading(2, "3. What the heat flows in"),
+        Heading(2, "3. Diffusion by other operators"),
         Paragraph(
             "The first step uses one Laplacian or another; gradient and Poisson equation remain "
             "those of the mesh, solved directly. Beside the error: how many decades u spans, and "
@@ -220,8 +220,8 @@ def _discretizations(results: Results) -> list[Block]:
         Table(["diffusion", "source", "decades of u", "rank correlation", "error [%]"], rows),
         Figure(
             "discretizations.png",
-            "Left: the heat. Right: the error of the distance that comes of it, red where it is "
-            "too long and blue where it is too short.",
+            "Left: the heat. Right: the error of its distance, red where it is too long and "
+            "blue where it is too short.",
         ),
         Bullets(conclusions.on_the_discretization(results)),
     ]
@@ -259,7 +259,7 @@ def _beyond(results: Results) -> list[Block]:
         for row in results.sizes
     ]
     return [
-        Heading(2, "4. Beyond it"),
+        Heading(2, "4. More accurate methods"),
         Paragraph(
             "Other operators on the same vertices: the intrinsic Delaunay triangulation of the "
             "same surface; wavefronts swept in the order of the heat (refined); the vertices as a "

@@ -19,12 +19,12 @@ SCHEMA_VERSION = 1
 
 
 TIMES = {"h^2": "h²", "h": "h", "1": "1"}
-"""How people write the time steps."""
+"""Time steps as the report writes them."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class Results:
-    """What was studied, and what each experiment found."""
+    """The mesh of the study, and the results of each experiment."""
 
     subject: Subject
     time_step: TimeStep
@@ -36,7 +36,7 @@ class Results:
 
     @property
     def figures(self) -> dict[str, Any]:
-        """All the numbers, as what JSON has; lengths in the unit of the mesh, errors in %."""
+        """All numbers in the types of JSON; lengths in the unit of the mesh, errors in %."""
         subject = self.subject
         plain: dict[str, Any] = _plain(
             {

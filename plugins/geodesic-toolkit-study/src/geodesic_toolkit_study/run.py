@@ -74,7 +74,7 @@ def run_study(
     InvalidSourceError
         A source that is not there.
     MissingDependencyError
-        What pictures need is not installed.
+        A package for pictures is not installed.
     WriteError
         The folder cannot be made, or a file not written.
 

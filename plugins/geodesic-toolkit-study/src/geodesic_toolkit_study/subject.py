@@ -58,7 +58,7 @@ class Subject:
         self._true: dict[int, tuple[FloatArray, str]] = {}
 
     def heat_method(self, **options: Any) -> HeatMethod:
-        """Return a heat method on the mesh, with direct solvers unless told otherwise."""
+        """Return a heat method on the mesh, with direct solvers by default."""
         direct = SuperLU()
         solvers: dict[str, Any] = {"heat_solver": direct, "poisson_solver": direct}
         return HeatMethod(self.metric, **(solvers | options))

@@ -29,7 +29,7 @@ QUICK = 20_000
 """Vertices up to which a factorisation is timed several times."""
 
 RUNS = 3
-"""Of which the quickest counts: a first one compiles, and others share the machine."""
+"""Runs of each measurement; the quickest counts, as others share the machine."""
 
 OCTAHEDRON = [[1, 0, 0], [0, 1, 0], [-1, 0, 0], [0, -1, 0], [0, 0, 1], [0, 0, -1]]
 

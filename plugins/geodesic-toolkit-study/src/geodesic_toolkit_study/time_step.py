@@ -29,7 +29,7 @@ TOLERANCES = tuple(10.0**-power for power in range(5, 15))
 
 @dataclass
 class TimeStep:
-    """What the experiment found.
+    """Results of the experiment.
 
     Attributes
     ----------
@@ -56,7 +56,7 @@ class TimeStep:
 
     @property
     def heat_zeros(self) -> list[dict[str, Any]]:
-        """How many entries of the heat are exactly 0, one object for each run."""
+        """Number of entries of the heat that are exactly 0, one object for each run."""
         names = ("source", "time", "solver", "rtol", "zeros")
         return [{name: row[name] for name in names} for row in self.rows]
 
