@@ -21,6 +21,7 @@ BIN = Path(sys.executable).parent
 NATIVE = ROOT / "native"
 PROSE = [
     *("geodesic_toolkit", "docs", "native", "tests", "plugins", "benchmarks", "tools"),
+    "changelog.d",
     *sorted(path.name for path in ROOT.glob("*.md")),
 ]
 PLUGINS = sorted(path.parent for path in ROOT.glob("plugins/*/pyproject.toml"))
