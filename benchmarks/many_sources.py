@@ -74,10 +74,10 @@ def measure(level: int, options: list[str], folder: Path) -> dict[str, Any]:
     mesh = gt.testing.shapes.icosphere(level)
     path = write_off(folder / "sphere.off", mesh)
     whole, resumed, shared = (folder / f"{name}.zarr" for name in ("whole", "resumed", "shared"))
-    runs = {"in one go": command(path, whole, options)}
+    runs = {"uninterrupted": command(path, whole, options)}
     runs["interrupted"] = command(path, resumed, options, until=0.5)
     runs["resumed"] = command(path, resumed, options)
-    runs["in one go, two workers"] = command(path, shared, [*options, "--workers", "2"])
+    runs["uninterrupted, two workers"] = command(path, shared, [*options, "--workers", "2"])
     expected = contents(whole)
     return {
         "vertices": mesh.n_vertices,

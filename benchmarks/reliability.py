@@ -277,7 +277,7 @@ def ask(
 def reference(
     shape: Shape, source: int, walk: np.ndarray, limit: float, folder: Path
 ) -> np.ndarray | None:
-    """Return the exact distance where it is to be had: no longer than a walk, nor than straight."""
+    """Return the exact distance if it lies between the straight line and the path along edges."""
     if shape.faces is None:
         return None
     found, _, _ = ask("exact", shape, source, limit, folder)

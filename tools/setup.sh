@@ -142,11 +142,11 @@ has_headers || { apt_install "$headers" && has_headers; } ||
 
 # -- the project -----------------------------------------------------------------------------------
 
-# uv installs in a fraction of the time that pip takes; where it cannot be had, pip does the same.
+# uv installs in a fraction of the time that pip takes; where it is not available, pip does the same.
 uv=$(command -v uv || true)
 if [ -z "$uv" ]; then
     "$python" -m pip install -qq --disable-pip-version-check uv && uv=.venv/bin/uv ||
-        say "uv is not to be had; pip takes a little longer"
+        say "uv is not available; pip takes a little longer"
 fi
 # Editable, so that Python finds the kernels in this folder, too; and they are built for this
 # processor only, which takes a third of the time.

@@ -260,7 +260,7 @@ def fastest(work: Work, enough: float) -> float:
 
 
 def compile_all() -> None:
-    """Let a version that compiles kernels when they pay do so now: it does without until then."""
+    """Compile the kernels of a version that compiles them at run time."""
     try:
         from geodesic_toolkit import _kernels
     except ImportError:

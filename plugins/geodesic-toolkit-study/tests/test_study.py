@@ -188,7 +188,7 @@ def test_given_sources_are_taken_once_each():
         choose_sources(shapes.grid(3), [9])
 
 
-def test_where_no_exact_distance_is_to_be_had_the_reference_says_so(tube, monkeypatch):
+def test_where_no_exact_distance_is_available_the_reference_says_so(tube, monkeypatch):
     metric = gt.CotanLaplacian().assemble(tube)
     exact, kind = reference_distance(tube, 3, metric)
     assert kind == "exact"

@@ -181,8 +181,8 @@ def _discretization(
     edges = used[edges]
     vertex_mass = np.zeros(len(boundary))
     vertex_mass[used] = mass.diagonal()
-    # Slopes are pooled over Σ_j w ℓ² / 4, which is the area that the edges at a vertex speak for:
-    # a third of its triangles differs from it where their valences do.
+    # Slopes are pooled over Σ_j w ℓ² / 4, the area that follows from the edges at a vertex: a
+    # third of its triangles differs from it where their valences do.
     energy = np.repeat(weights * _lengths(points, edges) ** 2, 2)
     gradient = gt.EdgeGradient(
         edges, weights, np.bincount(edges.ravel(), energy, minlength=len(boundary)) / 4

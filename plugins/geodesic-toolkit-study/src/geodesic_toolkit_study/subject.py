@@ -26,7 +26,7 @@ LARGEST_EXACT = 20_000
 
 
 class Subject:
-    """A mesh, its cotangent Laplacian, the sources, and the distances that are held to be true.
+    """A mesh, its cotangent Laplacian, the sources, and its reference distances.
 
     Parameters
     ----------
@@ -80,7 +80,7 @@ class Subject:
         return self._true[source][0]
 
     def reference(self, source: int) -> str:
-        """Return what that is: "exact", or "refined" where no exact distance is to be had."""
+        """Return the kind of reference: "exact", or "refined" where that is not available."""
         self.true(source)
         return self._true[source][1]
 

@@ -21,7 +21,7 @@ RTOL = 1e-5
 LARGEST_POISSON_BY_CG = 5_000
 """Vertices up to which the Poisson equation is solved by conjugate gradients as well.
 
-They take thousands of steps there on meshes of thin triangles, and change nothing to speak of.
+They take thousands of steps there on meshes of thin triangles, and change almost nothing.
 """
 
 TOLERANCES = tuple(10.0**-power for power in range(5, 15))
