@@ -1,4 +1,4 @@
-"""What the page on performance shows, from what ``performance.py`` has measured."""
+"""The tables of the page on performance, from the measurements of ``performance.py``."""
 
 from collections.abc import Callable
 from typing import Any
@@ -19,7 +19,7 @@ MEASURES = {
     "one": ("a further source, alone", "cpu"),
     "each": (f"a further source, in a batch of {BATCH}", "cpu"),
 }
-"""What is measured in a round: what it is called, and the clock that counts."""
+"""Measures of a round: title, and the clock that counts."""
 
 PREPARED = ("build", "one", "each")
 """Measures that leave the import out."""
@@ -48,7 +48,7 @@ def tables(results: dict[str, Any]) -> dict[str, str]:
 
 
 def values(own: dict[str, Any], measure: str, clock: str | None = None) -> list[float]:
-    """Return what was found, round by round, by the clock that counts unless told."""
+    """Return the values of the rounds, by default of the clock that counts."""
     if "failure" in own:
         return []
     return [run[clock or MEASURES[measure][1]] for run in own.get(measure, [])]
