@@ -31,7 +31,7 @@ class Search {
   Search(std::span<const double> vertices, const Pattern& edges, std::span<double> distances)
       : vertices_(vertices), edges_(edges), distances_(distances) {}
 
-  // What the edge from a to b allows.
+  // Lower the larger of the distances of a and b to what the edge between them allows.
   void compare(Index a, Index b) {
     const double gap = distances_[a] - distances_[b];
     const double square = square_of_length(&vertices_[3 * a], &vertices_[3 * b]);

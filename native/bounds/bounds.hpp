@@ -1,4 +1,4 @@
-// What no distance along a surface can be: less than the straight line, more than along the edges.
+// Bounds of distances along a surface: the straight line below, the path along edges above.
 #pragma once
 
 #include "bounds/source_tree.hpp"

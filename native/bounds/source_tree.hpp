@@ -25,8 +25,8 @@ class SourceTree {
   // is not above `enough`.
   double straight(const double* point, double enough);
 
-  // True if the place that was nearest last reads no more than `enough` at a point, as a rule: of a
-  // point close by it often is, too.
+  // True if the straight line from the last nearest source reads at most `enough` at a point. For a
+  // point close to the last one that is often so.
   bool last_reads_at_most(double enough, const double* point) const {
     const double* const at = &starts_.positions[3 * last_];
     const double x = point[0] - at[0], y = point[1] - at[1], z = point[2] - at[2];

@@ -16,7 +16,7 @@ namespace geodesic {
 struct StarOptions {
   Index k;        // neighbours that a star begins with
   bool oriented;  // whether the sign of a normal means something
-  bool smooth;    // whether the points lie on the surface with hardly any noise
+  bool smooth;    // whether the points lie on the surface, almost without noise
 };
 
 struct Stars {

@@ -23,7 +23,7 @@ void release(void* memory, std::size_t bytes) noexcept;
 // Release what lies behind, as far as that is possible; return the bytes to release in the end.
 std::size_t release_rest(void* memory, std::size_t bytes, std::size_t needed) noexcept;
 
-// Numbers in memory that it owns, in which anything may stand at first.
+// An array that owns its memory, with undefined initial values.
 template <class T>
 class Array {
   static_assert(std::is_trivially_copyable_v<T>);

@@ -15,15 +15,15 @@ constexpr std::size_t kMaxIdleBytes =
     std::size_t{1} << 24;  // of the shared pool; times are the same from 8 to 64 MB
 
 constexpr std::size_t kUnits = Pool::kArena / Pool::kUnit, kPages = Pool::kArena / Pool::kPage;
-constexpr std::size_t kWord = 64;  // units of which a word tells
+constexpr std::size_t kWord = 64;  // units of a word of the bit set
 constexpr std::size_t kWordsOfPage = Pool::kPage / Pool::kUnit / kWord;
 
 std::size_t units_of(std::size_t bytes) { return (bytes + Pool::kUnit - 1) / Pool::kUnit; }
 
 }  // namespace
 
-// A bit for each unit tells whether it is taken, and one for each large page whether it has been
-// touched since the system gave it.
+// A bit for each unit marks it as taken, and a bit for each large page marks it as touched since
+// the system gave it.
 struct Pool::Arena {
   char *begin, *mapped;
   std::size_t n_free = kUnits;
@@ -104,7 +104,8 @@ bool Pool::add_arena() {
   auto arena = std::make_unique<Arena>();
   arena->mapped = static_cast<char*>(memory);
   arena->begin = arena->mapped + (kPage - reinterpret_cast<std::uintptr_t>(memory) % kPage) % kPage;
-  madvise(arena->begin, kArena, MADV_HUGEPAGE);  // refused by some systems: small pages will do
+  madvise(arena->begin, kArena,
+          MADV_HUGEPAGE);  // refused by some systems: small pages serve as well
   arenas_.push_back(std::move(arena));
   return true;
 }

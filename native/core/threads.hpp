@@ -16,9 +16,9 @@ namespace geodesic {
 
 // Do work(begin, end) for pieces of [0, count) on up to `n_threads`, each piece once.
 //
-// What a piece does may not depend on the others, so that results are the same for any number of
-// threads. The first exception of a piece is thrown again when all threads have ended. Where the
-// system has no more threads, those that it has do all of the work.
+// A piece may not depend on the others, so that results are the same for any number of threads. The
+// first exception of a piece is thrown again when all threads have ended. Where the system has no
+// more threads, those that it has do all of the work.
 template <class Thread = std::thread, class Work>
 void in_pieces(Index count, Index piece, int n_threads, Work work) {
   const Index pieces = (count + piece - 1) / piece;

@@ -122,7 +122,7 @@ class Fronts {
     return {squared_length(s), length * length};
   }
 
-  // Offer paths to the end of slot s of v, which has just been settled.
+  // Offer paths to the end of slot s of v, whose distance has just become final.
   void reach(Index v, Index s) {
     const Index x = corners_.ends[at(s)];
     const Index home = corners_.back[at(s)];

@@ -11,9 +11,9 @@ namespace geodesic {
 // where no edge leads. Set k has vertices[begins[k]] to vertices[begins[k + 1]], each of which
 // starts with its own distance, of any sign.
 //
-// Vertices are settled from the nearest to the farthest, as in Dijkstra's algorithm. One that is
-// settled offers its neighbours the path along the edge, which therefore bounds them. At every
-// corner of which two ends are settled, and at three corners at right angles or so, it also offers
+// Distances become final from the nearest to the farthest, as in Dijkstra's algorithm. One that is
+// final offers its neighbours the path along the edge, which therefore bounds them. At every
+// corner of which two ends are final, and at three corners at right angles or so, it also offers
 // the straight line from the point at the distances of the ends, if that line passes between them.
 void cross_corners(const GraphCorners& corners, std::span<const Index> begins,
                    std::span<const Index> vertices, std::span<const double> starts,

@@ -24,7 +24,8 @@ double two_to(Row power) {
   return std::bit_cast<double>(upper << 52);
 }
 
-// What the first and the second difference of heat on a triangle add to the load of its corners.
+// The terms of the first and the second difference of heat on a triangle in the load of its
+// corners.
 //
 // With the inverse frame (p, q, r) the gradient is (p du, q du + r dv). Its direction does not
 // change if the differences are divided by the larger one, and then nothing underflows.

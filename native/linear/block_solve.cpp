@@ -40,7 +40,7 @@ class BlockSolve {
  private:
   GT_INLINE double* line(Index row) { return x_ + kBlock * row; }
 
-  // A strip of the block at a time: what registers can hold of five rows.
+  // One strip of the block at a time: registers hold five rows of it.
   GT_INLINE void forward(Index s) {
     const Index width = its_.width(s), height = its_.height(s);
     const T* const panel = panels_ + its_.panels[s];

@@ -248,7 +248,7 @@ class ColumnSolve {
   const T* const panels_;
   const Row spare_;  // one more row of x, which means nothing
   Workspace workspace_;
-  double *const x_, *const own_;  // what belongs to one supernode
+  double *const x_, *const own_;  // the part of one supernode
   const Index ahead_;
 };
 

@@ -20,7 +20,7 @@ Index packed_size(Index tallest);
 
 // Eliminate the `width` columns of a front in place; return the first with a pivot <= 0, or kNone.
 //
-// They become those of L, but for the diagonal, which becomes the inverse of L's. `update` receives
+// They become those of L, except that the diagonal becomes the inverse of L's. `update` receives
 // the lower triangle of U, square and of `height - width` rows; `workspace` has `packed_size`
 // numbers.
 Index eliminate(double* panel, double* update, Index height, Index width, double* workspace);

@@ -70,7 +70,8 @@ class QuotientGraph {
     Row size;    // vertices that a variable stands for: 0 once absorbed, < 0 in the current element
     Row degree;  // approximate degree of a variable; an element's number of vertices
     Place mark;  // of an element: epoch + |Le \ Lp|, or 0 once absorbed
-    Row after;   // its neighbours in the list of variables of one degree; what absorbed an element
+    Row after;   // its neighbours in the list of variables of one degree; the element that absorbed
+                 // it
     Row before;
   };
 

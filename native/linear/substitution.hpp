@@ -10,7 +10,7 @@ inline constexpr int kBlock = 16;  // columns of a block, which is always comput
 
 // Write x with L L' x = b, and return whether it is finite; x may be b itself.
 //
-// The number of vertex v stands at b[v * stride], those of a block from there on.
+// The value of vertex v is b[v * stride]; the values of a block start there.
 template <class T>
 bool solve_column(const Analysis& analysis, const T* panels, const double* b, double* x,
                   Index stride);

@@ -9,8 +9,8 @@ namespace geodesic {
 //
 // Near a place where paths of equal length meet, steepest descent may take the wrong one. So it
 // also sets out to every neighbour of the start that is lower, back from the ends, and to both from
-// vertices over which a path is hardly longer than over any other and shorter than over their
-// neighbours; the shortest of what comes out is taken.
+// vertices over which a path is only slightly longer than over any other and shorter than over
+// their neighbours. The shortest of these paths is returned.
 //
 // `height` is the distance from the ends and `back` that from the start, 0 there.
 std::vector<Crossing> best_path(const Surface& surface, std::span<const double> height,

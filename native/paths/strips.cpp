@@ -178,7 +178,7 @@ Strip other_side(const Surface& surface, const Strip& strip, Index vertex, const
   return ring;
 }
 
-// What a run is replaced by, and the vertex and the faces of the run, by which it is known.
+// The replacement of a run, and the key of the run: its vertex and its faces.
 struct Turn {
   Run run;
   Strip faces, key;
@@ -186,7 +186,7 @@ struct Turn {
 
 using Turns = std::span<const Turn>;
 
-// A strip with turns, which do not overlap and are sorted.
+// Apply turns, which do not overlap and are sorted, to a strip.
 Strip turned(const Strip& strip, Turns turns) {
   Strip result;
   auto at = strip.begin();

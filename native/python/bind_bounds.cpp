@@ -1,4 +1,4 @@
-// Distances held to what is possible, in Python.
+// Bounds of distances in Python.
 #include "bounds/bounds.hpp"
 #include "core/threads.hpp"
 #include "python/bindings.hpp"

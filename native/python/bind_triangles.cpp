@@ -79,16 +79,17 @@ void bind_triangles(nb::module_& module) {
       "faces"_a.noconvert(), "n_vertices"_a);
   module.def(
       "edge_sums",
-      [](In<Index, 2> faces, const HalfEdges& sides, In<double, 2> frames, In<double> measure) {
+      [](In<Index, 2> faces, const HalfEdges& half_edges, In<double, 2> frames,
+         In<double> measure) {
         require_triangles(faces, frames);
-        require(measure.size() == faces.shape(0) && sides.halves.size() == Index(faces.size()),
+        require(measure.size() == faces.shape(0) && half_edges.halves.size() == Index(faces.size()),
                 "a measure for each triangle, and their half-edges");
-        EdgeSums sums =
-            unlocked([&] { return edge_sums(span(faces), sides, span(frames), span(measure)); });
+        EdgeSums sums = unlocked(
+            [&] { return edge_sums(span(faces), half_edges, span(frames), span(measure)); });
         return nb::make_tuple(give(std::move(sums.edges)), give(std::move(sums.lumped_mass)),
                               give(std::move(sums.boundary)));
       },
-      "faces"_a.noconvert(), "sides"_a, "frames"_a.noconvert(), "measure"_a.noconvert());
+      "faces"_a.noconvert(), "half_edges"_a, "frames"_a.noconvert(), "measure"_a.noconvert());
   module.def(
       "mirrored",
       [](In<Row> indptr, In<Row> indices, In<double> data) {

@@ -1,4 +1,4 @@
-// What the binding files share: views of arrays without copies, and no lock while kernels work.
+// Helpers of the binding files: views of arrays without copies, and kernels without the lock.
 #pragma once
 
 #include <nanobind/nanobind.h>
@@ -79,7 +79,8 @@ inline auto give(Matrix matrix) {
                         give(std::move(matrix.data)));
 }
 
-// A matrix in compressed rows, whose arrays are checked against each other but for what is in them.
+// A matrix in compressed rows, whose arrays are checked against each other; their values are not
+// checked.
 inline Pattern pattern_of(const In<Row>& indptr, const In<Row>& indices) {
   require(indptr.size() > 0 && indptr.data()[0] == 0 &&
               indptr.data()[indptr.size() - 1] == static_cast<Row>(indices.size()),

@@ -1,4 +1,4 @@
-// What all kernels stand on: threads, halves, registers, workspace.
+// The base of all kernels: threads, halves, registers, workspace.
 #include <cmath>
 #include <stdexcept>
 #include <system_error>

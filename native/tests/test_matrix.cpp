@@ -1,4 +1,4 @@
-// What a stiffness is like: its parts, its soundness, its signs, its diagonal.
+// Checks of a stiffness: components, soundness, signs, diagonal.
 #include <cmath>
 #include <limits>
 

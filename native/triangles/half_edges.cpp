@@ -13,11 +13,11 @@ enum class Met : std::int8_t { kNobody, kOne, kAgainst, kAlong, kMore };
 }  // namespace
 
 HalfEdges sorted_half_edges(std::span<const Index> faces, Index n_vertices) {
-  const Index n_sides = count(faces);
-  HalfEdges result{Array<Row>(n_vertices + 1, 0), Array<HalfEdge>(n_sides)};
+  const Index n_half_edges = count(faces);
+  HalfEdges result{Array<Row>(n_vertices + 1, 0), Array<HalfEdge>(n_half_edges)};
   Row* const start = result.starts.data();
   Array<Row> free(n_vertices);
-  for (Index f = 0; f < n_sides; f += 3) {
+  for (Index f = 0; f < n_half_edges; f += 3) {
     const Index i = faces[f], j = faces[f + 1], k = faces[f + 2];
     ++start[std::min(j, k) + 1];
     ++start[std::min(k, i) + 1];
@@ -33,8 +33,8 @@ HalfEdges sorted_half_edges(std::span<const Index> faces, Index n_vertices) {
                                                    tail < head ? half : ~half};
     ++half;
   };
-  for (Index f = 0; f < n_sides; f += 3) {
-    const Index soon = std::min(f + kPrefetchDistance, n_sides - 3);
+  for (Index f = 0; f < n_half_edges; f += 3) {
+    const Index soon = std::min(f + kPrefetchDistance, n_half_edges - 3);
     const Index a = faces[soon], b = faces[soon + 1], c = faces[soon + 2];
     prefetch(&result.halves[free[std::min(b, c)]]);
     prefetch(&result.halves[free[std::min(c, a)]]);
@@ -47,15 +47,15 @@ HalfEdges sorted_half_edges(std::span<const Index> faces, Index n_vertices) {
   return result;
 }
 
-Twins twins(const HalfEdges& sides) {
-  const Index n = sides.n_vertices();
-  Array<Index> twin(sides.halves.size());
+Twins twins(const HalfEdges& half_edges) {
+  const Index n = half_edges.n_vertices();
+  Array<Index> twin(half_edges.halves.size());
   Array<Row> first(n);
   Array<Met> met(n, Met::kNobody);
   bool coherent = true;
   for (Index v = 0; v < n; ++v) {
-    for (Row place = sides.starts[v]; place < sides.starts[v + 1]; ++place) {
-      const auto [other, signed_half] = sides.halves[place];
+    for (Row place = half_edges.starts[v]; place < half_edges.starts[v + 1]; ++place) {
+      const auto [other, signed_half] = half_edges.halves[place];
       const Index half = number(signed_half);
       prefetch(&twin[half]);
       twin[half] = -1;
@@ -77,8 +77,8 @@ Twins twins(const HalfEdges& sides) {
         met[other] = Met::kMore;
       }
     }
-    for (Row place = sides.starts[v]; place < sides.starts[v + 1]; ++place) {
-      Met& seen = met[sides.halves[place].head];
+    for (Row place = half_edges.starts[v]; place < half_edges.starts[v + 1]; ++place) {
+      Met& seen = met[half_edges.halves[place].head];
       coherent &= seen != Met::kAlong;
       seen = Met::kNobody;
     }

@@ -1,6 +1,6 @@
 // The half-edges of triangles, sorted by the vertices at their ends.
 //
-// Half-edge 3 f + c is the side of face f opposite its corner c. It runs from corner c + 1 to
+// Half-edge 3 f + c of face f is opposite its corner c. It runs from corner c + 1 to
 // corner c + 2. Those of one edge meet at its vertex of lower index: there stiffness adds them up,
 // and edge flips find twins.
 #pragma once

@@ -6,8 +6,8 @@
 namespace geodesic {
 namespace {
 
-constexpr Index kMaxFacesComparedInPairs =
-    16;  // faces that are compared each with each other sooner than sorted
+// Comparing faces in pairs is faster than sorting up to this number of faces.
+constexpr Index kMaxFacesComparedInPairs = 16;
 
 // A face as its vertex of lowest index has it.
 struct Rest {

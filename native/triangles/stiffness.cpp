@@ -10,14 +10,14 @@ constexpr Index kPrefetchDistance = 16;  // half-edges of prefetch distance
 
 }  // namespace
 
-EdgeSums edge_sums(std::span<const Index> faces, const HalfEdges& sides,
+EdgeSums edge_sums(std::span<const Index> faces, const HalfEdges& half_edges,
                    std::span<const double> frames, std::span<const double> measure) {
-  const Index n = sides.n_vertices(), n_sides = sides.halves.size();
-  EdgeSums result{{Array<Row>(n + 1), Array<Row>(n_sides), Array<double>(n_sides)},
+  const Index n = half_edges.n_vertices(), n_half_edges = half_edges.halves.size();
+  EdgeSums result{{Array<Row>(n + 1), Array<Row>(n_half_edges), Array<double>(n_half_edges)},
                   Array<double>(n, 0.0),
                   Array<bool>(n, false)};
-  Array<double> entries(n_sides);  // the stiffness of each half-edge
-  for (Index e = 0; e < n_sides; e += 3) {
+  Array<double> entries(n_half_edges);  // the stiffness of each half-edge
+  for (Index e = 0; e < n_half_edges; e += 3) {
     const double p = frames[e], q = frames[e + 1], r = frames[e + 2], s = q + r;
     const double area = measure[e / 3];
     entries[e] = area * (q * r);
@@ -28,15 +28,15 @@ EdgeSums edge_sums(std::span<const Index> faces, const HalfEdges& sides,
   // Sides are added in their order, so that an edge's weight is one sum of one order. `edge_to` is
   // the edge from v to a vertex, plus 1; of earlier vertices it is less.
   Array<Row> edge_to(n, 0);
-  Array<std::int8_t> single(n_sides);
+  Array<std::int8_t> single(n_half_edges);
   Row* const head_of = result.edges.indices.data();
   double* const sum_of = result.edges.data.data();
-  const HalfEdge* const halves = sides.halves.data();
+  const HalfEdge* const halves = half_edges.halves.data();
   Row count = 0;
   for (Index v = 0; v < n; ++v) {
     const Row old = result.edges.indptr[v] = count;
-    for (Row side = sides.starts[v]; side < sides.starts[v + 1]; ++side) {
-      prefetch(&entries[number(halves[std::min(side + kPrefetchDistance, n_sides - 1)].half)]);
+    for (Row side = half_edges.starts[v]; side < half_edges.starts[v + 1]; ++side) {
+      prefetch(&entries[number(halves[std::min(side + kPrefetchDistance, n_half_edges - 1)].half)]);
       const Row head = halves[side].head;
       const double value = entries[number(halves[side].half)];
       if (head == v) continue;  // from a vertex to itself

@@ -12,7 +12,7 @@ struct EdgeSums {
   Array<bool> boundary;       // vertices of edges that one element has
 };
 
-EdgeSums edge_sums(std::span<const Index> faces, const HalfEdges& sides,
+EdgeSums edge_sums(std::span<const Index> faces, const HalfEdges& half_edges,
                    std::span<const double> frames, std::span<const double> measure);
 // A stiffness from what lies right of its diagonal: symmetric to the bit, L 1 = 0.
 Matrix mirrored(const MatrixView& edges);

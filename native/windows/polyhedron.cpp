@@ -18,11 +18,11 @@ double distance(const double* a, const double* b) {
 
 Polyhedron::Polyhedron(std::span<const double> vertices, std::span<const Index> faces)
     : turns_(vertices.size() / 3, 0) {
-  const Index n_sides = count(faces);
-  sides_.reserve(n_sides);
+  const Index n_half_edges = count(faces);
+  half_edges_.reserve(n_half_edges);
   std::vector<Index> thirds;
-  thirds.reserve(n_sides);
-  for (Index s = 0; s < n_sides; ++s) {
+  thirds.reserve(n_half_edges);
+  for (Index s = 0; s < n_half_edges; ++s) {
     const Index face = s - s % 3, next = face + (s + 1) % 3, last = face + (s + 2) % 3;
     const Index tail = faces[s], head = faces[next], third = faces[last];
     const double* const at = vertices.data();
@@ -33,11 +33,11 @@ Polyhedron::Polyhedron(std::span<const double> vertices, std::span<const Index> 
     const double x = (length + beyond) / 2;
     // Two roots, as a product of small lengths may be 0.
     const double y = std::sqrt(std::max(0.0, to_tail - x)) * std::sqrt(std::max(0.0, to_tail + x));
-    sides_.push_back({tail, head, third, length, x, y, next, last});
+    half_edges_.push_back({tail, head, third, length, x, y, next, last});
     thirds.push_back(third);
   }
   const Index n_edges = number_edges();
-  sides_of_ = sorted_by(edge_, n_edges);
+  half_edges_of_ = sorted_by(edge_, n_edges);
   opposite_ = sorted_by(thirds, n_vertices());
   find_turns(n_edges);
 }
@@ -53,9 +53,10 @@ Polyhedron::Lists Polyhedron::sorted_by(std::span<const Index> keys, Index n_key
 
 Index Polyhedron::number_edges() {
   std::vector<std::tuple<Index, Index, Index>> ends;
-  for (Index s = 0; s < count(std::span(sides_)); ++s) {
-    const Side& side = sides_[s];
-    ends.emplace_back(std::min(side.tail, side.head), std::max(side.tail, side.head), s);
+  for (Index s = 0; s < count(std::span(half_edges_)); ++s) {
+    const HalfEdge& half_edge = half_edges_[s];
+    ends.emplace_back(std::min(half_edge.tail, half_edge.head),
+                      std::max(half_edge.tail, half_edge.head), s);
   }
   std::ranges::sort(ends);
   edge_.resize(ends.size());
@@ -71,14 +72,16 @@ Index Polyhedron::number_edges() {
 
 void Polyhedron::find_turns(Index n_edges) {
   std::vector<double> angles(turns_.size(), 0.0);
-  for (const Side& side : sides_) angles[side.tail] += std::atan2(side.y, side.x);
+  for (const HalfEdge& half_edge : half_edges_)
+    angles[half_edge.tail] += std::atan2(half_edge.y, half_edge.x);
   for (std::size_t v = 0; v < angles.size(); ++v)
     turns_[v] = angles[v] > 2 * std::numbers::pi + kAngleTolerance;
-  for (const Side& side : sides_)
-    if (side.length == 0) turns_[side.tail] = turns_[side.head] = 1;
+  for (const HalfEdge& half_edge : half_edges_)
+    if (half_edge.length == 0) turns_[half_edge.tail] = turns_[half_edge.head] = 1;
   for (Index edge = 0; edge < n_edges; ++edge) {
-    const std::span<const Index> sides = sides_of_.at(edge);
-    if (sides.size() != 2) turns_[sides_[sides[0]].tail] = turns_[sides_[sides[0]].head] = 1;
+    const std::span<const Index> half_edges = half_edges_of_.at(edge);
+    if (half_edges.size() != 2)
+      turns_[half_edges_[half_edges[0]].tail] = turns_[half_edges_[half_edges[0]].head] = 1;
   }
   for (Index v = 0; v < n_vertices(); ++v) turns_[v] |= !is_one_fan(v);
 }
@@ -92,9 +95,9 @@ bool Polyhedron::is_one_fan(Index v) const {
       reached.push_back(left.back());
       left.pop_back();
     }
-    const Side& side = sides_[reached.back()];
+    const HalfEdge& half_edge = half_edges_[reached.back()];
     reached.pop_back();
-    for (const Index at : {side.next, side.last})
+    for (const Index at : {half_edge.next, half_edge.last})
       for (const Index other : beside(at)) {
         const Index face = other / 3;
         const auto found = std::ranges::find(left, face, [](Index s) { return s / 3; });

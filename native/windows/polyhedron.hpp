@@ -7,12 +7,12 @@
 
 namespace geodesic {
 
-// Side 3 f + c of face f runs from its corner c to its corner c + 1. In the plane of the side its
-// tail is the origin, its head (length, 0), and the third corner (x, y) with y at least 0.
-struct Side {
+// HalfEdge 3 f + c of face f runs from its corner c to its corner c + 1. In the plane of the side
+// its tail is the origin, its head (length, 0), and the third corner (x, y) with y at least 0.
+struct HalfEdge {
   Index tail, head, third;
   double length, x, y;
-  Index next, last;  // the sides from head to third and from third to tail, of the same face
+  Index next, last;  // the half-edges from head to third and from third to tail, of the same face
 };
 
 class Polyhedron {
@@ -21,11 +21,11 @@ class Polyhedron {
   Polyhedron(std::span<const double> vertices, std::span<const Index> faces);
 
   Index n_vertices() const { return count(std::span(turns_)); }
-  const Side& side(Index s) const { return sides_[s]; }
+  const HalfEdge& side(Index s) const { return half_edges_[s]; }
 
-  // The sides of faces that share the edge of a side, itself among them.
-  std::span<const Index> beside(Index s) const { return sides_of_.at(edge_[s]); }
-  // The sides opposite a vertex, one for each face around it.
+  // The half-edges of the edge of a half-edge, itself among them.
+  std::span<const Index> beside(Index s) const { return half_edges_of_.at(edge_[s]); }
+  // The half-edges opposite a vertex, one for each face around it.
   std::span<const Index> opposite(Index v) const { return opposite_.at(v); }
   // True if a shortest path may turn about a vertex: the angles there are more than 2π, it lies on
   // an edge that has not two faces, sheets meet there in this vertex alone, or it lies where one of
@@ -45,9 +45,9 @@ class Polyhedron {
   void find_turns(Index n_edges);
   bool is_one_fan(Index v) const;
 
-  std::vector<Side> sides_;
+  std::vector<HalfEdge> half_edges_;
   std::vector<Index> edge_;  // of each side
-  Lists sides_of_, opposite_;
+  Lists half_edges_of_, opposite_;
   std::vector<char> turns_;
 };
 

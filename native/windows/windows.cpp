@@ -26,7 +26,7 @@ struct View {
   double least() const { return to(std::clamp(x, begin, end)); }
 };
 
-// What comes next: a view; or a vertex, where `side` is less than zero, in place of `begin`.
+// An event: a view; or, if `side` is less than zero, a vertex.
 struct Event {
   double distance;
   View view;
@@ -73,11 +73,11 @@ class Propagation {
     if (shape_.turns(v)) events_.push({distance, {}, v});
   }
 
-  // From a point within a face, or on an edge of several: through all sides that it does not lie
-  // on.
+  // From a point within a face, or on an edge of several: through all half-edges that it does not
+  // lie on.
   void look_round(std::span<const Index> vertices, std::span<const double> shares, double start) {
     for (const Index s : shape_.opposite(vertices[0])) {
-      const Side& side = shape_.side(s);
+      const HalfEdge& side = shape_.side(s);
       double share_of_tail = 0.0, share_of_head = 0.0;
       std::size_t found = 1;
       for (std::size_t i = 1; i < vertices.size(); ++i) {
@@ -96,7 +96,7 @@ class Propagation {
   }
 
   // The whole of another side, from (x, y) in the plane of the first within the face.
-  void look_through(const Side& from, Index s, double x, double y, double start) {
+  void look_through(const HalfEdge& from, Index s, double x, double y, double start) {
     const Line line(from, s);
     enter_beside(s, {s, 0.0, line.length, line.along(x, y), -std::abs(line.off(x, y)), start});
   }
@@ -105,17 +105,17 @@ class Propagation {
   void turn(Index v) {
     const double start = distances_[v];
     for (const Index s : shape_.opposite(v)) {
-      const Side& side = shape_.side(s);
+      const HalfEdge& side = shape_.side(s);
       lower(side.tail, start + std::hypot(side.x, side.y));
       lower(side.head, start + std::hypot(side.length - side.x, side.y));
       enter_beside(s, {s, 0.0, side.length, side.x, -side.y, start});
     }
   }
 
-  // A view across a face, to the two other sides of it.
+  // A view across a face, to the two other half-edges of it.
   void cross(const View& view) {
     if (is_of_no_use(view)) return;
-    const Side& side = shape_.side(view.side);
+    const HalfEdge& side = shape_.side(view.side);
     const double rise = side.y - view.y;
     // Where the ray to the third corner crosses the side.
     const double middle = rise > 0 ? view.x - (side.x - view.x) * view.y / rise : side.x;
@@ -134,12 +134,12 @@ class Propagation {
     }
   }
 
-  // Another side of a face, in the plane of the first.
+  // Another half-edge of a face, in the plane of the first.
   struct Line {
     Index side;
     double x, y, length, across, up;
 
-    Line(const Side& from, Index s) : side(s), x(from.length), y(0.0) {
+    Line(const HalfEdge& from, Index s) : side(s), x(from.length), y(0.0) {
       double to_x = from.x, to_y = from.y;
       if (s == from.last) x = from.x, y = from.y, to_x = 0.0, to_y = 0.0;
       length = std::hypot(to_x - x, to_y - y);
@@ -152,7 +152,7 @@ class Propagation {
     // Where the ray through a place on the first side comes to this one.
     double hit(const View& view, double place) const {
       const double source = off(view.x, view.y), through = off(place, 0.0), at = along(place, 0.0);
-      // Off the line by less than rounding tells: it is there already.
+      // The distance from the line is within rounding: the point is on it.
       if (!(std::abs(source - through) > kRelativeRounding * std::abs(source))) return at;
       const double from = along(view.x, view.y);
       return std::clamp(from + (at - from) * (source / (source - through)), 0.0, length);
@@ -168,7 +168,7 @@ class Propagation {
   // Enter the other faces at a side, whose planes may have its tail for their head.
   void enter_beside(Index s, const View& view) {
     if (is_of_no_use(view)) return;
-    const Side& side = shape_.side(s);
+    const HalfEdge& side = shape_.side(s);
     for (const Index other : shape_.beside(s)) {
       if (other == s) continue;
       View next = view;
@@ -182,9 +182,9 @@ class Propagation {
     }
   }
 
-  // True if every point of an interval is reached sooner from an end of its edge.
+  // True if every point of an interval is closer to an end of its edge.
   bool is_of_no_use(const View& view) const {
-    const Side& side = shape_.side(view.side);
+    const HalfEdge& side = shape_.side(view.side);
     const double by_tail = distances_[side.tail] + view.end,
                  by_head = distances_[side.head] + side.length - view.begin;
     return by_tail < (1 - kRelativeRounding) * view.to(view.end) ||
