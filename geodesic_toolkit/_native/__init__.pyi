@@ -304,9 +304,9 @@ class Corners:
     def edge(self) -> Numbers: ...
 
 def gather_corners(
-    elements: Indices, frames: Numbers, stars: bool, tell: bool, boundary: Bools
+    elements: Indices, frames: Numbers, stars: bool, add_missed: bool, boundary: Bools
 ) -> Corners:
-    """Sort the corners of triangles by their vertices; `tell` stars what they have missed.
+    """Sort the corners of triangles by their vertices; `add_missed` adds triangles that stars lack.
 
     Where there are no stars and the surface ends in an edge, between vertices of the `boundary`,
     the edge is less than zero.

@@ -247,8 +247,8 @@ class WavefrontSweeper:
         space, and differ little, it is told of triangles that its star has missed, too.
         """
         elements, frames, _ = self._triangles
-        stars, tell = self._gradient.stars, bool(len(self.metric.surface_frames))
-        return _native.gather_corners(elements, frames, stars, tell, self.metric.boundary)
+        stars, add_missed = self._gradient.stars, bool(len(self.metric.surface_frames))
+        return _native.gather_corners(elements, frames, stars, add_missed, self.metric.boundary)
 
     @cached_property
     def _triangles(self) -> tuple[IntArray, FloatArray, FloatArray]:

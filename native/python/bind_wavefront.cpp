@@ -55,17 +55,18 @@ void bind_wavefront(nb::module_& module) {
       .def_prop_ro("edge", field(&Corner::edge));
   module.def(
       "gather_corners",
-      [](In<Index, 2> elements, In<double, 2> frames, bool stars, bool tell, In<bool> boundary) {
+      [](In<Index, 2> elements, In<double, 2> frames, bool stars, bool add_missed,
+         In<bool> boundary) {
         require_elements(elements, frames);
         require(elements.size() < std::size_t{1} << 31, "fewer than 2^31 corners");
         return unlocked([&] {
           Corners corners = gather_corners(span(elements), span(frames), stars, n_rows(boundary));
-          if (tell) tell_missed(corners);
+          if (add_missed) add_missed_triangles(corners);
           if (!stars) close_rims(corners, span(boundary));
           return corners;
         });
       },
-      "elements"_a.noconvert(), "frames"_a.noconvert(), "stars"_a, "tell"_a,
+      "elements"_a.noconvert(), "frames"_a.noconvert(), "stars"_a, "add_missed"_a,
       "boundary"_a.noconvert());
   module.def(
       "angle_defects",

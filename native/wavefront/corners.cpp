@@ -8,13 +8,14 @@
 namespace geodesic {
 namespace {
 
-// Corners of a vertex up to which they are sorted: it takes the square of their number.
-constexpr Index kMany = 32;
+// Maximum number of corners of a vertex that are sorted: the cost grows with its square.
+constexpr Index kMaxSortedCorners = 32;
 
 // Share of a length by which two triangles may differ about an edge: more than rounding.
-constexpr double kSame = 1e-9;
+constexpr double kLengthTolerance = 1e-9;
 
-constexpr Index kAhead = 48;  // corners by which memory is asked for: places come in no order
+constexpr Index kPrefetchDistance =
+    48;  // corners by which memory is asked for: places come in no order
 
 // Edges opposite the corners of an element.
 struct Lengths {
@@ -43,7 +44,7 @@ void go_round(std::span<Corner> corners) {
   }
 }
 
-// Whether one of `others`, of the same vertex, is the same triangle.
+// True if one of `others`, of the same vertex, is the same triangle.
 bool among(const Corner& corner, std::span<const Corner> others) {
   return std::ranges::any_of(others, [&](const Corner& other) {
     return (other.a == corner.a && other.b == corner.b) ||
@@ -74,7 +75,7 @@ Corners gather_corners(std::span<const Index> elements, std::span<const double> 
     if (ends[v] == starts[v]) ends[v] = starts[v + 1];  // no star of its own
   }
   for (Index e = 0; e < count(elements); e += 3) {
-    const Index soon = std::min(e + kAhead, count(elements) - 3);
+    const Index soon = std::min(e + kPrefetchDistance, count(elements) - 3);
     for (Index c = 0; c < 3; ++c) prefetch(&result.around[free[elements[soon + c]]]);
     const Index i = elements[e], j = elements[e + 1], k = elements[e + 2];
     const auto [jk, ki, ij] = lengths_of(&elements[e], &frames[e]);
@@ -87,7 +88,8 @@ Corners gather_corners(std::span<const Index> elements, std::span<const double> 
   }
   for (Index v = 0; v < n_vertices; ++v) {
     const Index own = ends[v] - starts[v];
-    if (own <= kMany) go_round({result.around.data() + starts[v], static_cast<std::size_t>(own)});
+    if (own <= kMaxSortedCorners)
+      go_round({result.around.data() + starts[v], static_cast<std::size_t>(own)});
   }
   return result;
 }
@@ -99,8 +101,8 @@ void close_rims(Corners& corners, std::span<const bool> boundary) {
   };
   // Flips may leave several edges between the same ends, and they differ in their lengths.
   const auto is_side = [](const Corner& corner, std::uint32_t end, double length) {
-    return (corner.a == end && std::abs(corner.to_a - length) <= kSame * length) ||
-           (corner.b == end && std::abs(corner.to_b - length) <= kSame * length);
+    return (corner.a == end && std::abs(corner.to_a - length) <= kLengthTolerance * length) ||
+           (corner.b == end && std::abs(corner.to_b - length) <= kLengthTolerance * length);
   };
   for (Index v = 0; v < corners.n_vertices(); ++v) {
     for (Corner& corner : around(v)) {
@@ -113,7 +115,7 @@ void close_rims(Corners& corners, std::span<const bool> boundary) {
   }
 }
 
-void tell_missed(Corners& corners) {
+void add_missed_triangles(Corners& corners) {
   for (Index v = 0; v < corners.n_vertices(); ++v) {
     Corner* const begin = corners.around.data() + corners.starts[v];
     Corner* const end = corners.around.data() + corners.starts[v + 1];

@@ -1,14 +1,14 @@
-// The triangles around vertices, each as one of its corners sees it.
+// The triangles around each vertex, as corners.
 #pragma once
 
 #include "core/array.hpp"
 
 namespace geodesic {
 
-// The other two vertices of a triangle, how far they are, and how far apart: less than zero where
-// the surface ends in the edge between them.
+// The other two vertices of a triangle, the lengths of the edges to them, and the length of the
+// edge between them, which is negative for a boundary edge.
 //
-// Every length is there twice, so that a vertex finds all of its triangles in one piece of memory.
+// Every length is stored twice, so that the triangles of a vertex are contiguous in memory.
 struct Corner {
   std::uint32_t a, b;
   double to_a, to_b, edge;
@@ -25,9 +25,8 @@ struct Corners {
 // The corners of triangles, (E, 3), with inverse frames, of fewer than 2^31 corners. An element
 // (i, j, j) is a segment. If they are `stars`, a triangle is part of that of its first vertex only.
 //
-// Corners go round a vertex as far as they hang together (a front then finds what it has passed on
-// one side and the rest on the other, which takes a fifth less time than any order), and are
-// otherwise in the order of the elements.
+// Corners are sorted around a vertex as far as they are connected; this takes a fifth less time in
+// sweeps than any order. Otherwise they are in the order of the elements.
 Corners gather_corners(std::span<const Index> elements, std::span<const double> frames, bool stars,
                        Index n_vertices);
 
@@ -35,10 +34,10 @@ Corners gather_corners(std::span<const Index> elements, std::span<const double> 
 // boundary.
 void close_rims(Corners& corners, std::span<const bool> boundary);
 
-// Let vertices listen to triangles that both others have in their stars, but they have not.
+// Add triangles to the stars of vertices that lack them although both other vertices have them.
 //
-// The star of a vertex whose normal is off has gaps, which those of its neighbours fill. What a
-// single neighbour has in its star is as often a bridge.
-void tell_missed(Corners& corners);
+// The star of a vertex with a wrong normal has gaps, which the stars of its neighbours fill. A
+// triangle in the star of a single neighbour is as often a bridge.
+void add_missed_triangles(Corners& corners);
 
 }  // namespace geodesic

@@ -1,4 +1,4 @@
-// A front of distance on its way across triangles.
+// The update of a triangle by a front of distance.
 //
 // Every vertex that the front has reached holds its distance d and the radius of the front there,
 // 1 / kappa with its geodesic curvature kappa: that of a circle that spreads, huge for a straight
@@ -13,8 +13,8 @@ namespace geodesic {
 
 inline constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-// Difference of kappa at the two ends of an edge, times its length, above which they did not see
-// the same front; the front is then taken for a circle about the source.
+// Difference of kappa at the two ends of an edge, times its length, above which the ends belong to
+// different fronts; the front is then taken for a circle about the source.
 inline constexpr double kDisagreement = 0.5;
 
 // Least curvature of a front, times edge length: below it circles lose their last digits.
@@ -54,8 +54,8 @@ GT_INLINE Lanes lesser(const Lanes& a, const Lanes& b) {
 }
 
 // Edges from a to b with the front at both ends, and how far these are from the third vertex; a few
-// of them at a time. Nothing comes across an edge that is less than zero long. The sign of the way
-// to b is of no account.
+// of them at a time. Nothing comes across an edge that is less than zero long. The sign of the
+// length to b has no effect.
 template <class Lanes>
 struct Edges {
   Lanes distance_a, distance_b, radius_a, radius_b, edge, to_a, to_b;
@@ -64,9 +64,9 @@ struct Edges {
   GT_INLINE Lanes twice_along() const { return edge * edge + (to_a - to_b) * (to_a + to_b); }
 };
 
-// What reaches the third vertex: its distance, infinite if no ray through it crosses the edge, the
-// radius of the front there on a flat surface, and how far the ray has come since the front left
-// the mean distance of the edge.
+// The update of the third vertex: its distance, infinite if no ray through it crosses the edge, the
+// radius of the front there on a flat surface, and the length of the ray from the mean distance of
+// the edge.
 template <class Lanes>
 struct Arrivals {
   Lanes distance, radius, step;
@@ -90,7 +90,7 @@ GT_INLINE Lanes radius_on(const Edges<Lanes>& it, const Lanes& mean_distance) {
   return choose(size(radius), straight, radius, straight);
 }
 
-// What comes across edges.
+// The updates across edges.
 //
 // In the plane, with a at the origin, b at (edge, 0) and the third vertex at (x, y), the front on
 // the edge is a circle whose centre lies below, or above if it converges. The ray through the third
@@ -116,10 +116,10 @@ GT_INLINE Arrivals<Lanes> across(const Edges<Lanes>& it) {
   return {choose(lesser(it.distance_a, it.distance_b), distance, distance, none), reached, step};
 }
 
-// Where the third vertex may get less than `limit` across an edge: a bit for each place.
+// The edges, one bit each, across which the third vertex may get less than `limit`.
 //
-// At x on the edge, between 0 and its length, the front is not sooner than d_a - x and d_b - edge +
-// x, and then has the way to the vertex before it: least where both are equal.
+// At x on the edge, between 0 and its length, the distance is at least d_a - x and d_b - edge +
+// x, plus the length to the vertex: this bound is least where both are equal.
 template <class Lanes>
 GT_INLINE unsigned may_gain(const Lanes& limit, const Edges<Lanes>& it) {
   const Lanes zero = Lanes::zeros(), half = Lanes::spread(0.5);

@@ -5,7 +5,7 @@
 namespace geodesic {
 namespace {
 
-constexpr Index kAtOnce = 64;  // triangles whose angles stay in the first level of cache
+constexpr Index kTrianglesPerBlock = 64;  // triangles whose angles stay in the first level of cache
 constexpr double kRoot3 = 1.73205080756887729353;
 
 // A defect and the area that it belongs to.
@@ -24,7 +24,7 @@ Array<double> curvature_of(const Array<Bend>& own, const Array<Bend>& around, do
   return curvature;
 }
 
-// Whether each of the corners begins where the last one ended.
+// True if each of the corners begins where the last one ended.
 bool all_the_way_round(std::span<const Corner> corners) {
   if (corners.empty()) return false;
   std::uint32_t last = corners.back().b;
@@ -42,9 +42,9 @@ Array<double> angle_defects(std::span<const Index> elements, std::span<const dou
                             std::span<const bool> boundary) {
   Array<double> defects(count(boundary));
   for (Index v = 0; v < defects.size(); ++v) defects[v] = boundary[v] ? kPi : 2 * kPi;
-  double first[kAtOnce], second[kAtOnce];
-  for (Index begin = 0; begin < count(elements); begin += 3 * kAtOnce) {
-    const Index together = std::min(kAtOnce, count(elements) / 3 - begin / 3);
+  double first[kTrianglesPerBlock], second[kTrianglesPerBlock];
+  for (Index begin = 0; begin < count(elements); begin += 3 * kTrianglesPerBlock) {
+    const Index together = std::min(kTrianglesPerBlock, count(elements) / 3 - begin / 3);
     const double* const frame = frames.data() + begin;
     for (Index c = 0; c < together; ++c) {
       const double p = frame[3 * c], q = frame[3 * c + 1], r = frame[3 * c + 2];

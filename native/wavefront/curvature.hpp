@@ -1,11 +1,11 @@
-// Gaussian curvature: what the angles about vertices lack of a full turn, over the area there.
+// Gaussian curvature: the angle defects of vertices over their areas.
 #pragma once
 
 #include "wavefront/corners.hpp"
 
 namespace geodesic {
 
-// What the angles about vertices lack of 2 pi, where the domain ends of pi.
+// The angle defects of vertices: 2 pi, or pi at the boundary, minus the angles about the vertex.
 Array<double> angle_defects(std::span<const Index> elements, std::span<const double> frames,
                             std::span<const bool> boundary);
 

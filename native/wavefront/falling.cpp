@@ -7,11 +7,12 @@ namespace {
 
 using Key = std::uint64_t;
 
-constexpr int kMostBits = 12;  // of a digit by which keys are sorted in a pass: a table stays in L1
+constexpr int kMaxBitsOfDigit =
+    12;  // of a digit by which keys are sorted in a pass: a table stays in L1
 
 // Bits of a number that are not looked at: of u those behind 2^-22 of it, and of its logarithm, of
 // up to 2^10, those behind 2^-22. A front comes from one to the other in a millionth of an edge.
-constexpr int kRestOfHeat = 30, kRestOfLogarithm = 20;
+constexpr int kIgnoredBitsOfHeat = 30, kIgnoredBitsOfLogarithm = 20;
 
 // An integer that rises as a number falls.
 Key falling_key(double value) {
@@ -30,7 +31,7 @@ struct Range {
 
 // Sort keys by their bits [first, end), from the last digit to the first.
 void sort(std::span<Key> keys, int first, int end, Array<Key>& workspace) {
-  const int n_digits = (end - first + kMostBits - 1) / kMostBits;
+  const int n_digits = (end - first + kMaxBitsOfDigit - 1) / kMaxBitsOfDigit;
   if (n_digits <= 0) return;
   const int bits = (end - first + n_digits - 1) / n_digits;
   const Index size = Index{1} << bits;
@@ -57,7 +58,8 @@ void sort(std::span<Key> keys, int first, int end, Array<Key>& workspace) {
 Array<Row> falling(const HeatTable& heat, Index begin, Index end) {
   const Index n = heat.n_rows(), n_columns = end - begin;
   const int number_bits = std::bit_width(static_cast<Key>(std::max<Index>(n - 1, 1)));
-  const int rest = std::max(heat.logarithmic ? kRestOfLogarithm : kRestOfHeat, number_bits);
+  const int rest =
+      std::max(heat.logarithmic ? kIgnoredBitsOfLogarithm : kIgnoredBitsOfHeat, number_bits);
   const Key number = (Key{1} << number_bits) - 1, one = Key{1} << rest;
   Array<Range> ranges(n_columns, Range{});
   for (Index row = 0; row < n; ++row) {

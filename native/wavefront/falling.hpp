@@ -1,4 +1,4 @@
-// The order in which a front comes to vertices, as heat tells it.
+// The order in which a front reaches vertices, from the heat.
 #pragma once
 
 #include "core/array.hpp"
@@ -12,7 +12,7 @@ struct HeatTable {
   bool logarithmic;
 
   Index n_rows() const { return n_columns ? count(values) / n_columns : 0; }
-  // Whether a value is that of a vertex to which heat comes.
+  // True if a value is that of a vertex which heat reaches.
   bool is_heat(double value) const {
     return value > (logarithmic ? -kMost : 0.0) && value <= kMost;
   }
@@ -21,8 +21,8 @@ struct HeatTable {
   static constexpr double kMost = 0x1.fffffffffffffp1023;
 };
 
-// The order in which each of the columns [begin, end) falls as far as six digits of u tell, and
-// then by number; one after the other. Rows to which no heat comes are the last.
+// The order in which each of the columns [begin, end) decreases, to six digits of u, and then by
+// row; one column after the other. Rows that heat does not reach are last.
 Array<Row> falling(const HeatTable& heat, Index begin, Index end);
 
 }  // namespace geodesic

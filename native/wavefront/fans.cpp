@@ -8,7 +8,7 @@ namespace {
 
 // Share of a length by which two triangles may differ about it and have the edge as one spoke: much
 // more than rounding, and less than any two stars of a cloud.
-constexpr double kSame = 1e-12;
+constexpr double kLengthTolerance = 1e-12;
 
 // Writes the fans of one vertex after the other; or only counts them, where there is no workspace.
 class Writer {
@@ -23,7 +23,8 @@ class Writer {
   }
 
   void add(const Corner& corner) {
-    if (used_ == 0 || corner.a != last_ || std::abs(corner.to_a - to_last_) > kSame * to_last_) {
+    if (used_ == 0 || corner.a != last_ ||
+        std::abs(corner.to_a - to_last_) > kLengthTolerance * to_last_) {
       if (used_ == 0 || used_ > kSpokes - 2) open();
       put(corner.a, corner.to_a);
       if (used_ == 1) {
@@ -46,7 +47,7 @@ class Writer {
 
  private:
   bool closes(const Corner& corner) const {
-    return corner.b == first_ && std::abs(corner.to_b - to_first_) <= kSame * to_first_;
+    return corner.b == first_ && std::abs(corner.to_b - to_first_) <= kLengthTolerance * to_first_;
   }
 
   void open() {

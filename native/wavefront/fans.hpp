@@ -1,4 +1,4 @@
-// The triangles around vertices, eight of them side by side.
+// One-rings of vertices, in fans of eight triangles side by side.
 #pragma once
 
 #include "wavefront/corners.hpp"
@@ -7,18 +7,18 @@ namespace geodesic {
 
 inline constexpr int kSpokes = 8;
 
-// Neighbours of a vertex in their order about it, how far each is, and how far from it the next one
-// is, where the three make a triangle; otherwise no number. It is less than zero where the surface
-// ends between them, as nothing comes across from there. The first follows on the last. Where no
-// neighbour is left there is the vertex itself, infinitely far.
+// Neighbours of a vertex in their order around it, the length of the edge to each, and the length
+// of the edge to the next neighbour if the three are a triangle, else NaN. It is negative for a
+// boundary edge, across which no update comes. The first neighbour follows the last. Unused spokes
+// hold the vertex itself at an infinite length.
 struct Fan {
   double to[kSpokes], edge[kSpokes];
   std::uint32_t neighbour[kSpokes];
 };
 
-// Vertex v listens to the fans [starts[v], ends[v]), and those who may listen to it are in the fans
-// [starts[v], starts[v + 1]). Behind the last fan is one more, so that whoever looks ahead finds
-// one at starts[v] where a vertex has none.
+// Vertex v is updated from the fans [starts[v], ends[v]); the vertices that it may update are in
+// the fans [starts[v], starts[v + 1]). There is one more fan behind the last, so that prefetching
+// at starts[v] is valid for a vertex without fans.
 struct Fans {
   Array<Row> starts, ends;
   Array<Fan> fans;

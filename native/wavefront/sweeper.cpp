@@ -11,27 +11,27 @@ namespace {
 
 using Lanes = Pack<kSpokes>;
 
-// Vertices between the one that is visited and the one whose neighbours are fetched from memory.
-// Its fans have been as many before, and where they are as many before that.
-constexpr Index kAhead = 12;
+// Prefetch distance, in vertices of the order: the neighbours of a vertex are fetched so many
+// visits ahead, its fans twice as many, and the positions of its fans three times as many.
+constexpr Index kPrefetchDistance = 12;
 
-// Up to this many times the least distance an edge goes before what comes across one: a ray along
-// an edge does both, and rounding must not say which, as the radius differs.
-constexpr double kTie = 1 + 1e-12;
+// An update along an edge is preferred to an update across an edge up to this ratio of distances: a
+// ray along an edge is both, and rounding must not decide, because the radii differ.
+constexpr double kTieRatio = 1 + 1e-12;
 
-// Up to this many times its length the distances at the ends of an edge are together where the
-// front begins on it; rounding makes them more than the length.
-constexpr double kOnEdge = 1 + 1e-9;
+// A front begins on an edge if the distances at its ends sum to at most this many times its length;
+// rounding makes the sum larger than the length.
+constexpr double kOnEdgeRatio = 1 + 1e-9;
 
-// More than any distance that is finite.
-constexpr double kLarge = std::numeric_limits<double>::max();
+// An upper bound of finite distances.
+constexpr double kMaxDistance = std::numeric_limits<double>::max();
 
-// What a vertex knows: the front there, the curvature K of the surface, its place in the order, and
-// whether it is to be visited.
+// The state of a vertex: the front there, the curvature K of the surface, its position in the
+// order, and whether a visit is pending.
 struct Vertex {
   Front front;
   double curvature;
-  Row rank;
+  Row position;
   bool pending;
 };
 
@@ -54,13 +54,13 @@ struct Ring {
   }
 };
 
-// A fan, or none, about a vertex whose front has improved: what was known at the ends of the
-// spokes, and who of them has been told. Who else gains is to be found out.
-struct Telling {
+// A fan, or none, of a vertex whose front has improved: the distances at the ends of its spokes,
+// and the spokes whose ends are pending already. The other ends are checked later.
+struct Improvement {
   const Fan* fan = nullptr;
   Front front{};
   double distance[kSpokes];
-  unsigned told = 0;
+  unsigned marked = 0;
 };
 
 // Sweeps of one set of sources after the other.
@@ -76,19 +76,19 @@ class Sweep {
 
   std::span<const Vertex> vertices() const { return vertices_; }
 
-  // Begin with set k, which the order belongs to. The nearest counts where there are several at a
-  // vertex. Where heat comes to every vertex the first sweep is sure to visit all of them, so that
-  // nobody need be told.
+  // Begin with set k, which the order belongs to. The nearest source counts if there are several at
+  // a vertex. If heat reaches every vertex, the first sweep visits all of them, so that all are
+  // pending from the start.
   void begin(std::span<const Row> order, const HeatTable& heat, const Sources& sources, Index k) {
     order_ = order;
     ends_ = own_ends_.data();
     tolerance_ = sources.tolerances[k];
-    all_await_ = !order.empty() && heat.reaches(order.back(), k);
-    for (Index rank = 0; rank < count(order); ++rank) {
-      const Row v = order[rank];
-      vertices_[v] = {{kInfinity, 1.0}, curvature_[v], static_cast<Row>(rank), all_await_};
+    all_pending_ = !order.empty() && heat.reaches(order.back(), k);
+    for (Index position = 0; position < count(order); ++position) {
+      const Row v = order[position];
+      vertices_[v] = {{kInfinity, 1.0}, curvature_[v], static_cast<Row>(position), all_pending_};
     }
-    n_pending_ = all_await_ ? n_ranks() : 0;
+    n_pending_ = all_pending_ ? n_positions() : 0;
     for (Index p = sources.begins[k]; p < sources.begins[k + 1]; ++p) {
       Front& front = vertices_[sources.vertices[p]].front;
       if (sources.distances[p] <= front.distance)
@@ -99,83 +99,83 @@ class Sweep {
     for (Index p = sources.begins[k]; p < sources.begins[k + 1]; ++p) {
       const Index v = sources.vertices[p];
       for (Row fan = starts_[v]; fan < starts_[v + 1]; ++fan)
-        for (const std::uint32_t neighbour : fans_[fan].neighbour) await(vertices_[neighbour]);
+        for (const std::uint32_t neighbour : fans_[fan].neighbour) mark(vertices_[neighbour]);
     }
   }
 
-  // Whether any vertex is to be visited.
+  // True if any visit is pending.
   bool is_under_way() const { return n_pending_ > 0; }
 
-  // Whether every vertex has a distance that set k sends heat to.
+  // True if every vertex that the heat of set k reaches has a distance.
   bool has_reached_all(const HeatTable& heat, Index k) const {
     for (Index v = 0; v < vertices_.size(); ++v)
       if (!std::isfinite(vertices_[v].front.distance) && heat.reaches(v, k)) return false;
     return true;
   }
 
-  // Visit the pending vertices in their order once. Whoever gains from a vertex that improved is
-  // pending. Where one of them comes earlier in the order, the sweep returns to it at once, before
-  // what it will improve spreads; but only so many times.
+  // Visit the pending vertices once in their order. Vertices that gain from an improved vertex
+  // become pending. If one of them is earlier in the order, the sweep returns to it at once, before
+  // the distances that it will improve are used; `returns` limits how often.
   //
-  // Who gains across an edge is found out when the next vertex has been visited: by then the front
-  // is known, and nothing has to wait for it. Sweeps take 0.88 of the time with registers of eight
-  // numbers, and 0.97 with four.
+  // Gains across edges are computed after the next vertex has been visited: by then the front is
+  // known, and the processor does not wait for it. Sweeps take 0.88 of the time with registers of
+  // eight numbers, and 0.97 with four.
   void run(Index returns) {
-    Index rank = 0;
-    const auto go_on = [&](Index earliest) {
-      if (earliest >= rank || returns == 0) return;
-      rank = earliest;
+    Index position = 0;
+    const auto return_to = [&](Index earliest) {
+      if (earliest >= position || returns == 0) return;
+      position = earliest;
       --returns;
     };
-    Telling tellings[2];
-    Telling *own = tellings, *last = tellings + 1;
+    Improvement improvements[2];
+    Improvement *own = improvements, *last = improvements + 1;
     const auto finish_last = [&] {
       if (!last->fan) return;
-      go_on(tell_rest(*last));
+      return_to(mark_across_edges(*last));
       last->fan = nullptr;
     };
     do {
-      while (rank < n_ranks() && n_pending_ > 0) {
-        look_ahead(rank + 1);
-        const Row v = order_[rank++];
+      while (position < n_positions() && n_pending_ > 0) {
+        prefetch_later(position + 1);
+        const Row v = order_[position++];
         if (!vertices_[v].pending) continue;
         vertices_[v].pending = false;
         --n_pending_;
-        go_on(visit(v, *own));
+        return_to(visit(v, *own));
         finish_last();
         std::swap(own, last);
       }
       finish_last();
-    } while (rank < n_ranks() && n_pending_ > 0);
+    } while (position < n_positions() && n_pending_ > 0);
   }
 
-  // Stars need not be mutual: who is heard by the reached but hears none of them itself now listens
-  // to every triangle that it is part of. Return whether there are any.
-  bool open_ears(const HeatTable& heat, Index k) {
+  // Stars are not symmetric. A vertex that no reached vertex updates is now updated from all
+  // triangles that contain it. Return whether there are any such vertices.
+  bool use_all_triangles(const HeatTable& heat, Index k) {
     for (Index v = 0; v < vertices_.size(); ++v) {
       if (std::isfinite(vertices_[v].front.distance) || !heat.reaches(v, k)) continue;
       if (ends_[v] == starts_[v + 1]) continue;
-      if (heard_.empty()) heard_ = Array<Row>(vertices_.size());
-      if (ends_ != heard_.data()) {
-        std::ranges::copy(own_ends_, heard_.begin());
-        ends_ = heard_.data();
+      if (all_ends_.empty()) all_ends_ = Array<Row>(vertices_.size());
+      if (ends_ != all_ends_.data()) {
+        std::ranges::copy(own_ends_, all_ends_.begin());
+        ends_ = all_ends_.data();
       }
-      heard_[v] = starts_[v + 1];
-      await(vertices_[v]);
+      all_ends_[v] = starts_[v + 1];
+      mark(vertices_[v]);
     }
     return n_pending_ > 0;
   }
 
  private:
-  Index n_ranks() const { return count(order_); }
+  Index n_positions() const { return count(order_); }
 
-  void await(Vertex& vertex) {
+  void mark(Vertex& vertex) {
     n_pending_ += !vertex.pending;
     vertex.pending = true;
   }
 
-  // Let fronts that begin on an edge in which the surface ends come to the vertex opposite it, for
-  // all such edges of a source vertex. To a front that comes later the edge is no way in.
+  // Update the vertex opposite a boundary edge from a front that begins on the edge, for all such
+  // edges of a source vertex. A front that arrives later does not enter through the edge.
   void begin_beside(Row source) {
     for (Row fan = starts_[source]; fan < starts_[source + 1]; ++fan)
       for (const std::uint32_t opposite : fans_[fan].neighbour)
@@ -190,7 +190,7 @@ class Sweep {
     Vertex& opposite = vertices_[v];
     const Vertex &a = vertices_[fan.neighbour[i]], &b = vertices_[fan.neighbour[j]];
     const double edge = -fan.edge[i];
-    if (!(a.front.distance + b.front.distance <= edge * kOnEdge)) return;
+    if (!(a.front.distance + b.front.distance <= edge * kOnEdgeRatio)) return;
     const auto arrivals =
         across<Lane>({Lane::spread(a.front.distance), Lane::spread(b.front.distance),
                       Lane::spread(a.front.radius), Lane::spread(b.front.radius),
@@ -199,58 +199,60 @@ class Sweep {
     const double bend = (opposite.curvature + a.curvature + b.curvature) / 3;
     opposite.front = {arrivals.distance[0], bent(arrivals.radius[0], arrivals.step[0], bend)};
     for (Row its = starts_[v]; its < starts_[v + 1]; ++its)
-      for (const std::uint32_t neighbour : fans_[its].neighbour) await(vertices_[neighbour]);
+      for (const std::uint32_t neighbour : fans_[its].neighbour) mark(vertices_[neighbour]);
   }
 
-  // Visit a vertex; return the least rank of those who are known to gain from it.
-  GT_INLINE Index visit(Row v, Telling& telling) {
+  // Visit a vertex; return the earliest position of the vertices that are known to gain from it.
+  GT_INLINE Index visit(Row v, Improvement& improvement) {
     const Row start = starts_[v], end = starts_[v + 1];
     const double enough = vertices_[v].front.distance - tolerance_;
     Front found{enough, 0.0};
     if (end - start == 1) {  // most have one fan, of which everything stays in registers
       const Ring ring(fans_[start], vertices_.data());
-      look_for(ring, v, found);
+      update_from(ring, v, found);
       if (!(found.distance < enough)) return without_gain(v);
       vertices_[v].front = found;
-      return tell(ring, found, telling);
+      return mark_along_edges(ring, found, improvement);
     }
-    for (Row fan = start; fan < ends_[v]; ++fan) look_for({fans_[fan], vertices_.data()}, v, found);
+    for (Row fan = start; fan < ends_[v]; ++fan)
+      update_from({fans_[fan], vertices_.data()}, v, found);
     if (!(found.distance < enough)) return without_gain(v);
     vertices_[v].front = found;
-    Index earliest = n_ranks();
+    Index earliest = n_positions();
     for (Row fan = start; fan < end; ++fan) {
-      if (telling.fan) earliest = std::min(earliest, tell_rest(telling));
-      earliest = std::min(earliest, tell({fans_[fan], vertices_.data()}, found, telling));
+      if (improvement.fan) earliest = std::min(earliest, mark_across_edges(improvement));
+      earliest =
+          std::min(earliest, mark_along_edges({fans_[fan], vertices_.data()}, found, improvement));
     }
     return earliest;
   }
 
-  // A vertex that was visited too soon has to be told when there is something for it.
+  // A vertex that was visited too early must be marked when there is an update for it.
   Index without_gain(Row v) {
-    all_await_ &= std::isfinite(vertices_[v].front.distance);
-    return n_ranks();
+    all_pending_ &= std::isfinite(vertices_[v].front.distance);
+    return n_positions();
   }
 
-  // Put down what a fan has for vertex v, if it is better than what was found before.
-  GT_INLINE void look_for(const Ring& ring, Row v, Front& found) const {
+  // Store the update of vertex v from a fan in `found`, if it is smaller.
+  GT_INLINE void update_from(const Ring& ring, Row v, Front& found) const {
     const Arrivals<Lanes> arrivals = across(ring.rim());
     const Lanes to = Lanes::load(ring.fan->to), by_edge = ring.distance + to;
     const double best = choose(arrivals.distance, by_edge, arrivals.distance, by_edge).least();
     if (!(best < found.distance)) return;
-    // What comes along edges, and behind it what comes across them: no branch, which would wait for
-    // the distance, and the next vertex with it.
+    // Updates along edges, followed by updates across edges. There is no branch, because a branch
+    // would wait for the distance, and delay the next vertex.
     double radii[2 * kSpokes], steps[2 * kSpokes];
     (ring.radius + to).store(radii);
     to.store(steps);
     arrivals.radius.store(radii + kSpokes);
     arrivals.step.store(steps + kSpokes);
-    const Lanes limit = Lanes::spread(best), near_limit = Lanes::spread(best * kTie);
+    const Lanes limit = Lanes::spread(best), near_limit = Lanes::spread(best * kTieRatio);
     const unsigned later = below(near_limit, by_edge) | below(limit, arrivals.distance) << kSpokes;
-    const int way = std::countr_zero(~later) & (2 * kSpokes - 1), lane = way % kSpokes;
-    const bool crosses = way >= kSpokes;
+    const int kind = std::countr_zero(~later) & (2 * kSpokes - 1), lane = kind % kSpokes;
+    const bool crosses = kind >= kSpokes;
     const auto near = ring.fan->neighbour[lane];
-    const double step = steps[way], least = 1e-12 * step;
-    double radius = radii[way];
+    const double step = steps[kind], least = 1e-12 * step;
+    double radius = radii[kind];
     double bend = vertices_[v].curvature + vertices_[near].curvature;
     bend += kShare[crosses] * vertices_[ring.fan->neighbour[(lane + 1) % kSpokes]].curvature;
     bend *= kMean[crosses];
@@ -263,29 +265,29 @@ class Sweep {
     found = {best, bent(radius, step, bend)};
   }
 
-  // Let those of a fan be pending who gain from the front at its centre along an edge; return the
-  // least of their ranks.
-  GT_INLINE Index tell(const Ring& ring, const Front& front, Telling& telling) {
+  // Mark the vertices of a fan that gain along an edge from the front at its centre; return the
+  // earliest of their positions.
+  GT_INLINE Index mark_along_edges(const Ring& ring, const Front& front, Improvement& improvement) {
     const Lanes limit = ring.distance - Lanes::spread(tolerance_);
     const Lanes to = Lanes::load(ring.fan->to);
     const Lanes distance = Lanes::spread(front.distance);
-    // Who has not been reached gains whatever comes: the processor need not wait for that.
+    // A vertex that has not been reached gains from any front: the processor need not wait.
     const unsigned unreached =
-        below(Lanes::spread(kLarge), ring.distance) & below(to, Lanes::spread(kInfinity));
-    Index earliest = all_await_ ? n_ranks() : await_all(*ring.fan, unreached);
+        below(Lanes::spread(kMaxDistance), ring.distance) & below(to, Lanes::spread(kInfinity));
+    Index earliest = all_pending_ ? n_positions() : mark_all(*ring.fan, unreached);
     const unsigned along_edge = below(distance + to, limit);
     if (const unsigned more = along_edge & ~unreached) [[unlikely]]
-      earliest = std::min(earliest, await_all(*ring.fan, more));
-    telling.fan = ring.fan;
-    telling.front = front;
-    telling.told = along_edge;
-    ring.distance.store(telling.distance);
+      earliest = std::min(earliest, mark_all(*ring.fan, more));
+    improvement.fan = ring.fan;
+    improvement.front = front;
+    improvement.marked = along_edge;
+    ring.distance.store(improvement.distance);
     return earliest;
   }
 
   // The same across edges: for each spoke across that from the centre to the next, and for the next
   // across that to this one.
-  GT_INLINE Index tell_rest(const Telling& it) {
+  GT_INLINE Index mark_across_edges(const Improvement& it) {
     const Lanes known = Lanes::load(it.distance), limit = known - Lanes::spread(tolerance_);
     const Lanes to = Lanes::load(it.fan->to), next_to = turned(to),
                 edge = Lanes::load(it.fan->edge);
@@ -295,52 +297,57 @@ class Sweep {
         may_gain<Lanes>(limit, {distance, turned(known), radius, radius, next_to, to, edge});
     const unsigned other =
         may_gain<Lanes>(turned(limit), {distance, known, radius, radius, to, next_to, edge});
-    Index earliest = n_ranks();
-    for (unsigned who = one & ~it.told; who; who &= who - 1) {
-      const int spoke = std::countr_zero(who);
-      earliest = std::min(earliest, ask(*it.fan, spoke, (spoke + 1) % kSpokes, spoke, it.front));
+    Index earliest = n_positions();
+    for (unsigned spokes = one & ~it.marked; spokes; spokes &= spokes - 1) {
+      const int spoke = std::countr_zero(spokes);
+      earliest = std::min(earliest,
+                          mark_across_edge(*it.fan, spoke, (spoke + 1) % kSpokes, spoke, it.front));
     }
-    for (unsigned who = other & ~before(it.told); who; who &= who - 1) {
-      const int spoke = std::countr_zero(who);
-      earliest = std::min(earliest, ask(*it.fan, (spoke + 1) % kSpokes, spoke, spoke, it.front));
+    for (unsigned spokes = other & ~before(it.marked); spokes; spokes &= spokes - 1) {
+      const int spoke = std::countr_zero(spokes);
+      earliest = std::min(earliest,
+                          mark_across_edge(*it.fan, (spoke + 1) % kSpokes, spoke, spoke, it.front));
     }
     return earliest;
   }
 
-  // Let the vertex at the end of a spoke be pending if it gains across the edge from the centre to
-  // the end of another; return its rank then.
-  Index ask(const Fan& fan, int spoke, int other, int edge, const Front& front) {
+  // Mark the vertex at the end of a spoke as pending if it gains across the edge from the centre to
+  // the end of another; return its position then.
+  Index mark_across_edge(const Fan& fan, int spoke, int other, int edge, const Front& front) {
     using Lane = Pack<2>;  // twice the same: there is no register of one number
     const Vertex &near = vertices_[fan.neighbour[spoke]], &far = vertices_[fan.neighbour[other]];
     const auto arrivals = across<Lane>(
         {Lane::spread(front.distance), Lane::spread(far.front.distance), Lane::spread(front.radius),
          Lane::spread(far.front.radius), Lane::spread(fan.to[other]), Lane::spread(fan.to[spoke]),
          Lane::spread(fan.edge[edge])});
-    if (!(arrivals.distance[0] < near.front.distance - tolerance_)) return n_ranks();
-    return await_all(fan, 1u << spoke);
+    if (!(arrivals.distance[0] < near.front.distance - tolerance_)) return n_positions();
+    return mark_all(fan, 1u << spoke);
   }
 
-  // Let vertices at the ends of spokes be pending; return the least rank of those who were not.
-  GT_INLINE Index await_all(const Fan& fan, unsigned who) {
-    Index earliest = n_ranks();
-    for (; who; who &= who - 1) {
-      Vertex& near = vertices_[fan.neighbour[std::countr_zero(who)]];
-      const Index rank = near.pending ? n_ranks() : near.rank;
+  // Mark the vertices at the ends of spokes as pending; return the earliest position of those that
+  // were not.
+  GT_INLINE Index mark_all(const Fan& fan, unsigned spokes) {
+    Index earliest = n_positions();
+    for (; spokes; spokes &= spokes - 1) {
+      Vertex& near = vertices_[fan.neighbour[std::countr_zero(spokes)]];
+      const Index position = near.pending ? n_positions() : near.position;
       n_pending_ += !near.pending;
       near.pending = true;
-      earliest = std::min(earliest, rank);
+      earliest = std::min(earliest, position);
     }
     return earliest;
   }
 
-  // Fetch what vertices will need: the order of the heat is none that memory could foresee. Of one
-  // the place of its fans, of one before it these, and of one before that its neighbours.
+  // Prefetch the data of later vertices, because the order of the heat is irregular in memory: the
+  // position of the fans of one vertex, the fans of an earlier one, the neighbours of a still
+  // earlier one.
   //
   // Inline, or else GCC finds a function without effects, and leaves its calls out.
-  GT_INLINE void look_ahead(Index rank) const {
-    if (rank + 3 * kAhead >= n_ranks()) return;
-    const Row last = order_[rank + 3 * kAhead], later = order_[rank + 2 * kAhead],
-              soon = order_[rank + kAhead];
+  GT_INLINE void prefetch_later(Index position) const {
+    if (position + 3 * kPrefetchDistance >= n_positions()) return;
+    const Row last = order_[position + 3 * kPrefetchDistance],
+              later = order_[position + 2 * kPrefetchDistance],
+              soon = order_[position + kPrefetchDistance];
     prefetch(&starts_[last]);
     prefetch(&vertices_[later]);
     const char* const fan = reinterpret_cast<const char*>(&fans_[starts_[later]]);
@@ -358,15 +365,15 @@ class Sweep {
   const Fan* fans_;
   const Row* starts_;
   std::span<const Row> own_ends_;
-  const Row* ends_ = nullptr;  // of the fans that vertices listen to
-  Array<Row> heard_;           // the same, where they are others
+  const Row* ends_ = nullptr;  // of the fans that update each vertex
+  Array<Row> all_ends_;        // the same, if all fans update
   std::span<const double> curvature_;
   std::span<const bool> reflex_;
   std::span<const Row> order_;
   Array<Vertex> vertices_;
   double tolerance_ = 0.0;
   Index n_pending_ = 0;
-  bool all_await_ = false;  // whether every vertex that has not been reached is to be visited
+  bool all_pending_ = false;  // whether all vertices that have not been reached are pending
 };
 
 template <class T>
@@ -391,7 +398,7 @@ void Sweeper::sweep(const HeatTable& heat, const Sources& sources, const Effort&
     for (Index k = begin; k < end; ++k) {
       const Row* const order = orders.data() + (k - begin) * n;
       sweep.begin({order, static_cast<std::size_t>(n)}, heat, sources, k);
-      for (Index sweeps = 0; sweep.is_under_way() || sweep.open_ears(heat, k); ++sweeps) {
+      for (Index sweeps = 0; sweep.is_under_way() || sweep.use_all_triangles(heat, k); ++sweeps) {
         if (sweeps >= effort.most_sweeps && sweep.has_reached_all(heat, k)) break;
         sweep.run(sweeps < effort.steady ? 0 : effort.returns);
       }
