@@ -120,12 +120,12 @@ class Phases:
 
     def load(self) -> Work:
         gradient = self._metric.gradient
-        return lambda: gradient.descent_load(self._log_heat, logarithmic=True)
+        return _load_of(gradient, self._log_heat)
 
     def load_block(self) -> Work:
         gradient = self._metric.gradient
         heat = np.repeat(self._log_heat[:, None], BLOCK, axis=1)
-        return lambda: gradient.descent_load(heat, logarithmic=True)
+        return _load_of(gradient, heat)
 
     def sweep(self) -> Work:
         from geodesic_toolkit.refinement.wavefronts import WavefrontSweeper
@@ -220,6 +220,15 @@ class Phases:
             np.add.at(normals, self.faces[:, corner], across)
         normals /= np.linalg.norm(normals, axis=1, keepdims=True)
         return np.ascontiguousarray(near, dtype=np.int64), normals
+
+
+def _load_of(gradient: Any, log_heat: np.ndarray) -> Work:
+    try:
+        from geodesic_toolkit.discretization.heat import Heat
+    except ImportError:  # an older version
+        return lambda: gradient.descent_load(log_heat, logarithmic=True)
+    heat = Heat.of_log(log_heat)
+    return lambda: gradient.descent_load(heat)
 
 
 def _native() -> Any:

@@ -14,6 +14,7 @@ from geodesic_toolkit.core.frozen import freeze
 from geodesic_toolkit.core.types import FloatArray, IntArray
 from geodesic_toolkit.discretization.gradient import ROUNDING, Gradient, as_columns
 from geodesic_toolkit.discretization.graph_laplacian import graph_laplacian
+from geodesic_toolkit.discretization.heat import Heat
 from geodesic_toolkit.discretization.triangle_sums import TriangleSums, sums_of_triangles
 from geodesic_toolkit.errors import InvalidDiscretizationError
 from geodesic_toolkit.geometry.triangles import hat_gradients_from_inverse
@@ -193,13 +194,12 @@ class ElementGradient(Gradient):
                 gradient[:, axis] += coefficient * difference[:, corner - 1]
         return gradient
 
-    def descent_load(self, heat: FloatArray, *, logarithmic: bool) -> FloatArray:
+    def descent_load(self, heat: Heat) -> FloatArray:
         """Return ``Gᵀ W X`` with ``X = -∇u/|∇u|``, (N,) or (N, K); on triangles in one pass."""
         if not self.of_planes:
-            return super().descent_load(heat, logarithmic=logarithmic)
-        heat = np.ascontiguousarray(heat, dtype=np.float64)
+            return super().descent_load(heat)
         triangles = (self.elements, self.inverse_frames, self.measure)
-        return _native.poisson_load(*triangles, heat, logarithmic)
+        return _native.poisson_load(*triangles, *heat.for_kernels())
 
     def adjoint(self, field: FloatArray) -> FloatArray:
         """Return ``Gᵀ W x`` of a field of shape (E, dim) or (E, dim, K)."""

@@ -6,10 +6,9 @@ import abc
 import math
 from typing import TYPE_CHECKING
 
-import numpy as np
-
 from geodesic_toolkit.core.frozen import FrozenArrays
 from geodesic_toolkit.core.types import FloatArray
+from geodesic_toolkit.discretization.heat import Heat
 
 if TYPE_CHECKING:
     from scipy.sparse import csr_array
@@ -55,27 +54,22 @@ class Gradient(FrozenArrays, abc.ABC):
             A field, with one more axis at the end when it holds K fields at once.
         """
 
-    def descent_load(self, heat: FloatArray, *, logarithmic: bool) -> FloatArray:
+    def descent_load(self, heat: Heat) -> FloatArray:
         """Return ``Gᵀ W X`` with ``X = -∇u/|∇u|``: the right-hand side of ``L φ = Gᵀ W X``.
 
         It is *minus* the integrated divergence of X, as L is -Δ; zero where there is no gradient.
+        It follows from `unit` and `adjoint`; a subclass need not override it.
 
         Parameters
         ----------
-        heat : ndarray of shape (N,) or (N, K)
-            The heat u, not negative and not below 1e-300 where it matters, or its logarithm, with
-            ``-inf`` where there is none.
-        logarithmic : bool
-            Which of the two.
+        heat : Heat
+            Of N vertices.
 
         Returns
         -------
-        ndarray of shape (N,) or (N, K), float64
+        ndarray of the shape of the heat, (N,) or (N, K), float64
         """
-        if not logarithmic:
-            cold = heat <= 0
-            heat = np.log(heat, out=np.full(heat.shape, -np.inf), where=~cold)
-        return -self.adjoint(self.unit(heat))
+        return -self.adjoint(self.unit(heat.log()))
 
     @property
     @abc.abstractmethod

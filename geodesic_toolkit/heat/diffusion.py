@@ -4,7 +4,7 @@ import threading
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Literal, NamedTuple, TypeAlias
+from typing import Literal, TypeAlias
 
 import numpy as np
 
@@ -12,12 +12,13 @@ from geodesic_toolkit.core.arrays import distinct, empty
 from geodesic_toolkit.core.rows import CompressedRows
 from geodesic_toolkit.core.types import BoolArray, FloatArray, IntArray
 from geodesic_toolkit.discretization.data import Discretization
+from geodesic_toolkit.discretization.heat import Heat, log_of
 from geodesic_toolkit.heat.log_range import fill_from_neighbours, log_solve, settled_above
 from geodesic_toolkit.linear.base import Factor, Factorizer, LinearSolver
 from geodesic_toolkit.linear.patterns import SharedAnalysis, plus_diagonal
 from geodesic_toolkit.sources.points import SourcePoints
 
-__all__ = ["Boundary", "Heat", "HeatFlow", "HeatReport"]
+__all__ = ["Boundary", "HeatFlow", "HeatReport"]
 
 Boundary: TypeAlias = Literal["neumann", "dirichlet", "average"]
 
@@ -50,37 +51,6 @@ class HeatReport:
     def harmful(self) -> bool:
         """Whether there are so many of them that distances suffer: over a hundredth."""
         return self.non_positive > HARMFUL_SHARE * self.reached
-
-
-class Heat(NamedTuple):
-    """The heat u of K source sets, as it is or as its logarithm.
-
-    Attributes
-    ----------
-    values : ndarray of shape (N, K)
-        u, of which every value is positive where heat comes and none has underflown; or log u,
-        over an unlimited range.
-    logarithmic : bool
-    """
-
-    values: FloatArray
-    logarithmic: bool
-
-    @property
-    def columns(self) -> FloatArray:
-        """The values (N, K), or (N,) of one source set, which gradients take as one column."""
-        return self.values[:, 0] if self.values.shape[1] == 1 else self.values
-
-    def log(self) -> FloatArray:
-        """Return log u, (N, K), ``-inf`` where no heat comes."""
-        return self.values if self.logarithmic else _log(self.values)
-
-    def replaced(self, columns: Sequence[int], other: "Heat") -> "Heat":
-        """Return the heat with these columns from another one; its own are written over."""
-        logarithmic = self.logarithmic or other.logarithmic
-        values = self.log() if logarithmic else self.values
-        values[:, columns] = other.log() if logarithmic else other.values
-        return Heat(values, logarithmic)
 
 
 class HeatFlow:
@@ -122,7 +92,7 @@ class HeatFlow:
         return heat
 
     def diffuse(
-        self, block: Sequence[SourcePoints], *, room: FloatArray | None = None
+        self, block: Sequence[SourcePoints], *, workspace: FloatArray | None = None
     ) -> tuple[Heat, list[HeatReport]]:
         """Return the heat of each source set, and a report on it.
 
@@ -132,10 +102,10 @@ class HeatFlow:
         Parameters
         ----------
         block : sequence of K SourcePoints
-        room : ndarray of shape (N, K), float64, optional
+        workspace : ndarray of shape (N, K), float64, optional
             Memory to work in, in which the heat may then be.
         """
-        heat, reports = self._diffuse(block, room)
+        heat, reports = self._diffuse(block, workspace)
         if free := self._at_held_boundary(block):
             other, again = self._free.diffuse([block[k] for k in free])
             heat = heat.replaced(free, other)
@@ -180,9 +150,9 @@ class HeatFlow:
         return np.column_stack([scaled[:, owners == k].sum(axis=1) for k in range(len(block))])
 
     def _diffuse(
-        self, block: Sequence[SourcePoints], room: FloatArray | None
+        self, block: Sequence[SourcePoints], workspace: FloatArray | None
     ) -> tuple[Heat, list[HeatReport]]:
-        loads, log_scales, owners = self._loads(block, room)
+        loads, log_scales, owners = self._loads(block, workspace)
         (system, *more) = self.systems()
         first = system.load(loads)
         if self.solver.componentwise:
@@ -199,20 +169,20 @@ class HeatFlow:
                     else HeatReport(self._reach(points), 0, 1)
                     for k, points in enumerate(block)
                 ]
-                return Heat(solution, logarithmic=False), reports
-            part = _log(solution)
+                return Heat.of(solution), reports
+            part = log_of(solution)
             part[:, far], stages = log_solve(
                 system.matrix, system.factor, first[:, far], solution=solution[:, far]
             )
         else:  # restarts rest on every entry being right: take what the solver gives
-            part, stages = _log(system.factor.solve(first)), 1
+            part, stages = log_of(system.factor.solve(first)), 1
         parts = [part]
         for other in more:
             if self.solver.componentwise:
                 part, needed = log_solve(other.matrix, other.factor, other.load(loads))
                 stages = max(stages, needed)
             else:
-                part = _log(other.factor.solve(other.load(loads)))
+                part = log_of(other.factor.solve(other.load(loads)))
             parts.append(part)
         if len(owners) > len(block):
             parts = [_merged(part + log_scales, owners) for part in parts]
@@ -224,7 +194,7 @@ class HeatFlow:
             else HeatReport(self._reach(block[k]), 0, stages)
             for k in range(len(block))
         ]
-        return Heat(log_heat, logarithmic=True), reports
+        return Heat.of_log(log_heat), reports
 
     def _beyond_range(
         self, solution: FloatArray, lowest: FloatArray, block: Sequence[SourcePoints]
@@ -260,11 +230,11 @@ class HeatFlow:
         return HeatReport(int(reached.sum()), count, stages)
 
     def _loads(
-        self, block: Sequence[SourcePoints], room: FloatArray | None = None
+        self, block: Sequence[SourcePoints], workspace: FloatArray | None = None
     ) -> tuple[FloatArray, FloatArray, IntArray]:
         """Return right-hand sides (N, K'), the logarithms of their scales, and whose they are."""
         if not any(points.delayed for points in block):
-            columns = room
+            columns = workspace
             if columns is None:
                 columns = empty((self.diffusion.n_vertices, len(block)), np.float64)
             columns.fill(0.0)
@@ -386,10 +356,6 @@ def _lowest(table: FloatArray) -> FloatArray:
     rows = table[:whole].reshape(-1, ROWS * width).min(axis=0, initial=np.inf)
     rest = table[whole:].min(axis=0, initial=np.inf)
     return np.asarray(np.minimum(rows.reshape(ROWS, width).min(axis=0), rest))
-
-
-def _log(heat: FloatArray) -> FloatArray:
-    return np.log(heat, out=np.full_like(heat, -np.inf), where=heat > 0)
 
 
 def _merged(log_heat: FloatArray, owners: IntArray) -> FloatArray:

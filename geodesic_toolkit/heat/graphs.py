@@ -9,8 +9,8 @@ from geodesic_toolkit.core.types import FloatArray, IntArray
 from geodesic_toolkit.discretization.data import Discretization
 from geodesic_toolkit.discretization.edge_gradient import EdgeGradient
 from geodesic_toolkit.discretization.gradient import Gradient
+from geodesic_toolkit.discretization.heat import Heat
 from geodesic_toolkit.geometry.along_edges import AlongEdges
-from geodesic_toolkit.heat.diffusion import Heat
 from geodesic_toolkit.sources.points import SourcePoints
 
 __all__ = ["ScaledGradient", "hold_to_edges", "instead_of_heat"]
@@ -80,8 +80,7 @@ class ScaledGradient:
         def potentials(sets: list[IntArray]) -> FloatArray:
             n_vertices = metric.n_vertices
             heat = self._diffuse([SourcePoints.at_vertices(own, n_vertices) for own in sets])
-            load = gradient.descent_load(heat.values, logarithmic=heat.logarithmic)
-            return self._integrate(load).T
+            return self._integrate(gradient.descent_load(heat)).T
 
         lengths = 1 / np.sqrt(gradient.edge_weights)
         graph = AlongEdges(metric.n_vertices, gradient.edges, lengths)

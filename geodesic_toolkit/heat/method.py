@@ -13,9 +13,10 @@ from numpy.typing import ArrayLike
 from geodesic_toolkit.core.arrays import empty
 from geodesic_toolkit.core.types import FloatArray
 from geodesic_toolkit.discretization.data import Discretization
+from geodesic_toolkit.discretization.heat import Heat
 from geodesic_toolkit.errors import InvalidOptionError, UnsupportedDomainError
 from geodesic_toolkit.heat.blocks import in_blocks, side_by_side
-from geodesic_toolkit.heat.diffusion import Boundary, Heat, HeatReport
+from geodesic_toolkit.heat.diffusion import Boundary, HeatReport
 from geodesic_toolkit.heat.graphs import ScaledGradient, hold_to_edges, instead_of_heat
 from geodesic_toolkit.heat.poisson import PoissonStep
 from geodesic_toolkit.heat.positive import PositiveFlow, worse
@@ -164,7 +165,7 @@ class HeatMethod:
             return None  # an order is all that fronts take from heat: negative values do no harm
         heat, report = self._diffuse(block, self._workspace(block, distances))
         # (M + t L) u = δ is solved; now X = -∇u / |∇u|, and its divergence Gᵀ W X,
-        load = self._gradient().descent_load(heat.columns, logarithmic=heat.logarithmic)
+        load = self._gradient().descent_load(heat.squeezed())
         # and L φ = Gᵀ W X, with φ = 0 at the sources.
         self._poisson.distances(load, heat, self._settled(block), distances)
         hold_to_edges(self.metric, block, distances)

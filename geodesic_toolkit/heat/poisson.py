@@ -9,7 +9,7 @@ import numpy as np
 from geodesic_toolkit.core.arrays import distinct
 from geodesic_toolkit.core.types import BoolArray, FloatArray, IntArray
 from geodesic_toolkit.discretization.data import Discretization
-from geodesic_toolkit.heat.diffusion import Heat
+from geodesic_toolkit.discretization.heat import Heat
 from geodesic_toolkit.linear.base import Factor, Factorizer
 from geodesic_toolkit.linear.patterns import plus_diagonal
 from geodesic_toolkit.sources.points import SourcePoints

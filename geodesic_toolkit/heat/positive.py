@@ -7,9 +7,10 @@ from functools import partial
 from geodesic_toolkit.core.types import FloatArray
 from geodesic_toolkit.core.warning import warn
 from geodesic_toolkit.discretization.data import Discretization
+from geodesic_toolkit.discretization.heat import Heat
 from geodesic_toolkit.discretization.positivity import has_wrong_signs, positive_part
 from geodesic_toolkit.errors import NonPositiveHeatWarning
-from geodesic_toolkit.heat.diffusion import Boundary, Heat, HeatFlow, HeatReport
+from geodesic_toolkit.heat.diffusion import Boundary, HeatFlow, HeatReport
 from geodesic_toolkit.linear.base import LinearSolver
 from geodesic_toolkit.linear.patterns import SharedAnalysis
 from geodesic_toolkit.refinement.wavefronts import made_of_triangles
@@ -59,7 +60,7 @@ class PositiveFlow:
         workspace : ndarray of shape (N, K), optional
             Where the heat may be written.
         """
-        heat, reports = self.own.diffuse(block, room=workspace)
+        heat, reports = self.own.diffuse(block, workspace=workspace)
         harmed = [k for k, report in enumerate(reports) if report.harmful]
         worst = None
         for k in harmed:

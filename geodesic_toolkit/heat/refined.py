@@ -4,8 +4,8 @@ from collections.abc import Sequence
 
 from geodesic_toolkit.core.types import FloatArray
 from geodesic_toolkit.discretization.data import Discretization
+from geodesic_toolkit.discretization.heat import Heat
 from geodesic_toolkit.heat.blocks import PROCESSORS, WORTH_A_THREAD
-from geodesic_toolkit.heat.diffusion import Heat
 from geodesic_toolkit.refinement.bounds import DistanceBounds
 from geodesic_toolkit.refinement.polyhedra import SmallParts
 from geodesic_toolkit.refinement.wavefronts import WavefrontSweeper
@@ -40,9 +40,7 @@ class RefinedStep:
         """Write refined distances, (K, N); the sweeps of a block share the processors."""
         large = distances.size >= WORTH_A_THREAD
         n_threads = min(len(block), PROCESSORS) if large else 1
-        self._sweeper.fill(
-            distances, heat.values, block, logarithmic=heat.logarithmic, n_threads=n_threads
-        )
+        self._sweeper.fill(distances, heat, block, n_threads=n_threads)
         if self._small_parts is not None:
             self._small_parts.fill(distances, block)
         if self._bounds is not None:

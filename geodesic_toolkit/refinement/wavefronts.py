@@ -23,6 +23,7 @@ from geodesic_toolkit.core.arrays import empty, joined
 from geodesic_toolkit.core.types import BoolArray, FloatArray, IntArray
 from geodesic_toolkit.discretization.data import Discretization
 from geodesic_toolkit.discretization.element_gradient import ElementGradient
+from geodesic_toolkit.discretization.heat import Heat
 from geodesic_toolkit.errors import UnsupportedDomainError
 from geodesic_toolkit.geometry.intrinsic import MOST_SIDES
 from geodesic_toolkit.sources.points import SourcePoints
@@ -136,16 +137,15 @@ class WavefrontSweeper:
     def distance(self, log_heat: FloatArray, points: SourcePoints) -> FloatArray:
         """Return refined distances (N,) from one set of sources, in the order of log u, (N,)."""
         distances = empty((1, len(log_heat)), np.float64)
-        self.fill(distances, log_heat[:, None], [points], logarithmic=True)
+        self.fill(distances, Heat.of_log(log_heat[:, None]), [points])
         return np.asarray(distances[0])
 
     def fill(
         self,
         distances: FloatArray,
-        heat: FloatArray,
+        heat: Heat,
         block: Sequence[SourcePoints],
         *,
-        logarithmic: bool,
         n_threads: int = 1,
     ) -> None:
         """Write refined distances from each of K source sets.
@@ -154,12 +154,10 @@ class WavefrontSweeper:
         ----------
         distances : ndarray of shape (K, N), float64
             ``inf`` where no triangle connects.
-        heat : ndarray of shape (N, K), float64
+        heat : Heat of shape (N, K)
             Gives the order of visits.
         block : sequence of SourcePoints
             Distances at and around the points are taken as exact.
-        logarithmic : bool
-            Whether `heat` is log u instead of u.
         n_threads : int, optional
             Threads that share the sets.
         """
@@ -168,8 +166,7 @@ class WavefrontSweeper:
         vertices, known, curvatures = (joined(parts) for parts in zip(*fronts, strict=True))
         begins = np.array([0, *accumulate(len(own) for own, _, _ in fronts)], dtype=np.int64)
         self._fronts.sweep(
-            np.ascontiguousarray(heat),
-            logarithmic,
+            *heat.for_kernels(),
             begins,
             vertices,
             known,

@@ -13,6 +13,7 @@ from scipy.sparse import coo_array, csr_array
 
 import geodesic_toolkit as gt
 from geodesic_toolkit import _native
+from geodesic_toolkit.discretization.heat import Heat
 from geodesic_toolkit.refinement import wavefronts as refine
 from geodesic_toolkit.refinement.wavefronts import WavefrontSweeper
 from geodesic_toolkit.sources.points import SourcePoints
@@ -337,7 +338,7 @@ def test_an_order_that_says_nothing_costs_sweeps_and_not_the_distance(returns, m
     noise = np.random.default_rng(0).normal(size=sphere.n_vertices)
     source = SourcePoints.at_vertices(np.array([0]), sphere.n_vertices)
     (distance,) = distances = np.empty((1, sphere.n_vertices))
-    sweeper.fill(distances, noise, [source], logarithmic=True)
+    sweeper.fill(distances, Heat.of_log(noise), [source])
     assert mean_relative_error(distance, on_sphere(sphere, 0)) < 5e-3
 
 

@@ -12,6 +12,7 @@ from scipy.sparse import csr_array
 
 import geodesic_toolkit as gt
 from geodesic_toolkit import _native
+from geodesic_toolkit.discretization.heat import Heat
 from geodesic_toolkit.errors import InvalidDiscretizationError, UnsupportedDomainError
 from geodesic_toolkit.geometry.intrinsic import delaunay_triangles
 from geodesic_toolkit.geometry.triangles import (
@@ -302,8 +303,8 @@ def test_the_right_hand_side_is_minus_the_adjoint_of_the_direction(use, name, co
     expected = generic(gradient, log_heat)
     for kernels in (False, True):
         use(kernels)
-        for heat, logarithmic in ((log_heat, True), (np.exp(log_heat), False)):
-            load = gradient.descent_load(heat, logarithmic=logarithmic)
+        for heat in (Heat.of_log(log_heat), Heat.of(np.exp(log_heat))):
+            load = gradient.descent_load(heat)
             assert load.shape == shape
             np.testing.assert_allclose(load, expected, atol=1e-9 * np.abs(expected).max())
 
@@ -323,11 +324,9 @@ def test_any_logarithm_gives_the_same_right_hand_side(use, log_heat, size):
     gradient = gt.CotanLaplacian().assemble(mesh).gradient
     log_heat = np.array(log_heat)
     pair = np.column_stack([log_heat, log_heat[::-1]])
-    numpy, kernels = both(use, lambda: gradient.descent_load(log_heat, logarithmic=True))
+    numpy, kernels = both(use, lambda: gradient.descent_load(Heat.of_log(log_heat)))
     np.testing.assert_allclose(kernels, numpy, atol=1e-6)
-    np.testing.assert_allclose(
-        gradient.descent_load(pair, logarithmic=True)[:, 0], kernels, atol=1e-12
-    )
+    np.testing.assert_allclose(gradient.descent_load(Heat.of_log(pair))[:, 0], kernels, atol=1e-12)
 
 
 @pytest.mark.parametrize("level", [1e-300, 1e-200, 1.0, 1e300])
@@ -336,7 +335,7 @@ def test_the_level_of_the_heat_does_not_matter(use, level):
     heat = 1 + np.random.default_rng(3).uniform(size=PLAIN.n_vertices)
     expected = generic(PLAIN, np.log(heat))
     for shaped in (heat, heat[:, None] * np.ones(3)):
-        load = PLAIN.descent_load(shaped * level, logarithmic=False)
+        load = PLAIN.descent_load(Heat.of(shaped * level))
         np.testing.assert_allclose(load.T - expected, 0, atol=1e-11)
 
 
@@ -345,10 +344,10 @@ def test_where_there_is_no_gradient_there_is_no_load(use):
         use(kernels)
         for shape in ((162,), (162, 3)):
             cold = np.full(shape, -np.inf)
-            assert not PLAIN.descent_load(cold, logarithmic=True).any()
-            assert not PLAIN.descent_load(np.zeros(shape), logarithmic=True).any()
-            assert not PLAIN.descent_load(np.zeros(shape), logarithmic=False).any()
-            assert not PLAIN.descent_load(np.ones(shape), logarithmic=False).any()
+            assert not PLAIN.descent_load(Heat.of_log(cold)).any()
+            assert not PLAIN.descent_load(Heat.of_log(np.zeros(shape))).any()
+            assert not PLAIN.descent_load(Heat.of(np.zeros(shape))).any()
+            assert not PLAIN.descent_load(Heat.of(np.ones(shape))).any()
 
 
 def test_what_is_not_a_number_does_not_vanish(use):
@@ -357,17 +356,17 @@ def test_what_is_not_a_number_does_not_vanish(use):
     for kernels in (False, True):
         use(kernels)
         for shaped in (heat, heat[:, None] * np.ones(2)):
-            for logarithmic in (False, True):
-                load = PLAIN.descent_load(shaped, logarithmic=logarithmic)
+            for form in (Heat.of, Heat.of_log):
+                load = PLAIN.descent_load(form(shaped))
                 assert np.isnan(load[7]).all()
 
 
 def test_any_memory_order_does(use):
     use(True)
     heat = np.random.default_rng(4).uniform(1, 2, size=(162, 4))
-    expected = PLAIN.descent_load(heat, logarithmic=False)
+    expected = PLAIN.descent_load(Heat.of(heat))
     for other in (np.asfortranarray(heat), np.repeat(heat, 2, axis=1)[:, ::2]):
-        np.testing.assert_array_equal(PLAIN.descent_load(other, logarithmic=False), expected)
+        np.testing.assert_array_equal(PLAIN.descent_load(Heat.of(other)), expected)
 
 
 def tetrahedron():
@@ -384,9 +383,9 @@ def test_other_gradients_have_the_same_right_hand_side_by_their_own_means(use, g
     log_heat = np.random.default_rng(5).uniform(-5, 0, size=(gradient.n_vertices, 3))
     for shaped in (log_heat, log_heat[:, 0]):
         expected = generic(gradient, shaped)
-        load = gradient.descent_load(np.exp(shaped), logarithmic=False)
+        load = gradient.descent_load(Heat.of(np.exp(shaped)))
         np.testing.assert_allclose(load, expected, atol=1e-12)
-        np.testing.assert_array_equal(gradient.descent_load(shaped, logarithmic=True), expected)
+        np.testing.assert_array_equal(gradient.descent_load(Heat.of_log(shaped)), expected)
 
 
 # -- triangles in three numbers ----------------------------------------------------------------

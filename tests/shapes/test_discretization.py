@@ -2,6 +2,7 @@
 
 import copy
 import pickle
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -273,3 +274,43 @@ def test_an_element_gradient_that_cannot_be_one_is_refused(arguments, message):
 def test_an_edge_gradient_that_cannot_be_one_is_refused(arguments, message):
     with pytest.raises(InvalidDiscretizationError, match=message):
         gt.EdgeGradient(*arguments)
+
+
+class Borrowed(gt.Gradient):
+    """The least that a gradient of a plugin consists of, on the numbers of another one."""
+
+    def __init__(self, base):
+        self.base = base
+
+    @property
+    def n_vertices(self):
+        return self.base.n_vertices
+
+    def unit(self, log_heat):
+        return self.base.unit(log_heat)
+
+    def adjoint(self, field):
+        return self.base.adjoint(field)
+
+    @property
+    def matrix(self):
+        return self.base.matrix
+
+    @property
+    def weights(self):
+        return self.base.weights
+
+    def stiffness(self):
+        return self.base.stiffness()
+
+
+@pytest.mark.parametrize("sources", [[0], [0, 5]])
+def test_a_gradient_needs_to_know_nothing_but_logarithms_of_heat(sources):
+    metric = DISCRETIZATIONS["cotan"]
+    other = replace(metric, gradient=Borrowed(metric.gradient))
+    direct = gt.SuperLU()
+    own, borrowed = (
+        gt.HeatMethod(data, heat_solver=direct, poisson_solver=direct).distances(sources)
+        for data in (metric, other)
+    )
+    np.testing.assert_allclose(borrowed, own, atol=1e-9)
