@@ -35,7 +35,7 @@ if TYPE_CHECKING:
     from geodesic_toolkit.laplacians.cotan import CotanLaplacian
     from geodesic_toolkit.laplacians.pointcloud.operator import PointCloudLaplacian
     from geodesic_toolkit.laplacians.uniform import UniformLaplacian
-    from geodesic_toolkit.linear.base import Factor, LinearSolver
+    from geodesic_toolkit.linear.base import Analysis, Factor, LinearSolver
     from geodesic_toolkit.linear.cg import CG
     from geodesic_toolkit.linear.superlu import SuperLU
     from geodesic_toolkit.linear.supernodal import Supernodal
@@ -52,6 +52,7 @@ if TYPE_CHECKING:
 # Spelt out once more, because type checkers read nothing else; a test keeps the two together.
 __all__ = [
     "CG",
+    "Analysis",
     "CloudPath",
     "Comparison",
     "CotanLaplacian",
@@ -113,6 +114,7 @@ __all__ = [
 
 _HOMES = {
     "CG": "linear.cg",
+    "Analysis": "linear.base",
     "CloudPath": "analysis.paths.cloud",
     "Comparison": "analysis.comparison",
     "CotanLaplacian": "laplacians.cotan",

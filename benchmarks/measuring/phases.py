@@ -50,15 +50,15 @@ class Phases:
     # -- through public calls ----------------------------------------------------------------------
 
     def analysis(self) -> Work:
-        return lambda: gt.Supernodal().analyze(self._matrix)
+        return lambda: _analysis(gt.Supernodal(), self._matrix)
 
     def factor_whole(self) -> Work:
-        analysed = gt.Supernodal().analyze(self._matrix)
-        return lambda: analysed(self._matrix)
+        factorize = _analysis(gt.Supernodal(), self._matrix)
+        return lambda: factorize(self._matrix)
 
     def factor_compact(self) -> Work:
-        analysed = gt.Supernodal(compact=True).analyze(self._matrix)
-        return lambda: analysed(self._matrix)
+        factorize = _analysis(gt.Supernodal(compact=True), self._matrix)
+        return lambda: factorize(self._matrix)
 
     def solve_column(self) -> Work:
         return lambda: self._factor.solve(self._columns[:, 0])
@@ -220,6 +220,12 @@ class Phases:
             np.add.at(normals, self.faces[:, corner], across)
         normals /= np.linalg.norm(normals, axis=1, keepdims=True)
         return np.ascontiguousarray(near, dtype=np.int64), normals
+
+
+def _analysis(solver: gt.LinearSolver, pattern: Any) -> Callable[[Any], gt.Factor]:
+    if hasattr(solver, "analyze"):  # an older version
+        return solver.analyze(pattern)
+    return solver.analyse(pattern).factorize
 
 
 def _load_of(gradient: Any, log_heat: np.ndarray) -> Work:

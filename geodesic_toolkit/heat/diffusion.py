@@ -14,7 +14,7 @@ from geodesic_toolkit.core.types import BoolArray, FloatArray, IntArray
 from geodesic_toolkit.discretization.data import Discretization
 from geodesic_toolkit.discretization.heat import Heat, log_of
 from geodesic_toolkit.heat.log_range import fill_from_neighbours, log_solve, settled_above
-from geodesic_toolkit.linear.base import Factor, Factorizer, LinearSolver
+from geodesic_toolkit.linear.base import Analysis, Factor, LinearSolver
 from geodesic_toolkit.linear.patterns import SharedAnalysis, plus_diagonal
 from geodesic_toolkit.sources.points import SourcePoints
 
@@ -63,8 +63,8 @@ class HeatFlow:
         Time step t, in squared length; one value in each connected component.
     boundary : {"neumann", "dirichlet", "average"}
     solver : LinearSolver
-    factorize : callable, optional
-        Its way from a matrix to a factor, where that is shared with other systems.
+    analysis : Analysis, optional
+        That of the solver, where other systems share it.
     """
 
     def __init__(
@@ -74,13 +74,13 @@ class HeatFlow:
         boundary: Boundary,
         solver: LinearSolver,
         *,
-        factorize: Factorizer | None = None,
+        analysis: Analysis | None = None,
     ) -> None:
         self.diffusion = diffusion
         self.times = times
         self.boundary = boundary
         self.solver = solver
-        self._factorize = factorize or SharedAnalysis(solver)
+        self._analysis = analysis or SharedAnalysis(solver)
         self._lock = threading.Lock()
         self._systems: list[_HeatSystem] | None = None
 
@@ -139,9 +139,7 @@ class HeatFlow:
     @cached_property
     def _free(self) -> "HeatFlow":
         """The same flow without a condition at the boundary."""
-        return HeatFlow(
-            self.diffusion, self.times, "neumann", self.solver, factorize=self._factorize
-        )
+        return HeatFlow(self.diffusion, self.times, "neumann", self.solver, analysis=self._analysis)
 
     def _heat(self, block: Sequence[SourcePoints]) -> FloatArray:
         loads, log_scales, owners = self._loads(block)
@@ -299,12 +297,12 @@ class HeatFlow:
             diagonal = free.diagonal()
         held = self.diffusion.boundary if dirichlet else np.zeros_like(self.diffusion.boundary)
         if not held.any():
-            return _HeatSystem(free, free, held, diagonal, self._factorize(free))
+            return _HeatSystem(free, free, held, diagonal, self._analysis.factorize(free))
         apart = held[free.row_of_entry] | held[free.indices]
         pinned = plus_diagonal(
             free.with_data(np.where(apart, 0.0, free.data)), np.where(held, diagonal, 0.0)
         )
-        return _HeatSystem(pinned, free, held, diagonal, self._factorize(pinned))
+        return _HeatSystem(pinned, free, held, diagonal, self._analysis.factorize(pinned))
 
     @property
     def nbytes(self) -> int:

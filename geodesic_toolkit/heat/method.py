@@ -341,14 +341,14 @@ class HeatMethod:
         """Set what is not part of the recipe: factors to come, and what is made of them."""
         # Both systems have one pattern, where metric and diffusion do.
         self._shares_analysis = self.poisson_solver == self.heat_solver and not self.refine
-        self._factorize_heat = SharedAnalysis(self.heat_solver, 2 if self._shares_analysis else 1)
-        self._factorize_poisson = (
-            self._factorize_heat if self._shares_analysis else SharedAnalysis(self.poisson_solver)
+        self._heat_analysis = SharedAnalysis(self.heat_solver, 2 if self._shares_analysis else 1)
+        self._poisson_analysis = (
+            self._heat_analysis if self._shares_analysis else SharedAnalysis(self.poisson_solver)
         )
         self._flow = PositiveFlow(
-            self.diffusion, self.times, self.boundary, self.heat_solver, self._factorize_heat
+            self.diffusion, self.times, self.boundary, self.heat_solver, self._heat_analysis
         )
-        self._poisson = PoissonStep(self.metric, self.diffusion, self._factorize_poisson)
+        self._poisson = PoissonStep(self.metric, self.diffusion, self._poisson_analysis)
         self._gradient = ScaledGradient(
             self.metric,
             lambda block: self._diffuse(block)[0],
@@ -401,9 +401,9 @@ class HeatMethod:
         if not self.flows:
             return array_bytes(self.metric, self.diffusion)
         systems = [system.matrix for system in self._flow.own.systems()]
-        factors = self._factorize_heat.expected_bytes()
+        factors = self._heat_analysis.expected_bytes()
         if factors and not self._shares_analysis and self._refined is None:
-            factors += self._factorize_poisson.expected_bytes()
+            factors += self._poisson_analysis.expected_bytes()
         poisson = 0 if self._refined is not None else self.metric.rows.data.nbytes
         needed = factors + poisson + array_bytes(self.metric, self.diffusion, *systems)
         return float(max(needed, self.metric.notes.get("assembly_bytes", 0.0)))

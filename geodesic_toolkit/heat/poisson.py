@@ -10,7 +10,7 @@ from geodesic_toolkit.core.arrays import distinct
 from geodesic_toolkit.core.types import BoolArray, FloatArray, IntArray
 from geodesic_toolkit.discretization.data import Discretization
 from geodesic_toolkit.discretization.heat import Heat
-from geodesic_toolkit.linear.base import Factor, Factorizer
+from geodesic_toolkit.linear.base import Analysis, Factor
 from geodesic_toolkit.linear.patterns import plus_diagonal
 from geodesic_toolkit.sources.points import SourcePoints
 
@@ -37,16 +37,16 @@ class PoissonStep:
     metric : Discretization
     diffusion : Discretization
         Where the heat flowed: what it does not reach is ``inf``.
-    factorize : callable
-        From a matrix to a factor.
+    analysis : Analysis
+        Of the pattern of L, which other systems may share.
     """
 
     def __init__(
-        self, metric: Discretization, diffusion: Discretization, factorize: Factorizer
+        self, metric: Discretization, diffusion: Discretization, analysis: Analysis
     ) -> None:
         self.metric = metric
         self.diffusion = diffusion
-        self._factorize = factorize
+        self._analysis = analysis
         self._lock = threading.Lock()
         self._factor: Factor | None = None
 
@@ -60,7 +60,9 @@ class PoissonStep:
         """
         with self._lock:
             if self._factor is None:
-                self._factor = self._factorize(plus_diagonal(self.metric.rows, self._ground))
+                self._factor = self._analysis.factorize(
+                    plus_diagonal(self.metric.rows, self._ground)
+                )
             return self._factor
 
     @cached_property
@@ -154,7 +156,7 @@ class PoissonStep:
         diagonal = rows.diagonal()
         diagonal = np.where(diagonal > 0, diagonal, 1.0)
         others = np.where(held, diagonal, self._ground * ~self._touched(held))
-        factor = self._factorize(
+        factor = self._analysis.factorize(
             plus_diagonal(rows.with_data(np.where(apart, 0.0, rows.data)), others)
         )
         felt = np.where(apart, -rows.data * gap[rows.indices], 0.0)

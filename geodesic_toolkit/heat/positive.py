@@ -11,8 +11,7 @@ from geodesic_toolkit.discretization.heat import Heat
 from geodesic_toolkit.discretization.positivity import has_wrong_signs, positive_part
 from geodesic_toolkit.errors import NonPositiveHeatWarning
 from geodesic_toolkit.heat.diffusion import Boundary, HeatFlow, HeatReport
-from geodesic_toolkit.linear.base import LinearSolver
-from geodesic_toolkit.linear.patterns import SharedAnalysis
+from geodesic_toolkit.linear.base import Analysis, LinearSolver
 from geodesic_toolkit.refinement.wavefronts import made_of_triangles
 from geodesic_toolkit.sources.points import SourcePoints
 
@@ -29,8 +28,8 @@ class PositiveFlow:
         Time step t, in squared length.
     boundary : {"neumann", "dirichlet", "average"}
     solver : LinearSolver
-    factorize : SharedAnalysis
-        From a matrix to a factor.
+    analysis : Analysis
+        That of the solver, which other systems share.
     """
 
     def __init__(
@@ -39,11 +38,11 @@ class PositiveFlow:
         times: float | FloatArray,
         boundary: Boundary,
         solver: LinearSolver,
-        factorize: SharedAnalysis,
+        analysis: Analysis,
     ) -> None:
         self._diffusion, self._solver, self._boundary = diffusion, solver, boundary
         self._make = partial(
-            HeatFlow, times=times, boundary=boundary, solver=solver, factorize=factorize
+            HeatFlow, times=times, boundary=boundary, solver=solver, analysis=analysis
         )
         self.own = self._make(diffusion)
         self._substitute: HeatFlow | None = None

@@ -1,18 +1,18 @@
-"""The contract of a linear solver: factorise once, solve often."""
+"""The contract of a linear solver: analyse a pattern, factorise a matrix, solve often."""
 
 from __future__ import annotations
 
 import abc
 from collections.abc import Mapping
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Any, ClassVar, Protocol
+from typing import TYPE_CHECKING, Any, ClassVar
 
 from geodesic_toolkit.core.types import FloatArray
 
 if TYPE_CHECKING:
     from scipy.sparse import csr_array
 
-__all__ = ["Factor", "Factorizer", "LinearSolver"]
+__all__ = ["Analysis", "Factor", "LinearSolver"]
 
 
 class Factor(abc.ABC):
@@ -66,16 +66,47 @@ class Factor(abc.ABC):
         """Bytes that they take."""
 
 
-class Factorizer(Protocol):
-    """What factorises matrices of one pattern."""
+class Analysis(abc.ABC):
+    """What a solver knows of all matrices of one pattern; safe to use from several threads at once.
 
-    def __call__(self, matrix: Any) -> Factor:
-        """Return the factor of a matrix; may be called from several threads at once."""
-        ...
+    The heat and the Poisson system of one discretization are such matrices.
+    """
 
-    def expected_bytes(self, n_factors: int) -> float:
-        """Return the bytes that making so many factors at once takes; 0 where not known."""
-        ...
+    @abc.abstractmethod
+    def factorize(self, matrix: Any) -> Factor:
+        """Return `matrix` made ready for solving.
+
+        Parameters
+        ----------
+        matrix : csr_array of shape (N, N), float64
+            Symmetric positive definite. One of another pattern is factorised all the same, without
+            the work that would have been shared.
+
+        Returns
+        -------
+        Factor
+
+        Raises
+        ------
+        SolverError
+            The matrix is singular or not positive definite.
+        NotEnoughMemoryError
+            The factor does not fit.
+        """
+
+    def expected_bytes(self, n_factors: int) -> float:  # noqa: ARG002 - not known
+        """Return the bytes that making so many factors at once takes.
+
+        Parameters
+        ----------
+        n_factors : int
+
+        Returns
+        -------
+        float
+            The analysis itself included; 0 where not known.
+        """
+        return 0.0
 
 
 class LinearSolver(abc.ABC):
@@ -138,38 +169,34 @@ class LinearSolver(abc.ABC):
             The factor does not fit.
         """
 
-    def analyze(self, matrix: Any) -> Factorizer:  # noqa: ARG002 - a hook
-        """Return what factorises matrices with the pattern of `matrix`.
+    def analyse(self, pattern: Any) -> Analysis:  # noqa: ARG002 - a hook
+        """Return what this solver knows of all matrices with the pattern of one.
 
-        A solver that can share work between them overrides it. The heat and the Poisson system of
-        one discretization are such matrices.
+        Nothing, unless a solver overrides it that can share work between them; such a one has
+        ``return self.analyse(matrix).factorize(matrix)`` for its `factorize`.
 
         Parameters
         ----------
-        matrix : csr_array of shape (N, N), float64
+        pattern : csr_array of shape (N, N), float64
             Its values are not used.
 
         Returns
         -------
-        Factorizer
-            Called as `factorize` is.
+        Analysis
 
         Raises
         ------
         NotEnoughMemoryError
-            The factor will not fit.
+            A factor will not fit.
         """
-        return _EachAnew(self)
+        return _NothingShared(self)
 
 
-class _EachAnew:
-    """The factorizer of solvers that share nothing between matrices."""
+class _NothingShared(Analysis):
+    """The analysis of solvers that begin with each matrix anew."""
 
     def __init__(self, solver: LinearSolver) -> None:
         self._solver = solver
 
-    def __call__(self, matrix: Any) -> Factor:
+    def factorize(self, matrix: Any) -> Factor:
         return self._solver.factorize(matrix)
-
-    def expected_bytes(self, n_factors: int) -> float:  # noqa: ARG002 - not known
-        return 0.0

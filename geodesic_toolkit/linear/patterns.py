@@ -7,7 +7,7 @@ import numpy as np
 from geodesic_toolkit import _native
 from geodesic_toolkit.core.rows import CompressedRows
 from geodesic_toolkit.core.types import FloatArray
-from geodesic_toolkit.linear.base import Factor, Factorizer, LinearSolver
+from geodesic_toolkit.linear.base import Analysis, Factor, LinearSolver
 from geodesic_toolkit.linear.memory import require_memory
 
 __all__ = ["SharedAnalysis", "plus_diagonal"]
@@ -49,10 +49,10 @@ def plus_diagonal(
     return matrix.with_data(_native.plus_diagonal(*matrix.arrays, places, scales, diagonal))
 
 
-class SharedAnalysis:
-    """Factorises matrices with a solver that analyses the pattern of the first only.
+class SharedAnalysis(Analysis):
+    """The analysis of the first matrix that is factorised, for all that follow.
 
-    Several threads may call it: they wait for the analysis, not for one another's factor.
+    Several threads may use it: they wait for the analysis, not for one another's factor.
 
     Parameters
     ----------
@@ -65,9 +65,9 @@ class SharedAnalysis:
         self._solver = solver
         self._n_factors = n_factors
         self._lock = threading.Lock()
-        self._factorizer: Factorizer | None = None
+        self._analysis: Analysis | None = None
 
-    def __call__(self, matrix: CompressedRows) -> Factor:
+    def factorize(self, matrix: CompressedRows) -> Factor:
         """Return the factor of a matrix.
 
         Raises
@@ -79,13 +79,13 @@ class SharedAnalysis:
         """
         given = matrix if self._solver.takes_rows else matrix.scipy
         with self._lock:
-            if self._factorizer is None:
-                factorizer = self._solver.analyze(given)
+            if self._analysis is None:
+                analysis = self._solver.analyse(given)
                 size = f"{matrix.shape[0]} unknowns with {matrix.nnz} entries"
-                needed = factorizer.expected_bytes(self._n_factors)
+                needed = analysis.expected_bytes(self._n_factors)
                 require_memory(needed, f"{self._n_factors} x factorising {size}")
-                self._factorizer = factorizer  # not before: the next call is to ask again
-        return self._factorizer(given)
+                self._analysis = analysis  # not before: the next call is to ask again
+        return self._analysis.factorize(given)
 
     def expected_bytes(self, n_factors: int | None = None) -> float:
         """Return the bytes that making the factors takes, all of them unless told how many.
@@ -93,6 +93,6 @@ class SharedAnalysis:
         Known from their pattern alone, once that is analysed; 0 before, and where the solver does
         not foresee it.
         """
-        if self._factorizer is None:
+        if self._analysis is None:
             return 0.0
-        return self._factorizer.expected_bytes(n_factors or self._n_factors)
+        return self._analysis.expected_bytes(n_factors or self._n_factors)

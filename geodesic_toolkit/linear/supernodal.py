@@ -22,13 +22,13 @@ from geodesic_toolkit import _native
 from geodesic_toolkit.core.rows import CompressedRows
 from geodesic_toolkit.core.types import FloatArray
 from geodesic_toolkit.errors import InvalidOptionError, NotEnoughMemoryError, SolverError
-from geodesic_toolkit.linear.base import Factor, LinearSolver
+from geodesic_toolkit.linear.base import Analysis, Factor, LinearSolver
 from geodesic_toolkit.linear.memory import factor_bytes, require_memory
 
 if TYPE_CHECKING:
     from scipy.sparse import csr_array
 
-__all__ = ["Supernodal", "SupernodalFactor", "SupernodalFactorizer"]
+__all__ = ["Supernodal", "SupernodalAnalysis", "SupernodalFactor"]
 
 OF_LU = 1 / 3
 """Share of the bytes of L and U that L takes, one row index serving a whole row of a supernode.
@@ -91,21 +91,21 @@ class Supernodal(LinearSolver):
         if not isinstance(self.compact, bool | np.bool_):
             raise InvalidOptionError(f"compact must be True or False, not {self.compact!r}")
 
-    def analyze(self, matrix: csr_array | CompressedRows) -> SupernodalFactorizer:
-        """Return what factorises matrices with the pattern of `matrix`."""
+    def analyse(self, pattern: csr_array | CompressedRows) -> SupernodalAnalysis:
+        """Return the ordering and the supernodes of all matrices with the pattern of one."""
         require_memory(
-            OF_LU * factor_bytes(matrix.shape[0], matrix.nnz),
-            f"factorising {matrix.shape[0]} unknowns with {matrix.nnz} entries",
+            OF_LU * factor_bytes(pattern.shape[0], pattern.nnz),
+            f"factorising {pattern.shape[0]} unknowns with {pattern.nnz} entries",
         )
-        return SupernodalFactorizer(_rows_of(matrix), compact=bool(self.compact))
+        return SupernodalAnalysis(_rows_of(pattern), compact=bool(self.compact))
 
     def factorize(self, matrix: csr_array | CompressedRows) -> SupernodalFactor:
         """Return the Cholesky factor of a symmetric positive definite `matrix`."""
-        return self.analyze(matrix)(matrix)
+        return self.analyse(matrix).factorize(matrix)
 
 
-class SupernodalFactorizer:
-    """Factorises matrices of one pattern, which is analysed once.
+class SupernodalAnalysis(Analysis):
+    """The ordering and the supernodes of all matrices of one pattern.
 
     Parameters
     ----------
@@ -123,23 +123,23 @@ class SupernodalFactorizer:
     def __init__(self, pattern: CompressedRows, *, compact: bool = False) -> None:
         self.compact = compact
         self._pattern = pattern.arrays[:2]
-        self._analysis = _analyze(pattern)
+        self._analysis = _analysis_of(pattern)
 
     def expected_bytes(self, n_factors: int) -> float:
         """Return what so many factors take, with their stacks of update matrices: exactly that."""
         one = self._analysis.factor_bytes(self.compact) + 24.0 * len(self._analysis.order)
         return self._analysis.nbytes + n_factors * one
 
-    def __call__(self, matrix: csr_array | CompressedRows) -> SupernodalFactor:
+    def factorize(self, matrix: csr_array | CompressedRows) -> SupernodalFactor:
         """Return the Cholesky factor of `matrix`; of another pattern, after an analysis of it."""
         its = _rows_of(matrix)
-        analysis = self._analysis if self._fits(its) else _analyze(its)
+        analysis = self._analysis if self._fits(its) else _analysis_of(its)
         _require_finite(its)
         if self.compact:
-            factor = _factorize(its, analysis, compact=True)
+            factor = _cholesky(its, analysis, compact=True)
             if _is_accurate(factor, its):
                 return factor
-        return _factorize(its, analysis, compact=False)
+        return _cholesky(its, analysis, compact=False)
 
     def _fits(self, matrix: CompressedRows) -> bool:
         """Return whether a matrix has the pattern that was analysed."""
@@ -205,7 +205,7 @@ class SupernodalFactor(Factor):
         return f"SupernodalFactor({len(self._analysis.order)} unknowns, {self.nnz} entries)"
 
 
-def _analyze(matrix: CompressedRows) -> _native.Analysis:
+def _analysis_of(matrix: CompressedRows) -> _native.Analysis:
     """Return the analysis of the pattern of a symmetric matrix."""
     if not _native.is_symmetric(matrix.indptr, matrix.indices):
         row, column = _without_mirror_image(matrix)
@@ -216,7 +216,7 @@ def _analyze(matrix: CompressedRows) -> _native.Analysis:
     return _native.analyze(matrix.indptr, matrix.indices)
 
 
-def _factorize(
+def _cholesky(
     matrix: CompressedRows, analysis: _native.Analysis, *, compact: bool
 ) -> SupernodalFactor:
     """Return the Cholesky factor of a matrix whose pattern has been analysed."""

@@ -67,6 +67,22 @@ class Hesitant(WrongSolver):
     componentwise: ClassVar = "perhaps"
 
 
+class Rigid(gt.Analysis):
+    """The analysis of a matrix that remembers its values, and knows no others."""
+
+    def __init__(self, factor):
+        self.factor = factor
+
+    def factorize(self, matrix):
+        return self.factor
+
+
+@dataclass(frozen=True, kw_only=True)
+class RigidSolver(WrongSolver):
+    def analyse(self, pattern):
+        return Rigid(self.factorize(pattern))
+
+
 @dataclass(frozen=True, kw_only=True)
 class DemandingSolver(WrongSolver):
     mandatory: int
@@ -108,6 +124,7 @@ WRONG_SOLVERS = {
     "repr_says_what_it_is": SecretiveSolver(),
     "componentwise_is_declared": Hesitant(),
     "solution_solves_the_system": WrongSolver(fault="inaccurate"),
+    "analysis_serves_any_matrix": RigidSolver(),
     "blocks_equal_their_columns": WrongSolver(fault="first column counts"),
     "result_is_a_fresh_float64_array": WrongSolver(fault="single precision"),
     "memory_order_does_not_matter": WrongSolver(fault="memory order"),
@@ -119,7 +136,7 @@ WRONG_SOLVERS = {
 }
 
 IMPLIED_BY_SOLVERS = {
-    "solution_solves_the_system": {"tiny_entries_are_resolved"},
+    "solution_solves_the_system": {"analysis_serves_any_matrix", "tiny_entries_are_resolved"},
     # What changes from one solve to the next changes between a block and its columns, too.
     "factor_can_be_used_again": {
         "blocks_equal_their_columns",

@@ -714,18 +714,18 @@ def test_heat_on_a_long_tube_is_right_in_every_entry():
 def test_matrices_of_one_pattern_share_an_analysis_and_lose_no_bit(laplacian):
     first, second = plus(laplacian, 0.1), plus(2.5 * laplacian, 3.0)
     load = np.random.default_rng(5).normal(size=(laplacian.shape[0], 2))
-    refactorize = SOLVER.analyze(first)
-    shared = [refactorize(matrix) for matrix in (second, first)]
+    its = SOLVER.analyse(first)
+    shared = [its.factorize(matrix) for matrix in (second, first)]
     assert shared[0]._analysis is shared[1]._analysis
     for matrix, found in zip((second, first), shared, strict=True):
         np.testing.assert_array_equal(found.solve(load), SOLVER.factorize(matrix).solve(load))
 
 
 def test_a_matrix_of_another_pattern_or_size_is_factorised_all_the_same(sphere_system):
-    refactorize = SOLVER.analyze(sphere_system)
+    its = SOLVER.analyse(sphere_system)
     for other in (plus(grid(9, 18), 1.0), plus(path(20), 1.0)):
         load = np.ones(other.shape[0])
-        np.testing.assert_allclose(refactorize(other).solve(load), load, atol=1e-12)
+        np.testing.assert_allclose(its.factorize(other).solve(load), load, atol=1e-12)
 
 
 def test_an_untidy_matrix_of_the_pattern_shares_the_analysis(sphere_system):
@@ -735,9 +735,9 @@ def test_an_untidy_matrix_of_the_pattern_shares_the_analysis(sphere_system):
         untidy.indices[entries] = untidy.indices[entries][::-1].copy()
         untidy.data[entries] = untidy.data[entries][::-1].copy()
     untidy = csr_array((untidy.data, untidy.indices, untidy.indptr), shape=untidy.shape)
-    refactorize = SOLVER.analyze(sphere_system)
-    found = refactorize(untidy)
-    assert found._analysis is refactorize(sphere_system)._analysis
+    its = SOLVER.analyse(sphere_system)
+    found = its.factorize(untidy)
+    assert found._analysis is its.factorize(sphere_system)._analysis
     load = np.cos(np.arange(162))
     np.testing.assert_array_equal(found.solve(load), solution(sphere_system))
 
@@ -746,7 +746,7 @@ def test_values_are_no_part_of_an_analysis(sphere_system):
     hollow = csr_array(
         (np.full(sphere_system.nnz, np.nan), sphere_system.indices, sphere_system.indptr)
     )
-    found = SOLVER.analyze(hollow)(sphere_system)
+    found = SOLVER.analyse(hollow).factorize(sphere_system)
     np.testing.assert_allclose(sphere_system @ found.solve(np.ones(162)), np.ones(162), atol=1e-12)
 
 
@@ -763,13 +763,13 @@ def test_two_factors_on_two_threads_are_those_of_one(laplacian):
 
 
 def test_eight_threads_that_share_an_analysis_and_a_factor_get_the_same_bits(laplacian):
-    refactorize = SOLVER.analyze(plus(laplacian, 0.1))
-    found = refactorize(plus(laplacian, 0.1))
+    its = SOLVER.analyse(plus(laplacian, 0.1))
+    found = its.factorize(plus(laplacian, 0.1))
     rng = np.random.default_rng(6)
     loads = [rng.normal(size=(laplacian.shape[0], k))[:, : k or None] for k in (1, 2, 16, 17) * 4]
     alone = [found.solve(load) for load in loads]
     with ThreadPoolExecutor(8) as pool:
-        factors = pool.map(refactorize, [plus(laplacian, 0.1)] * 8)
+        factors = pool.map(its.factorize, [plus(laplacian, 0.1)] * 8)
         together = list(pool.map(found.solve, loads))
         panels = [panels_of(factor) for factor in factors]
     for expected, got in zip(alone, together, strict=True):
@@ -897,26 +897,26 @@ def test_a_factor_that_would_not_fit_is_not_begun(monkeypatch, sphere_system):
     monkeypatch.setattr(memory, "available_memory", lambda: 1e3)
     monkeypatch.setattr(memory, "CARELESS", 0)
     with pytest.raises(NotEnoughMemoryError, match=r"factorising 162 unknowns with \d+ entries"):
-        SOLVER.analyze(sphere_system)
+        SOLVER.analyse(sphere_system)
     its = analyze(sphere_system)
     with pytest.raises(NotEnoughMemoryError, match=rf"162 unknowns, with {its.n_stored} entries"):
-        supernodal._factorize(CompressedRows.of(sphere_system), its, compact=False)
+        supernodal._cholesky(CompressedRows.of(sphere_system), its, compact=False)
 
 
 def test_two_factors_that_would_not_fit_together_are_not_begun_however_often_asked(
     monkeypatch, sphere_system
 ):
-    expected = SOLVER.analyze(sphere_system).expected_bytes(2)
+    expected = SOLVER.analyse(sphere_system).expected_bytes(2)
     monkeypatch.setattr(memory, "CARELESS", 0)
-    factorize = SharedAnalysis(SOLVER, n_factors=2)
+    shared = SharedAnalysis(SOLVER, n_factors=2)
     monkeypatch.setattr(memory, "available_memory", lambda: expected - 1)
     for _ in range(2):
         with pytest.raises(NotEnoughMemoryError, match="2 x factorising 162 unknowns"):
-            factorize(sphere_system)
+            shared.factorize(sphere_system)
     monkeypatch.setattr(memory, "available_memory", lambda: expected)
     load = np.ones(162)
-    np.testing.assert_allclose(sphere_system @ factorize(sphere_system).solve(load), load)
-    assert factorize.expected_bytes() == expected
+    np.testing.assert_allclose(sphere_system @ shared.factorize(sphere_system).solve(load), load)
+    assert shared.expected_bytes() == expected
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="the system does not say how much was taken")
@@ -934,10 +934,10 @@ def test_the_memory_that_a_factor_takes_is_foreseen(compact):
 
         metric = gt.CotanLaplacian().assemble(gt.testing.shapes.grid(450))
         system = plus_diagonal(metric.rows, metric.mass, 1.0)
-        factorize = gt.Supernodal(compact=bool(int(sys.argv[1]))).analyze(system)
-        expected = factorize.expected_bytes(2) - factorize.expected_bytes(1)
+        analysis = gt.Supernodal(compact=bool(int(sys.argv[1]))).analyse(system)
+        expected = analysis.expected_bytes(2) - analysis.expected_bytes(1)
         before = taken("VmRSS")
-        factor = factorize(system)
+        factor = analysis.factorize(system)
         assert factor.nbytes < expected
         print((taken("VmHWM") - before) / expected)
     """
@@ -956,7 +956,7 @@ class Foreseen:
 def test_the_size_of_a_factor_does_not_overflow(monkeypatch, sphere_system):
     monkeypatch.setattr(memory, "available_memory", lambda: 1e9)
     with pytest.raises(NotEnoughMemoryError, match=r"8\.8e"):
-        supernodal._factorize(sphere_system, Foreseen(2**43), compact=False)
+        supernodal._cholesky(sphere_system, Foreseen(2**43), compact=False)
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="a process cannot be held to so much memory")
@@ -969,13 +969,13 @@ def test_memory_that_the_system_refuses_is_an_error():
 
         metric = gt.CotanLaplacian().assemble(gt.testing.shapes.grid(450))
         system = plus_diagonal(metric.rows, metric.mass, 1.0)
-        factorize = gt.Supernodal().analyze(system)
+        analysis = gt.Supernodal().analyse(system)
         with open("/proc/self/statm") as pages:
             taken = int(pages.read().split()[0]) * resource.getpagesize()
         resource.setrlimit(resource.RLIMIT_AS, (taken + 2**25, resource.RLIM_INFINITY))
         memory.available_memory = lambda: float("inf")
         try:
-            factorize(system)
+            analysis.factorize(system)
         except gt.errors.NotEnoughMemoryError as error:
             print(error)
     """
