@@ -5,6 +5,7 @@ from typing import Any
 
 import numpy as np
 
+from geodesic_toolkit.core.frozen import freeze
 from geodesic_toolkit.core.types import FloatArray, IntArray
 from geodesic_toolkit.errors import InvalidDiscretizationError
 
@@ -38,14 +39,18 @@ def check_nothing_masked(values: Any, name: str, error: type[Exception], cure: s
         )
 
 
-def coerce(data: object, **dtypes: type[np.generic]) -> None:
-    """Give the named attributes their dtype and C order; no copy where they have both."""
+def coerce(data: object, *, copy: bool, **dtypes: type[np.generic]) -> None:
+    """Make the named attributes read-only arrays of these dtypes, in C order.
+
+    Without `copy` those that have dtype and order already are taken over as they are.
+    """
+    as_array = np.array if copy else np.asarray
     for name, dtype in dtypes.items():
         try:
-            array = np.ascontiguousarray(getattr(data, name), dtype=dtype)
+            array = np.atleast_1d(as_array(getattr(data, name), dtype, order="C"))
         except (TypeError, ValueError) as error:
             raise InvalidDiscretizationError(f"{name} is not an array: {error}") from error
-        object.__setattr__(data, name, array)
+        vars(data)[name] = freeze(array)
 
 
 def check_range(indices: IntArray, n_vertices: int, name: str) -> None:

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 if TYPE_CHECKING:
     from scipy.sparse import csr_array
 
-__all__ = ["FrozenArrays", "freeze", "freeze_csr"]
+__all__ = ["FrozenArrays", "freeze", "freeze_csr", "unchanging"]
 
 Scalar = TypeVar("Scalar", bound=np.generic)
 
@@ -19,6 +19,11 @@ def freeze(array: NDArray[Scalar]) -> NDArray[Scalar]:
     """Return `array`, now read-only (the caller must own its memory)."""
     array.setflags(write=False)
     return array
+
+
+def unchanging(array: NDArray[Scalar]) -> NDArray[Scalar]:
+    """Return `array` if it is read-only, otherwise a copy that is."""
+    return freeze(array.copy()) if array.flags.writeable else array
 
 
 def freeze_csr(matrix: csr_array) -> csr_array:

@@ -46,8 +46,11 @@ class CompressedRows(FrozenArrays):
     data: FloatArray
 
     @classmethod
-    def of(cls, matrix: csr_array | CompressedRows) -> CompressedRows:
-        """Return a square matrix of SciPy's in this form, without a copy where it has it already.
+    def of(cls, matrix: csr_array | CompressedRows, *, copy: bool = False) -> CompressedRows:
+        """Return a square matrix of SciPy's in this form.
+
+        The matrix stays as it is, unsorted perhaps. Where it has this form already it shares its
+        memory with the result, unless `copy` is asked for.
 
         Raises
         ------
@@ -55,8 +58,9 @@ class CompressedRows(FrozenArrays):
             There are more entries than 32 bits can count.
         """
         if isinstance(matrix, CompressedRows):
-            return matrix
-        if not matrix.has_canonical_format:
+            indptr, indices, data = matrix.arrays
+            return cls(indptr.copy(), indices.copy(), data.copy()) if copy else matrix
+        if copy or not matrix.has_canonical_format:
             matrix = matrix.copy()
             matrix.sum_duplicates()
         if matrix.nnz > MOST_ENTRIES:

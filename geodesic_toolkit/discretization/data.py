@@ -81,6 +81,9 @@ class Discretization(FrozenArrays):
     notes : mapping, optional
         What the operator found or decided on the way, by name, for people to read: a number of
         flipped edges, whose normals were used.
+    copy : bool
+        False hands the arrays over: they become read-only instead of being copied, which saves
+        their memory where they were made for this.
 
     Raises
     ------
@@ -113,9 +116,11 @@ class Discretization(FrozenArrays):
     triangulation: str = ""
     known_components: InitVar[IntArray | None] = None
     notes: Mapping[str, Any] = field(default_factory=dict)
+    copy: InitVar[bool] = True
 
-    def __post_init__(self, known_components: IntArray | None) -> None:
-        coerce(self, mass=np.float64, boundary=np.bool_, representatives=np.int64)
+    def __post_init__(self, known_components: IntArray | None, copy: bool) -> None:
+        floats = {"mass": np.float64, "surface_frames": np.float64}
+        coerce(self, copy=copy, boundary=np.bool_, representatives=np.int64, **floats)
         count = len(self.mass)
         if self.mass.ndim != 1 or self.boundary.shape != (count,):
             raise InvalidDiscretizationError(
@@ -140,8 +145,8 @@ class Discretization(FrozenArrays):
                 f"surface must be triangles in the same {count} vertices, not {self.surface!r} in "
                 f"{self.surface.n_vertices}"
             )
-        self._set_rows(count)
-        self._check_scales(count)
+        self._set_rows(count, copy)
+        self._set_scales(count, copy)
         self._check_frames()
         self._check_graph()
         if known_components is not None:
@@ -149,25 +154,21 @@ class Discretization(FrozenArrays):
                 raise InvalidDiscretizationError(
                     f"known_components {known_components.shape} must be (N,)"
                 )
-            self.__dict__["components"] = freeze(known_components)
-        freeze(self.mass)
-        freeze(self.boundary)
+            parts = np.array(known_components) if copy else known_components
+            self.__dict__["components"] = freeze(parts)
         object.__setattr__(self, "spacing", float(self.spacing))
         object.__setattr__(self, "notes", dict(self.notes))
 
-    def _set_rows(self, count: int) -> None:
+    def _set_rows(self, count: int, copy: bool) -> None:
         """Keep the stiffness as kernels take it; one of SciPy's is made when it is asked for."""
         given: csr_array | CompressedRows = self.stiffness
         if given.shape != (count, count):
             raise InvalidDiscretizationError(
                 f"stiffness must have shape ({count}, {count}), not {given.shape}"
             )
-        rows = CompressedRows.of(given)
+        rows = CompressedRows.of(given, copy=copy)
         _check_stiffness(rows)
-        if isinstance(given, CompressedRows):
-            del self.__dict__["stiffness"]
-        else:
-            freeze_csr(given)
+        del self.__dict__["stiffness"]
         for array in rows.arrays:
             freeze(array)
         self.__dict__["_rows"] = rows
@@ -184,11 +185,11 @@ class Discretization(FrozenArrays):
             return self.__dict__["stiffness"]
         raise AttributeError(f"{type(self).__name__!r} object has no attribute {name!r}")
 
-    def _check_scales(self, count: int) -> None:
+    def _set_scales(self, count: int, copy: bool) -> None:
         if not len(self.scales):
             object.__setattr__(self, "scales", np.broadcast_to(float(self.spacing), (count,)))
             return
-        coerce(self, scales=np.float64)
+        coerce(self, copy=copy, scales=np.float64)
         if self.scales.shape != (count,):
             raise InvalidDiscretizationError(f"scales {self.scales.shape} must be (N,)")
         sound = np.isfinite(self.scales) & (self.scales > 0)
@@ -197,10 +198,8 @@ class Discretization(FrozenArrays):
             raise InvalidDiscretizationError(
                 f"the scale of vertex {bad} is {self.scales[bad]}; it must be positive and finite"
             )
-        freeze(self.scales)
 
     def _check_frames(self) -> None:
-        coerce(self, surface_frames=np.float64)
         gradient, frames = self.gradient, self.surface_frames
         if len(frames):
             if not (
@@ -212,7 +211,6 @@ class Discretization(FrozenArrays):
                     f"surface_frames {frames.shape} must be (E, 3), of the stars of {gradient!r}"
                 )
             check_finite(frames, "the surface frame of element")
-        freeze(frames)
 
     def _check_graph(self) -> None:
         others = self.representatives
@@ -220,7 +218,6 @@ class Discretization(FrozenArrays):
             if others.shape != self.mass.shape:
                 raise InvalidDiscretizationError(f"representatives {others.shape} must be (N,)")
             check_range(others, len(others), "representative")
-        freeze(others)
         if self.local_scale and not (
             isinstance(self.gradient, EdgeGradient) and self.along_edges is not None
         ):

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import InitVar, dataclass, field
 from typing import TYPE_CHECKING, final
 
 import numpy as np
 
 from geodesic_toolkit.core.checks import check_finite, check_range, coerce
-from geodesic_toolkit.core.frozen import freeze
 from geodesic_toolkit.core.types import FloatArray, IntArray
 from geodesic_toolkit.discretization.gradient import ROUNDING, Gradient, as_columns
 from geodesic_toolkit.discretization.graph_laplacian import graph_laplacian
@@ -37,6 +36,8 @@ class EdgeGradient(Gradient):
         Non-negative. They set the scale of distance together with `measure`.
     measure : ndarray of shape (N,), float64
         The mass of every vertex, non-negative.
+    copy : bool
+        False hands the arrays over: they become read-only instead of being copied.
 
     Raises
     ------
@@ -55,9 +56,10 @@ class EdgeGradient(Gradient):
     edges: IntArray
     edge_weights: FloatArray
     measure: FloatArray
+    copy: InitVar[bool] = field(default=True, kw_only=True)
 
-    def __post_init__(self) -> None:
-        coerce(self, edges=np.int64, edge_weights=np.float64, measure=np.float64)
+    def __post_init__(self, copy: bool) -> None:
+        coerce(self, copy=copy, edges=np.int64, edge_weights=np.float64, measure=np.float64)
         if self.edges.ndim != 2 or self.edges.shape != (len(self.edge_weights), 2):
             raise InvalidDiscretizationError(
                 f"edges {self.edges.shape} and weights {self.edge_weights.shape} "
@@ -72,8 +74,6 @@ class EdgeGradient(Gradient):
                     f"{name} {bad} is {values[bad]}: an EdgeGradient needs non-negative ones; "
                     "a Laplacian with negative weights needs elements (ElementGradient)"
                 )
-        for array in (self.edges, self.edge_weights, self.measure):
-            freeze(array)
 
     @property
     def n_vertices(self) -> int:

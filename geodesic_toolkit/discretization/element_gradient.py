@@ -44,6 +44,8 @@ class ElementGradient(Gradient):
     stars : bool
         Whether the elements overlap, each being part of the star of its first vertex, as those of
         a point cloud do; `measure` then counts a share of each.
+    copy : bool
+        False hands the arrays over: they become read-only instead of being copied.
 
     Raises
     ------
@@ -84,9 +86,11 @@ class ElementGradient(Gradient):
         measure: FloatArray,
         vertex_count: int,
         stars: bool = False,
+        *,
+        copy: bool = True,
     ) -> None:
-        values = {"elements": elements, "coefficients": coefficients, "measure": measure}
-        _set(self, values, vertex_count, stars, "coefficients")
+        given = {"elements": elements, "coefficients": coefficients, "measure": measure}
+        _set(self, **given, vertex_count=vertex_count, stars=stars, copy=copy)
         count, size = self.elements.shape if self.elements.ndim == 2 else (-1, -1)
         shape = self.coefficients.shape
         if len(shape) != 3 or (shape[0], shape[2]) != (count, size) or len(self.measure) != count:
@@ -98,7 +102,13 @@ class ElementGradient(Gradient):
 
     @classmethod
     def of_triangles(
-        cls, elements: IntArray, inverse: FloatArray, areas: FloatArray, vertex_count: int
+        cls,
+        elements: IntArray,
+        inverse: FloatArray,
+        areas: FloatArray,
+        vertex_count: int,
+        *,
+        copy: bool = True,
     ) -> ElementGradient:
         """Return the gradient of linear finite elements on triangles.
 
@@ -112,6 +122,8 @@ class ElementGradient(Gradient):
         areas : ndarray of shape (E,), float64
         vertex_count : int
             Number N of vertices, the unreferenced ones among them.
+        copy : bool
+            False hands the arrays over: they become read-only instead of being copied.
 
         Returns
         -------
@@ -123,8 +135,8 @@ class ElementGradient(Gradient):
             Indices out of range; triangles without an area.
         """
         gradient = cls.__new__(cls)
-        values = {"elements": elements, "inverse_frames": inverse, "measure": areas}
-        _set(gradient, values, vertex_count, False, "inverse_frames")
+        given = {"elements": elements, "inverse_frames": inverse, "measure": areas}
+        _set(gradient, **given, vertex_count=vertex_count, stars=False, copy=copy)
         _check(gradient, gradient.inverse_frames)
         return gradient
 
@@ -258,27 +270,20 @@ class ElementGradient(Gradient):
 
 
 def _set(
-    gradient: ElementGradient,
-    values: dict[str, Any],
-    vertex_count: int,
-    stars: bool,
-    given: str,
+    gradient: ElementGradient, *, vertex_count: int, stars: bool, copy: bool, **arrays: Any
 ) -> None:
-    """Set the attributes; `given` names the form of the triangles that the other derives from."""
-    for name, value in (*values.items(), ("vertex_count", vertex_count), ("stars", stars)):
-        object.__setattr__(gradient, name, value)
-    object.__setattr__(gradient, "_given", given)
-    coerce(gradient, **{name: np.int64 if name == "elements" else np.float64 for name in values})
+    """Set the attributes; of the two forms of the elements the other one derives from this."""
+    form = "coefficients" if "coefficients" in arrays else "inverse_frames"
+    vars(gradient).update(arrays, vertex_count=vertex_count, stars=stars, _given=form)
+    coerce(gradient, copy=copy, elements=np.int64, measure=np.float64, **{form: np.float64})
 
 
-def _check(gradient: ElementGradient, metric: FloatArray) -> None:
+def _check(gradient: ElementGradient, form: FloatArray) -> None:
     check_range(gradient.elements, gradient.vertex_count, "element")
-    check_finite(metric, "gradient coefficient")
+    check_finite(form, "gradient coefficient")
     check_finite(gradient.measure, "measure")
     if len(gradient.measure) and gradient.measure.min() < 0:
         bad = int(gradient.measure.argmin())
         raise InvalidDiscretizationError(
             f"element {bad} has the negative measure {gradient.measure[bad]}"
         )
-    for array in (gradient.elements, metric, gradient.measure):
-        freeze(array)

@@ -84,7 +84,7 @@ def positive_part(metric: Discretization) -> Discretization:
     upper, diagonal = heads > tails, heads == tails
     weights = np.maximum(-given.data, LINK * np.abs(given.data))
     edges = np.column_stack([tails[upper], heads[upper]])
-    gradient = EdgeGradient(edges, weights[upper], metric.mass)
+    gradient = EdgeGradient(edges, weights[upper], metric.mass, copy=False)
     if np.count_nonzero(diagonal) == count:  # the pattern stays, and its analysis serves
         weights[diagonal] = 0.0
         weights[diagonal] = -np.bincount(tails, weights, count)
@@ -99,4 +99,5 @@ def positive_part(metric: Discretization) -> Discretization:
         boundary=metric.boundary,
         scales=metric.scales,
         notes=metric.notes,
+        copy=False,
     )

@@ -89,7 +89,7 @@ class ScaledGradient:
         found = rises(graph, metric.components, dimension, potentials)
         # Never less than one dimension: there the whole of a rise is along the edge.
         measure = np.minimum(gradient.measure / found**2, own)
-        return EdgeGradient(gradient.edges, gradient.edge_weights, measure)
+        return EdgeGradient(gradient.edges, gradient.edge_weights, measure, copy=False)
 
     def dimensions(self) -> FloatArray:
         """Return the dimension about each vertex that the scale amounts to, (N,); NaN without."""

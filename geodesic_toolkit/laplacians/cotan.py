@@ -166,7 +166,7 @@ class CotanLaplacian(LaplaceOperator):
         if not len(faces):
             raise UnsupportedDomainError("every face of the mesh is a single place; it has no area")
         dropped = domain.n_faces - len(faces)
-        gradient = ElementGradient.of_triangles(faces, inverse, areas, count)
+        gradient = ElementGradient.of_triangles(faces, inverse, areas, count, copy=False)
         sums, lengths = gradient.sums(), lengths_from_inverse(inverse)
         spacing = mean_edge_length(domain.vertices, sums.edges)
         parts = connected_vertices(sums.edges)
@@ -185,7 +185,9 @@ class CotanLaplacian(LaplaceOperator):
         surface = None
         if flip.any():
             faces, lengths, twin = _flipped(faces, lengths, flip, sums.sides)
-            gradient = ElementGradient.of_triangles(faces, *measured_by_lengths(lengths), count)
+            gradient = ElementGradient.of_triangles(
+                faces, *measured_by_lengths(lengths), count, copy=False
+            )
             kept, trapezoids = mirrored_at_rims(faces, lengths, twin)
             if not kept.all():
                 surface, gradient = gradient, _mirrored(gradient, kept, trapezoids)
@@ -208,6 +210,7 @@ class CotanLaplacian(LaplaceOperator):
             triangulation=triangulation,
             known_components=parts,  # flips join and part nothing
             notes=notes,
+            copy=False,
         )
 
     def _to_be_flipped(
@@ -296,4 +299,5 @@ def _mirrored(surface: ElementGradient, kept: BoolArray, beside: Trapezoids) -> 
         np.concatenate([surface.inverse_frames[kept], inverse]),
         np.concatenate([surface.measure[kept], beside.widths * legs / 2]),
         surface.n_vertices,
+        copy=False,
     )

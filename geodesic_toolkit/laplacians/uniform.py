@@ -110,7 +110,7 @@ class UniformLaplacian(LaplaceOperator):
         count = domain.n_vertices
         if self.mass == "identity":
             part = connected_by_edges(edges, count)
-            gradient = EdgeGradient(edges, np.ones(len(edges)), np.ones(count))
+            gradient = EdgeGradient(edges, np.ones(len(edges)), np.ones(count), copy=False)
             return _discretization(gradient, lengths, part, boundary)
         ways = AlongEdges(count, edges, lengths) if isinstance(domain, Graph) else None
         edges, lengths, representatives = _contracted(edges, lengths, count)
@@ -125,7 +125,7 @@ class UniformLaplacian(LaplaceOperator):
         measure = np.bincount(edges.ravel(), minlength=count) / (2.0 * dim)
         local = self.dim == "auto" and isinstance(domain, Graph)
         return _discretization(
-            EdgeGradient(edges, 1 / lengths**2, measure),
+            EdgeGradient(edges, 1 / lengths**2, measure, copy=False),
             lengths,
             part,
             boundary,
@@ -163,6 +163,7 @@ def _discretization(
         spacing=spacing,
         scales=_scales(gradient.edges, lengths, part, spacing),
         boundary=boundary,
+        copy=False,
         **others,
     )
 

@@ -19,6 +19,7 @@ from typing import TYPE_CHECKING, ClassVar, NoReturn, final
 import numpy as np
 
 from geodesic_toolkit import _native
+from geodesic_toolkit.core.frozen import unchanging
 from geodesic_toolkit.core.rows import CompressedRows
 from geodesic_toolkit.core.types import FloatArray
 from geodesic_toolkit.errors import InvalidOptionError, NotEnoughMemoryError, SolverError
@@ -122,7 +123,7 @@ class SupernodalAnalysis(Analysis):
 
     def __init__(self, pattern: CompressedRows, *, compact: bool = False) -> None:
         self.compact = compact
-        self._pattern = pattern.arrays[:2]
+        self._pattern = unchanging(pattern.indptr), unchanging(pattern.indices)
         self._analysis = _analysis_of(pattern)
 
     def expected_bytes(self, n_factors: int) -> float:

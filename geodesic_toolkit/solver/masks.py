@@ -161,7 +161,12 @@ def _restricted(whole: Discretization, stars: ElementGradient, mask: BoolArray) 
     touched = mask[stars.elements].any(axis=1)
     stay = ~touched
     left = ElementGradient(
-        stars.elements[stay], stars.coefficients[stay], stars.measure[stay], count, stars=True
+        stars.elements[stay],
+        stars.coefficients[stay],
+        stars.measure[stay],
+        count,
+        stars=True,
+        copy=False,
     )
     shares = np.repeat(stars.measure, stars.elements.shape[1])
     corners = stars.elements.ravel()
@@ -181,4 +186,5 @@ def _restricted(whole: Discretization, stars: ElementGradient, mask: BoolArray) 
         if len(whole.surface_frames)
         else np.zeros((0, 3)),
         notes={**whole.notes, "masked": int(mask.sum())},
+        copy=False,
     )

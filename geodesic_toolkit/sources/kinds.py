@@ -1,5 +1,6 @@
 """Sources that are more than places: curves, and places with a head start."""
 
+import copy
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any, final
@@ -113,6 +114,8 @@ class OffsetSources:
         if (values < 0).any():
             bad = int(values.argmin())
             raise InvalidSourceError(f"offset {bad} is {values[bad]}; it must not be negative")
+        if isinstance(sources, Sequence) or hasattr(sources, "__array__"):
+            sources = copy.deepcopy(sources)  # it may change later
         object.__setattr__(self, "sources", sources)
         object.__setattr__(self, "offsets", freeze(values))
 

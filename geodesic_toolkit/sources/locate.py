@@ -75,7 +75,7 @@ def locate_sources(
             raise InvalidSourceError(
                 f"{name}: {len(sources.offsets)} offsets must be one for each source"
             )
-        return replace(places, starts=sources.offsets)
+        return replace(places, starts=sources.offsets, copy=False)
     if isinstance(sources, Curve):
         return _along(domain, ground or _ground(passable or domain, name), sources, name)
     check_nothing_masked(sources, name, InvalidSourceError, LEFT)
@@ -248,7 +248,7 @@ def _along(domain: Domain, ground: Ground, curve: Curve, name: str) -> SourcePoi
         off = np.full(len(vertices), np.inf)
         np.minimum.at(off, place, np.linalg.norm(passable.points[nearest] - points, axis=1))
         at = SourcePoints.at_vertices(vertices, domain.n_vertices)
-        return replace(at, distances=off, front_curvatures=np.zeros(len(vertices)))
+        return replace(at, distances=off, front_curvatures=np.zeros(len(vertices)), copy=False)
     faces, barycentric = ground.triangles.closest(points)
     if len(points) == 1:
         return _barycentric(passable, faces, barycentric)

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field, replace
+from dataclasses import InitVar, dataclass, field, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from geodesic_toolkit.core.checks import check_nothing_masked
+from geodesic_toolkit.core.frozen import FrozenArrays, freeze
 from geodesic_toolkit.core.types import BoolArray, FloatArray, IntArray
 from geodesic_toolkit.discretization.data import Discretization
 from geodesic_toolkit.errors import InvalidSourceError
@@ -26,7 +27,7 @@ LAYER = 200.0
 
 
 @dataclass(frozen=True)
-class SourcePoints:
+class SourcePoints(FrozenArrays):
     """A set of P sources as convex combinations of vertices.
 
     Attributes
@@ -46,6 +47,8 @@ class SourcePoints:
     front_curvatures : ndarray of shape (nnz,), float64, optional
         Geodesic curvature κ of the front when it comes to those vertices; that of a circle about
         the point, ``1 / distances``, unless given.
+    copy : bool
+        False hands the arrays over: they become read-only instead of being copied.
     """
 
     vertices: IntArray
@@ -55,10 +58,15 @@ class SourcePoints:
     distances: FloatArray
     starts: FloatArray = field(default_factory=lambda: np.zeros(0))
     front_curvatures: FloatArray | None = None
+    copy: InitVar[bool] = True
 
-    def __post_init__(self) -> None:
+    def __post_init__(self, copy: bool) -> None:
+        own = vars(self)
         if not len(self.starts):
-            object.__setattr__(self, "starts", np.zeros(self.count))
+            own["starts"] = np.zeros(self.count)
+        for name, value in own.items():
+            if isinstance(value, np.ndarray):
+                own[name] = freeze(value.copy() if copy else value)
 
     @classmethod
     def at_vertices(cls, vertices: IntArray, n_vertices: int) -> SourcePoints:
@@ -75,7 +83,14 @@ class SourcePoints:
         SourcePoints
         """
         count = len(vertices)
-        return cls(vertices, np.ones(count), np.arange(count + 1), n_vertices, np.zeros(count))
+        return cls(
+            np.array(vertices, dtype=np.int64),
+            np.ones(count),
+            np.arange(count + 1),
+            n_vertices,
+            np.zeros(count),
+            copy=False,
+        )
 
     def moved_to(self, representatives: IntArray) -> SourcePoints:
         """Return the same sources at the representatives of their vertices.
@@ -88,7 +103,7 @@ class SourcePoints:
         -------
         SourcePoints
         """
-        return replace(self, vertices=representatives[self.vertices])
+        return replace(self, vertices=representatives[self.vertices], copy=False)
 
     @property
     def count(self) -> int:

@@ -210,6 +210,7 @@ class _Part:
             gradient.measure[whole],
             len(vertices),
             stars=gradient.stars,
+            copy=False,
         )
         frames = metric.surface_frames
         discretization = Discretization(
@@ -219,6 +220,7 @@ class _Part:
             spacing=metric.spacing,
             boundary=metric.boundary[vertices] | rim[vertices],  # angles there are incomplete
             surface_frames=frames[whole] if len(frames) else frames,
+            copy=False,
         )
         return cls(discretization, vertices, rim)
 

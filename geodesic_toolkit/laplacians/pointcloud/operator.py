@@ -296,6 +296,7 @@ class PointCloudLaplacian(LaplaceOperator):
             scales=scales,
             surface_frames=_surface_frames(points, soup, gradient, in_space, scale),
             notes=notes,
+            copy=False,
         )
 
     def diffusion(self, metric: Discretization) -> Discretization:
@@ -622,4 +623,5 @@ def _with_segments(  # noqa: PLR0917 - what it needs, in the order of its doing
         np.concatenate(measures),
         n_vertices,
         stars=True,
+        copy=False,
     )

@@ -184,9 +184,8 @@ def _discretization(
     # Slopes are pooled over Σ_j w ℓ² / 4, the area that follows from the edges at a vertex: a
     # third of its triangles differs from it where their valences do.
     energy = np.repeat(weights * _lengths(points, edges) ** 2, 2)
-    gradient = gt.EdgeGradient(
-        edges, weights, np.bincount(edges.ravel(), energy, minlength=len(boundary)) / 4
-    )
+    pooled = np.bincount(edges.ravel(), energy, minlength=len(boundary)) / 4
+    gradient = gt.EdgeGradient(edges, weights, pooled, copy=False)
     return gt.Discretization(
         mass=vertex_mass,
         stiffness=gradient.stiffness(),
@@ -194,6 +193,7 @@ def _discretization(
         spacing=spacing,
         boundary=boundary,
         notes={"clipped_weight": clipped},
+        copy=False,
     )
 
 
