@@ -1,0 +1,152 @@
+"""What a solver is made of, assembled from a shape and its options."""
+
+from dataclasses import dataclass
+from typing import Any, Literal, TypeAlias
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from geodesic_toolkit.core.types import BoolArray
+from geodesic_toolkit.discretization.data import Discretization
+from geodesic_toolkit.domains import Domain, TriangleMesh
+from geodesic_toolkit.errors import InvalidOptionError
+from geodesic_toolkit.geometry.seams import Seams, find_seams
+from geodesic_toolkit.heat.method import Boundary, HeatMethod
+from geodesic_toolkit.laplacians.base import LaplaceOperator
+from geodesic_toolkit.linear.base import LinearSolver
+from geodesic_toolkit.refinement.bounds import bounds_of
+from geodesic_toolkit.refinement.choice import refinement_of
+from geodesic_toolkit.refinement.polyhedra import MOST_FACES, small_parts_of
+from geodesic_toolkit.registry.catalog import resolve_operator, resolve_solvers
+
+__all__ = ["Assembly", "Operator", "Refine", "Solver", "assembled"]
+
+Operator: TypeAlias = str | type[LaplaceOperator] | LaplaceOperator
+Solver: TypeAlias = str | type[LinearSolver] | LinearSolver | dict[str, Any]
+Refine: TypeAlias = bool | Literal["auto", "across"]
+
+
+@dataclass(frozen=True, eq=False)
+class Assembly:
+    """What a solver is made of.
+
+    Attributes
+    ----------
+    domain : Domain
+    passable : Domain
+        The same without what touches a masked vertex.
+    operator : LaplaceOperator
+    diffusion : LaplaceOperator or None
+        The operator of the heat, if it is another one.
+    method : HeatMethod
+    mask : ndarray of shape (N,), bool, or None
+    whole : Discretization or None
+        Of a cloud of which a part is masked.
+    seams : Seams or None
+    reason : str
+        Why distances are refined, or not, where that was left to "auto".
+    unusual : str
+        What may make plain heat wrong on a mesh of any size, in words.
+    """
+
+    domain: Domain
+    passable: Domain
+    operator: LaplaceOperator
+    diffusion: LaplaceOperator | None
+    method: HeatMethod
+    mask: BoolArray | None
+    whole: Discretization | None
+    seams: Seams | None
+    reason: str
+    unusual: str
+
+
+def assembled(
+    domain: Domain,
+    *,
+    operator: Operator,
+    diffusion: Operator | None,
+    time: float | None,
+    time_factor: float,
+    boundary: Boundary,
+    solver: Solver,
+    refine: Refine,
+    mask: ArrayLike | None,
+) -> Assembly:
+    """Return what a ``GeodesicSolver`` of these options is made of; it documents them."""
+    measures = resolve_operator(operator, domain)
+    flows = None if diffusion is None else resolve_operator(diffusion, domain)
+    passable, metric, held, whole = _discretized(measures, domain, mask)
+    own_time = time is not None or time_factor != 1.0
+    how, reason = _refinement(refine, metric, heat_is_meant=own_time or flows is not None)
+    refined = False if how == "across" else how
+    heat_solver, poisson_solver = resolve_solvers(solver, passable.n_vertices, refine=refined)
+    seams = (
+        find_seams(passable.vertices, passable.faces, metric.boundary)
+        if isinstance(passable, TriangleMesh)
+        else None
+    )
+    small_parts = small_parts_of(passable, metric.components) if refined else None
+    if small_parts is not None:
+        reason += f"; exact on parts of up to {MOST_FACES} faces"
+    method = HeatMethod(
+        metric,
+        diffusion=measures.diffusion(metric) if flows is None else flows.assemble(passable),
+        time=time,
+        time_factor=time_factor,
+        boundary=boundary,
+        heat_solver=heat_solver,
+        poisson_solver=poisson_solver,
+        refine=refined,
+        across=how == "across",
+        bounds=bounds_of(passable, metric) if refined else None,
+        small_parts=small_parts,
+    ).prepare()
+    return Assembly(
+        domain=domain,
+        passable=passable,
+        operator=measures,
+        diffusion=flows,
+        method=method,
+        mask=held,
+        whole=whole,
+        seams=seams,
+        reason=reason,
+        unusual=_unusual(boundary, own_time=own_time),
+    )
+
+
+def _discretized(
+    operator: LaplaceOperator, domain: Domain, mask: ArrayLike | None
+) -> tuple[Domain, Discretization, BoolArray | None, Discretization | None]:
+    """Return what may be passed, its discretization, the mask, and that of a whole cloud."""
+    if mask is None:
+        operator.check_domain(domain)
+        return domain, operator.assemble(domain), None, None
+    from geodesic_toolkit.solver.masks import as_mask, assembled_without, of_places, without
+
+    held = of_places(domain, as_mask(mask, domain.n_vertices))
+    metric, whole = assembled_without(operator, domain, held)
+    return without(domain, held), metric, held, whole
+
+
+def _refinement(choice: Any, metric: Discretization, *, heat_is_meant: bool) -> tuple[Any, str]:
+    """Return how to refine, and why if that is left to "auto"."""
+    if isinstance(choice, bool | np.bool_):
+        return choice, ""
+    if isinstance(choice, str) and choice == "across":
+        if metric.across_edges is None:
+            raise InvalidOptionError('refine="across" is for graphs and the "uniform" operator')
+        return "across", ""
+    if not isinstance(choice, str) or choice != "auto":
+        raise InvalidOptionError(
+            f'refine must be True, False or "auto", or "across" on graphs, not {choice!r}'
+        )
+    return refinement_of(metric, heat_is_meant=heat_is_meant)
+
+
+def _unusual(boundary: Boundary, *, own_time: bool) -> str:
+    """Return what may make plain heat wrong on a mesh of any size, in words."""
+    if boundary != "neumann":
+        return f'with boundary="{boundary}"'
+    return "with this time step" if own_time else ""

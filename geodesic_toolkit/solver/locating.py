@@ -1,0 +1,142 @@
+"""Where sources lie on the shape of a solver."""
+
+import threading
+from collections.abc import Iterable
+from typing import TYPE_CHECKING, Any
+
+from geodesic_toolkit.core.checks import check_nothing_masked
+from geodesic_toolkit.core.types import BoolArray
+from geodesic_toolkit.domains import Domain, PointCloud, TriangleMesh
+from geodesic_toolkit.errors import InvalidSourceError
+from geodesic_toolkit.solver.assembly import Assembly
+from geodesic_toolkit.sources.locate import locate_sources
+from geodesic_toolkit.sources.points import LEFT, SourcePoints
+
+if TYPE_CHECKING:
+    from geodesic_toolkit.sources.ground import Ground
+
+__all__ = ["SourceLocator"]
+
+
+class SourceLocator:
+    """What a solver is made of, and the sources on it.
+
+    Parameters
+    ----------
+    assembly : Assembly
+    """
+
+    def __init__(self, assembly: Assembly) -> None:
+        self._assembly = assembly
+        self._forget()
+
+    def _forget(self) -> None:
+        """Start without what is made when it is first wanted, and belongs to one process."""
+        self._ground: Ground | None = None
+        self._lock = threading.Lock()
+
+    @property
+    def domain(self) -> Domain:
+        """What was given, converted where it was not a Domain."""
+        return self._assembly.domain
+
+    @property
+    def passable(self) -> Domain:
+        """The domain without what touches a masked vertex: all of it where there is no mask."""
+        return self._assembly.passable
+
+    @property
+    def mask(self) -> BoolArray | None:
+        """True at the vertices that paths may not cross, of shape (N,), or None."""
+        return self._assembly.mask
+
+    def locate(self, sources: Any, name: str = "sources") -> SourcePoints:
+        """Return where sources lie: as convex combinations of vertices, checked.
+
+        What every method that takes `sources` does first; what it returns may be given to them
+        again.
+
+        Parameters
+        ----------
+        sources : int, array-like, SurfacePoint, sequence of them, Curve or OffsetSources
+            As for :meth:`distance`.
+        name : str
+            What errors call them.
+
+        Returns
+        -------
+        SourcePoints
+
+        Raises
+        ------
+        InvalidSourceError
+            As for :meth:`distance`.
+
+        Examples
+        --------
+        >>> import geodesic_toolkit as gt
+        >>> solver = gt.GeodesicSolver(gt.testing.shapes.grid(3))
+        >>> places = solver.locate([0.25, 0.25, 0.0])
+        >>> places.vertices, places.shares
+        (array([0, 4]), array([0.5, 0.5]))
+        """
+        if isinstance(sources, SourcePoints):  # located before
+            places = sources
+        else:
+            places = locate_sources(
+                self.domain, sources, name, passable=self.passable, ground=self._kept_ground()
+            )
+        if self.mask is not None:
+            from geodesic_toolkit.solver.masks import check_unmasked
+
+            check_unmasked(places, self.mask, name)
+        return places
+
+    def locate_sets(self, source_sets: Any) -> list[SourcePoints]:
+        """Return where each of several sets of sources lies.
+
+        Parameters
+        ----------
+        source_sets : array-like of int, or iterable of what `distance` takes
+            As for :meth:`distances`.
+
+        Returns
+        -------
+        list of SourcePoints
+
+        Raises
+        ------
+        InvalidSourceError
+            As for :meth:`distances`; the message says which set.
+        """
+        if isinstance(source_sets, str | bytes) or not isinstance(source_sets, Iterable):
+            raise InvalidSourceError(
+                f"source sets must be a sequence of them, not {source_sets!r}; "
+                "for one set use distance"
+            )
+        check_nothing_masked(source_sets, "source sets", InvalidSourceError, LEFT)
+        sets = list(source_sets)
+        if not sets:
+            raise InvalidSourceError("there are no source sets; give at least one")
+        return [
+            self.locate(sources, f"source set {position}") for position, sources in enumerate(sets)
+        ]
+
+    def _kept_ground(self) -> "Ground | None":
+        """Return where points in space snap to; None where vertices have no positions."""
+        if not isinstance(self.passable, TriangleMesh | PointCloud):
+            return None
+        with self._lock:
+            if self._ground is None:
+                from geodesic_toolkit.sources.ground import Ground
+
+                self._ground = Ground(self.passable)
+            return self._ground
+
+    def __getstate__(self) -> dict[str, Any]:
+        kept = {"_lock", "_ground", "_surface"}
+        return {name: value for name, value in self.__dict__.items() if name not in kept}
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        self.__dict__.update(state)
+        self._forget()
