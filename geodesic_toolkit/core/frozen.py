@@ -43,6 +43,13 @@ class FrozenArrays:
     NumPy drops the flag when it pickles.
     """
 
+    def _set(self, **attributes: Any) -> None:
+        """Set attributes, on construction of a frozen dataclass; arrays become read-only."""
+        for name, value in attributes.items():
+            object.__setattr__(
+                self, name, freeze(value) if isinstance(value, np.ndarray) else value
+            )
+
     def __setstate__(self, state: dict[str, Any]) -> None:
         self.__dict__.update(state)
         for value in state.values():

@@ -156,8 +156,7 @@ class Discretization(FrozenArrays):
                 )
             parts = np.array(known_components) if copy else known_components
             self.__dict__["components"] = freeze(parts)
-        object.__setattr__(self, "spacing", float(self.spacing))
-        object.__setattr__(self, "notes", dict(self.notes))
+        self._set(spacing=float(self.spacing), notes=dict(self.notes))
 
     def _set_rows(self, count: int, copy: bool) -> None:
         """Keep the stiffness as kernels take it; one of SciPy's is made when it is asked for."""
@@ -187,7 +186,7 @@ class Discretization(FrozenArrays):
 
     def _set_scales(self, count: int, copy: bool) -> None:
         if not len(self.scales):
-            object.__setattr__(self, "scales", np.broadcast_to(float(self.spacing), (count,)))
+            self._set(scales=np.broadcast_to(float(self.spacing), (count,)))
             return
         coerce(self, copy=copy, scales=np.float64)
         if self.scales.shape != (count,):

@@ -6,7 +6,6 @@ from typing import final
 import numpy as np
 from numpy.typing import ArrayLike
 
-from geodesic_toolkit.core.frozen import freeze
 from geodesic_toolkit.core.types import BoolArray, FloatArray
 from geodesic_toolkit.domains.base import Domain, as_floats, first_bad_row
 from geodesic_toolkit.errors import InvalidDomainError
@@ -62,25 +61,8 @@ class PointCloud(Domain):
         present: BoolArray = np.asarray(np.isfinite(positions).all(axis=1))
         if not present.any():
             raise InvalidDomainError("no point of the point cloud is finite")
-        object.__setattr__(self, "points", freeze(positions))
-        object.__setattr__(self, "normals", None)
-        object.__setattr__(self, "present", freeze(present))
-        if normals is not None:
-            object.__setattr__(self, "normals", freeze(self._unit_normals(normals)))
-
-    def _unit_normals(self, normals: ArrayLike) -> FloatArray:
-        vectors = as_floats(normals, "normals", (self.n_vertices, 3))
-        largest = np.abs(vectors).max(axis=1)
-        bad = first_bad_row(~self.present | (np.isfinite(largest) & (largest > 0)))
-        if bad is not None:
-            raise InvalidDomainError(
-                f"normal {bad} is zero or not finite: {vectors[bad].tolist()}; "
-                "leave the normals out to have them estimated"
-            )
-        vectors[~self.present] = 0.0
-        vectors /= np.where(largest > 0, largest, 1.0)[:, None]  # against overflow of the square
-        length = np.linalg.norm(vectors, axis=1, keepdims=True)
-        return vectors / np.where(length > 0, length, 1.0)
+        units = None if normals is None else _unit_normals(normals, present)
+        self._set(points=positions, normals=units, present=present)
 
     @property
     def n_vertices(self) -> int:
@@ -95,3 +77,18 @@ class PointCloud(Domain):
         if self.normals is not None:
             parts.append("with normals")
         return f"PointCloud({', '.join(parts)})"
+
+
+def _unit_normals(normals: ArrayLike, present: BoolArray) -> FloatArray:
+    vectors = as_floats(normals, "normals", (len(present), 3))
+    largest = np.abs(vectors).max(axis=1)
+    bad = first_bad_row(~present | (np.isfinite(largest) & (largest > 0)))
+    if bad is not None:
+        raise InvalidDomainError(
+            f"normal {bad} is zero or not finite: {vectors[bad].tolist()}; "
+            "leave the normals out to have them estimated"
+        )
+    vectors[~present] = 0.0
+    vectors /= np.where(largest > 0, largest, 1.0)[:, None]  # against overflow of the square
+    length = np.linalg.norm(vectors, axis=1, keepdims=True)
+    return np.asarray(vectors / np.where(length > 0, length, 1.0))

@@ -6,7 +6,6 @@ from typing import final
 import numpy as np
 from numpy.typing import ArrayLike
 
-from geodesic_toolkit.core.frozen import freeze
 from geodesic_toolkit.core.types import FloatArray, IntArray
 from geodesic_toolkit.domains.base import (
     Domain,
@@ -76,9 +75,7 @@ class Graph(Domain):
                 raise InvalidDomainError(
                     f"edge {bad} has length {metric[bad]}; lengths must be finite and not negative"
                 )
-        object.__setattr__(self, "_n_vertices", int(n_vertices))
-        object.__setattr__(self, "edges", freeze(pairs))
-        object.__setattr__(self, "lengths", freeze(metric))
+        self._set(_n_vertices=int(n_vertices), edges=pairs, lengths=metric)
 
     @property
     def n_vertices(self) -> int:

@@ -6,7 +6,6 @@ from typing import final
 import numpy as np
 from numpy.typing import ArrayLike
 
-from geodesic_toolkit.core.frozen import freeze
 from geodesic_toolkit.core.types import BoolArray, FloatArray, IntArray
 from geodesic_toolkit.domains.base import (
     Domain,
@@ -73,8 +72,7 @@ class TriangleMesh(Domain):
         finite = np.isfinite(points)
         if not finite.all():
             _check_finite(points, triangles, np.asarray(finite.all(axis=1)))
-        object.__setattr__(self, "vertices", freeze(points))
-        object.__setattr__(self, "faces", freeze(triangles))
+        self._set(vertices=points, faces=triangles)
 
     @property
     def n_vertices(self) -> int:

@@ -75,7 +75,14 @@ def log_solve(
     scaled_rhs = right_hand_side
     for stage in range(1, n_vertices + 2):  # each stage settles a vertex at least
         scaled = solution if solution is not None and stage == 1 else factor.solve(scaled_rhs)
-        is_open = _settle(scaled, least, log_scale, columns, log_solution, settled)
+        is_open = _settle(
+            scaled,
+            least,
+            log_scale=log_scale,
+            columns=columns,
+            log_solution=log_solution,
+            settled=settled,
+        )
         if not is_open.any():
             return log_solution, stage
         columns, scaled = columns[is_open], scaled[:, is_open]
@@ -91,9 +98,10 @@ def log_solve(
     return log_solution, n_vertices + 1  # pragma: no cover - every stage settles a vertex
 
 
-def _settle(  # noqa: PLR0917 - what a stage changes
+def _settle(
     scaled: FloatArray,
     least: float,
+    *,
     log_scale: FloatArray,
     columns: IntArray,
     log_solution: FloatArray,

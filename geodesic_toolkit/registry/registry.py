@@ -64,7 +64,7 @@ class _Entry:
     version: str
     target: str
     load: Callable[[], object]
-    loaded: object | None = None
+    loaded: Any = None
 
 
 class Registry(Mapping[str, Plugin], Generic[Plugin]):
@@ -283,7 +283,8 @@ class Registry(Mapping[str, Plugin], Generic[Plugin]):
                     f"the {self.kind} {entry.name!r} of {entry.distribution} is not one: {reason}"
                 )
             entry.loaded = loaded
-        return entry.loaded  # type: ignore[return-value]  # checked by accepts
+        plugin: Plugin = entry.loaded  # as `accepts` has found
+        return plugin
 
     def _unknown(self, name: str) -> str:
         names = list(self)

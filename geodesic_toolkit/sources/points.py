@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from geodesic_toolkit.core.checks import check_nothing_masked
-from geodesic_toolkit.core.frozen import FrozenArrays, freeze
+from geodesic_toolkit.core.frozen import FrozenArrays
 from geodesic_toolkit.core.types import BoolArray, FloatArray, IntArray
 from geodesic_toolkit.discretization.data import Discretization
 from geodesic_toolkit.errors import InvalidSourceError
@@ -48,7 +48,7 @@ class SourcePoints(FrozenArrays):
         Geodesic curvature κ of the front when it comes to those vertices; that of a circle about
         the point, ``1 / distances``, unless given.
     copy : bool
-        False hands the arrays over: they become read-only instead of being copied.
+        False takes the arrays as they are, where nobody is going to change them.
     """
 
     vertices: IntArray
@@ -61,12 +61,11 @@ class SourcePoints(FrozenArrays):
     copy: InitVar[bool] = True
 
     def __post_init__(self, copy: bool) -> None:
-        own = vars(self)
         if not len(self.starts):
-            own["starts"] = np.zeros(self.count)
-        for name, value in own.items():
-            if isinstance(value, np.ndarray):
-                own[name] = freeze(value.copy() if copy else value)
+            self._set(starts=np.zeros(self.count))
+        if copy:
+            arrays = {name: value for name, value in vars(self).items() if np.ndim(value)}
+            self._set(**{name: array.copy() for name, array in arrays.items()})
 
     @classmethod
     def at_vertices(cls, vertices: IntArray, n_vertices: int) -> SourcePoints:

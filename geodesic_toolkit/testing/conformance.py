@@ -4,6 +4,7 @@ import math
 import warnings
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import asdict, dataclass
+from functools import partial
 from typing import Any, NamedTuple
 
 from geodesic_toolkit.errors import ConformanceError, GeodesicWarning, InvalidOptionError
@@ -226,11 +227,15 @@ def as_checks(
         Check(
             law=law.__name__,
             statement=(law.__doc__ or "").strip().splitlines()[0],
-            measure=lambda law=law: worst(law(subject)),  # type: ignore[misc]  # binds each law
+            measure=partial(_measured, law, subject),
             expected_failure=expected_failures.get(law.__name__),
         )
         for law in laws
     ]
+
+
+def _measured(law: Callable[[Any], Iterable[Measured]], subject: object) -> Measured | None:
+    return worst(law(subject))
 
 
 def run_checks(subject: object, checks: Iterable[Check]) -> ConformanceReport:

@@ -2,11 +2,11 @@
 
 import copy
 import dataclasses
-import pickle
 from collections.abc import Iterable, Sequence
 from typing import Any, Protocol
 
 from geodesic_toolkit.testing.conformance import Measured
+from geodesic_toolkit.testing.travel import arrivals
 
 __all__ = ["RECIPE_LAWS", "Recipe", "faults"]
 
@@ -27,9 +27,10 @@ def faults(found: Sequence[str]) -> Measured:
 def recipe_is_frozen_data(subject: Recipe) -> Iterable[Measured]:
     """The recipe is a frozen dataclass of options that all have defaults, and names its DOIs."""
     kind, found = type(subject.recipe), []
-    if not dataclasses.is_dataclass(kind):
+    how: Any = getattr(kind, "__dataclass_params__", None)
+    if how is None:
         found.append(f"{kind.__name__} is not a dataclass")
-    elif not kind.__dataclass_params__.frozen:  # type: ignore[attr-defined]
+    elif not how.frozen:
         found.append(f"{kind.__name__} is not frozen")
     try:
         kind()
@@ -62,8 +63,7 @@ def equal_recipes_are_equal(subject: Recipe) -> Iterable[Measured]:
 def recipe_survives_pickling(subject: Recipe) -> Iterable[Measured]:
     """The recipe comes back from pickle and from deepcopy as it was: in kind and in options."""
     recipe, found = subject.recipe, []
-    travelled = {"pickle": pickle.loads(pickle.dumps(recipe)), "deepcopy": copy.deepcopy(recipe)}  # noqa: S301 - made here
-    for way, arrived in travelled.items():
+    for way, arrived in arrivals(recipe).items():
         if type(arrived) is not type(recipe) or _options(arrived) != _options(recipe):
             found.append(f"{way} makes {arrived!r} of {recipe!r}")
     yield faults(found)

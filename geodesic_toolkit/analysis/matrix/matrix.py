@@ -183,11 +183,11 @@ def _dtype(dtype: DTypeLike) -> np.dtype[Any]:
     return chosen
 
 
-def _limit(max_distance: object) -> float | None:
+def _limit(max_distance: Any) -> float | None:
     if max_distance is None:
         return None
     try:
-        limit = float(max_distance)  # type: ignore[arg-type]
+        limit = float(max_distance)
     except (TypeError, ValueError) as error:
         raise InvalidOptionError(f"max_distance must be a number, not {max_distance!r}") from error
     if not (np.isfinite(limit) and limit >= 0):

@@ -9,7 +9,7 @@ import pickle
 import threading
 import uuid
 import warnings
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import Any
@@ -155,19 +155,22 @@ def _listen() -> None:
     `warnings.catch_warnings` would not do: it is not for workers of several threads.
     """
     with _lock:
-        if getattr(warnings.showwarning, "collects", False):
-            return
-        usual = warnings.showwarning
+        if not isinstance(warnings.showwarning, _Collector):
+            warnings.showwarning = _Collector(warnings.showwarning)
+            warnings.simplefilter("always", GeodesicWarning)
 
-        def collect(
-            message: Warning | str, category: type[Warning], *rest: Any, **more: Any
-        ) -> None:
-            heard = getattr(_heard, "warnings", None)
-            if heard is not None and issubclass(category, GeodesicWarning):
-                heard.append((str(message), category))
-            else:
-                usual(message, category, *rest, **more)
 
-        collect.collects = True  # type: ignore[attr-defined]
-        warnings.showwarning = collect
-        warnings.simplefilter("always", GeodesicWarning)
+class _Collector:
+    """Shows warnings as before, but for those of this package on threads that collect them."""
+
+    def __init__(self, usual: Callable[..., None]) -> None:
+        self._usual = usual
+
+    def __call__(
+        self, message: Warning | str, category: type[Warning], *rest: Any, **more: Any
+    ) -> None:
+        heard = getattr(_heard, "warnings", None)
+        if heard is not None and issubclass(category, GeodesicWarning):
+            heard.append((str(message), category))
+        else:
+            self._usual(message, category, *rest, **more)

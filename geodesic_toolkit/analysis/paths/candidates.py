@@ -28,11 +28,12 @@ class Way:
     weights: FloatArray
 
 
-def best_path(  # noqa: PLR0917 - what it needs, in the order of its doing
+def best_path(
     vertices: FloatArray,
     faces: IntArray,
     height: FloatArray,
     back: FloatArray,
+    *,
     start: int,
     ends: IntArray,
 ) -> Way | None:

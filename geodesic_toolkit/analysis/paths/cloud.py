@@ -101,7 +101,9 @@ def path_on_cloud(solver: GeodesicSolver, sources: SourcePoints, goal: SourcePoi
         distance = refined_distance(solver, metric, sources)
         if np.isfinite(distance[start]):
             back = refined_distance(solver, metric, goal)
-            path = path_down(metric, cloud.points, distance, back, sources.vertices, start)
+            path = path_down(
+                metric, cloud.points, distance, back, ends=sources.vertices, start=start
+            )
     if path is None:
         raise UnreachableError(
             f"no triangle of the cloud connects point {start} with a source; one of them is "

@@ -189,14 +189,16 @@ def _path_on_mesh(
     beside = np.flatnonzero((split.faces == start).any(axis=1))
     if start in ends and len(beside):
         return GeodesicPath(
-            mesh, (_surface_point(mesh, original, split, int(beside[0]), [start], np.ones(1)),)
+            mesh, (_surface_point(mesh, original, split, (int(beside[0]), [start], np.ones(1))),)
         )
     unreached = start in ends or not np.isfinite(height[start])
-    way = None if unreached else best_path(split.vertices, split.faces, height, behind, start, ends)
+    if unreached:
+        return None
+    way = best_path(split.vertices, split.faces, height, behind, start=start, ends=ends)
     if way is None:
         return None
     passed = zip(way.faces[::-1].tolist(), way.ends[::-1].tolist(), way.weights[::-1], strict=True)
-    points = [_surface_point(mesh, original, split, *at) for at in passed]
+    points = [_surface_point(mesh, original, split, at) for at in passed]
     return GeodesicPath(mesh, tuple(_without_repeats(mesh, points)))
 
 
@@ -210,15 +212,17 @@ def _with_triangles(solver: GeodesicSolver) -> Discretization:
     return metric
 
 
-def _surface_point(  # noqa: PLR0917 - what it needs, in the order of its doing
+def _surface_point(
     mesh: TriangleMesh,
     original: IntArray,
     split: Insertion,
-    face: int,
-    vertices: list[int],
-    shares: FloatArray,
+    at: tuple[int, list[int], FloatArray],
 ) -> SurfacePoint:
-    """Return a point of a part of a face, between some of its vertices, as one of the face."""
+    """Return a point as one of a face, where it is known by a part of that.
+
+    By the number of the part, vertices of that, and their shares of the point.
+    """
+    face, vertices, shares = at
     whole = int(original[split.parents[face]])
     weights = np.zeros(3)
     for vertex, share in zip(vertices, shares.tolist(), strict=True):

@@ -153,7 +153,7 @@ class _Search:
         goal = SourcePoints.at_vertices(first, count)
         back = sweeper.distance(self.behind[part.vertices], goal)
         points = self.points[part.vertices]
-        path = path_down(part.metric, points, distance, back, ends, int(first[0]))
+        path = path_down(part.metric, points, distance, back, ends=ends, start=int(first[0]))
         return None if path is None else (part.vertices[path[0]], path[1])
 
     def up(self) -> IntArray:

@@ -17,11 +17,12 @@ alone, over a gap or across a bend, which the other stars have seen better. Such
 (They are not always: in noise stars differ all over, and a path around would be longer.)"""
 
 
-def path_down(  # noqa: PLR0917 - what it needs, in the order of its doing
+def path_down(
     metric: Discretization,
     points: FloatArray,
     distance: FloatArray,
     back: FloatArray,
+    *,
     ends: IntArray,
     start: int,
 ) -> tuple[IntArray, FloatArray] | None:
@@ -48,10 +49,10 @@ def path_down(  # noqa: PLR0917 - what it needs, in the order of its doing
     reached = np.isfinite(distance) & np.isfinite(back)
     triangles, stars, links = _apart(elements[reached[elements].all(axis=1)])
     places = np.where(reached[:, None], points, 0.0)
-    path = _through(triangles, links, places, distance, back, ends, start)
+    path = _through(triangles, links, places, distance, back, ends=ends, start=start)
     if path is not None and length_of(places, *path) < BRIDGED * distance[start]:
         agreed = triangles[stars > 1]
-        around = _through(agreed, links, places, distance, back, ends, start)
+        around = _through(agreed, links, places, distance, back, ends=ends, start=start)
         return path if around is None else around
     return path
 
@@ -74,12 +75,13 @@ def _apart(elements: IntArray) -> tuple[IntArray, IntArray, IntArray]:
     return triangles, stars, links
 
 
-def _through(  # noqa: PLR0917 - what it needs, in the order of its doing
+def _through(
     triangles: IntArray,
     links: IntArray,
     points: FloatArray,
     distance: FloatArray,
     back: FloatArray,
+    *,
     ends: IntArray,
     start: int,
 ) -> tuple[IntArray, FloatArray] | None:
@@ -90,7 +92,7 @@ def _through(  # noqa: PLR0917 - what it needs, in the order of its doing
     faces = np.concatenate([triangles, np.column_stack([links, middles])])
     height, behind = (np.concatenate([d, d[links].mean(axis=1)]) for d in (distance, back))
     height[ends] = 0.0
-    way = best_path(places, faces, height, behind, start, ends)
+    way = best_path(places, faces, height, behind, start=start, ends=ends)
     return None if way is None else _between_points(way, links, len(points))
 
 

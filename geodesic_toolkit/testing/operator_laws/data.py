@@ -1,7 +1,5 @@
 """What an operator takes and what it gives: kinds of domain, arrays, typed errors."""
 
-import copy
-import pickle
 from collections.abc import Iterable
 from typing import Any
 
@@ -16,6 +14,7 @@ from geodesic_toolkit.testing.conformance import Measured
 from geodesic_toolkit.testing.figures import largest
 from geodesic_toolkit.testing.operator_laws.subject import OperatorSubject
 from geodesic_toolkit.testing.recipe_laws import faults
+from geodesic_toolkit.testing.travel import arrivals
 
 __all__ = ["DATA_LAWS", "REFUSAL_LAWS"]
 
@@ -88,7 +87,7 @@ def arrays_are_read_only(subject: OperatorSubject) -> Iterable[Measured]:
     """The arrays of a discretization cannot be written to, nor those of a pickled copy of it."""
     for sample, discretization in subject.cases():
         found = []
-        copied = pickle.loads(pickle.dumps(discretization))  # noqa: S301 - made here
+        copied = arrivals(discretization)["pickle"]
         for way, data in (("", discretization), ("pickled ", copied)):
             stiffness = data.stiffness
             arrays = {
@@ -107,7 +106,7 @@ def arrays_are_read_only(subject: OperatorSubject) -> Iterable[Measured]:
 def pickled_data_is_the_same(subject: OperatorSubject) -> Iterable[Measured]:
     """A discretization comes back from pickle and from deepcopy with the same numbers."""
     for sample, discretization in subject.cases():
-        for arrived in (pickle.loads(pickle.dumps(discretization)), copy.deepcopy(discretization)):  # noqa: S301
+        for arrived in arrivals(discretization).values():
             yield Measured(_distance_of_data(discretization, arrived), 0.0, sample.name)
 
 
