@@ -188,7 +188,7 @@ def test_an_analysis_does_not_follow_its_pattern():
 
 
 @pytest.mark.parametrize(
-    "name", [name for name in CASES if name.startswith(("Edge", "Element", "Discret"))]
+    "name", [name for name in CASES if name.startswith(("Edge", "Element", "Discretization"))]
 )
 def test_arrays_that_are_handed_over_are_taken_without_a_copy(name):
     construct, arguments = CASES[name]
