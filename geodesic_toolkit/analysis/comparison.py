@@ -10,7 +10,7 @@ import numpy as np
 
 from geodesic_toolkit.analysis.variants import DEFAULT, Variant, variants_for
 from geodesic_toolkit.core.types import FloatArray, IntArray
-from geodesic_toolkit.domains import Domain, Graph, PointCloud, TriangleMesh
+from geodesic_toolkit.domains import Domain, PointCloud, TriangleMesh
 from geodesic_toolkit.errors import (
     GeodesicError,
     GeodesicWarning,
@@ -172,8 +172,9 @@ def compare(
     variants : sequence of Variant, optional
         :func:`~geodesic_toolkit.variants_for` the domain by default.
     affordable_faces : int
-        Up to so many faces of a mesh the reference is :func:`exact_distance`; else, and for
-        clouds, the refined distance; for graphs the shortest way along edges.
+        Up to so many faces of a mesh the reference is :func:`exact_distance`; of graphs it is the
+        shortest path along edges; else the distance of the default, refined where there are
+        triangles.
     progress : callable, optional
         Called with the number of variants done and their total after each.
 
@@ -212,28 +213,20 @@ def compare(
 
 
 def _reference(domain: Domain, sources: IntArray, affordable: int) -> tuple[str, FloatArray]:
-    if isinstance(domain, Graph):
-        return "shortest way along edges", _along_edges(domain, sources)
     if isinstance(domain, TriangleMesh) and domain.n_faces <= affordable:
         try:
             return "exact polyhedral distance", exact_distance(domain, sources)
         except SolverError:
             pass  # the search was given up: what is refined will do
-    if isinstance(domain, TriangleMesh | PointCloud):
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore", GeodesicWarning)  # its row has them
-            return "refined distance", GeodesicSolver(domain).distance(sources)
-    return "the default", GeodesicSolver(domain).distance(sources)
-
-
-def _along_edges(graph: Graph, sources: IntArray) -> FloatArray:
-    from scipy.sparse import coo_array, csr_array
-    from scipy.sparse.csgraph import dijkstra
-
-    shape = (graph.n_vertices, graph.n_vertices)
-    adjacency = csr_array(coo_array((graph.lengths, tuple(graph.edges.T)), shape=shape))
-    distance = dijkstra(adjacency, directed=False, indices=sources, min_only=True)
-    return np.asarray(distance, dtype=np.float64)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", GeodesicWarning)  # its row has them
+        solver = GeodesicSolver(domain)
+        ways = solver.method.metric.along_edges
+        if ways is not None:
+            ends, late = np.array([0, len(sources)]), np.zeros(len(sources))
+            return "shortest way along edges", ways.distances(ends, sources, late)[0]
+        name = "refined distance" if solver.method.refine else "the default"
+        return name, solver.distance(sources)
 
 
 def _probes(reference: FloatArray) -> IntArray:

@@ -7,7 +7,6 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from geodesic_toolkit.core.types import FloatArray, IntArray
-from geodesic_toolkit.domains import PointCloud
 from geodesic_toolkit.errors import InvalidOptionError, InvalidSourceError
 from geodesic_toolkit.heat.method import Progress
 from geodesic_toolkit.solver.solver import GeodesicSolver, check_solver
@@ -122,10 +121,7 @@ def _candidates(solver: GeodesicSolver) -> IntArray:
     used = np.flatnonzero(np.bincount(metric.components)[metric.components] > 1)
     if len(used):
         return used
-    present = np.ones(solver.domain.n_vertices, dtype=bool)
-    if isinstance(solver.domain, PointCloud):
-        present = solver.domain.present
-    return np.flatnonzero(present)
+    return np.flatnonzero(solver.domain.present)
 
 
 def _check_count(count: object, n_candidates: int) -> None:

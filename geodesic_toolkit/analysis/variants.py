@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from geodesic_toolkit.domains import Domain, Graph, PointCloud, TriangleMesh
+from geodesic_toolkit.domains import Domain, PointCloud, TriangleMesh
 from geodesic_toolkit.errors import PluginLoadError
 from geodesic_toolkit.geometry.triangles import edges_of_faces, proper_faces
 from geodesic_toolkit.laplacians.cotan import CotanLaplacian
@@ -71,21 +71,20 @@ def variants_for(domain: Domain) -> list[Variant]:
     found = [Variant(DEFAULT, "default"), _plain(PLAIN, "refinement")]
     found += _operators(domain)
     found += [_plain(f"time factor {factor:g}", "time", time_factor=factor) for factor in (0.25, 4)]
-    if isinstance(domain, TriangleMesh):
+    mesh = domain if isinstance(domain, TriangleMesh) else None
+    if mesh is not None:
         unit = UniformLaplacian(mass="identity")
         found += [
             _plain("uniform diffusion, t = h²", "diffusion", diffusion=unit),
             _plain("uniform diffusion, t = 1", "diffusion", diffusion=unit, time=1.0),
         ]
-    if not (isinstance(domain, TriangleMesh) and _is_closed(domain)):
+    if mesh is None or not _is_closed(mesh):
         found += [
             _plain(f"{condition} boundary", "boundary", boundary=condition)
             for condition in ("dirichlet", "average")
         ]
     found.append(_plain("cg for Poisson", "solver", solver={"poisson": "cg"}))
-    if isinstance(domain, TriangleMesh):
-        found += _elsewhere(domain)
-    return found
+    return found if mesh is None else [*found, *_elsewhere(mesh)]
 
 
 def _plain(name: str, group: str, **options: Any) -> Variant:
@@ -121,8 +120,4 @@ def _elsewhere(mesh: TriangleMesh) -> Iterator[Variant]:
     cloud = PointCloud(np.where(used[:, None], mesh.vertices, np.nan))
     yield Variant("cloud of the vertices", "domain", {"refine": False}, cloud)
     yield Variant("cloud of the vertices, refined", "domain", domain=cloud)
-    edges, _ = edges_of_faces(faces, mesh.n_vertices)
-    lengths = np.linalg.norm(np.diff(mesh.vertices[edges], axis=1)[:, 0], axis=1)
-    proper = lengths > 0
-    graph = Graph(mesh.n_vertices, edges[proper], lengths[proper])
-    yield Variant("graph of the edges", "domain", domain=graph)
+    yield Variant("graph of the edges", "domain", domain=mesh.as_graph())

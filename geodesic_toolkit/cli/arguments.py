@@ -209,10 +209,10 @@ def check_thin(thin: float | None, mask: object) -> None:
 
 def check_positions(domain: "Domain") -> None:
     """Raise an `InvalidOptionError` where `domain` has no positions for points to be near to."""
-    from geodesic_toolkit.domains import Graph
-
-    if isinstance(domain, Graph):
-        raise InvalidOptionError("--at: a graph has no positions; its vertices are all there is")
+    if not domain.has("positions"):
+        raise InvalidOptionError(
+            f"--at: a {type(domain).__name__} has no positions; its vertices are all there is"
+        )
 
 
 def check_plugins(solver: str, *operators: str | None) -> None:

@@ -26,7 +26,10 @@ Name = Annotated[
 
 
 def check(name: Name, json: Json = False) -> None:
-    """Check an operator or a solver against its contract; exit status 1 where a law is broken."""
+    """Check an operator or a solver against its contract; exit status 1 where a law is broken.
+
+    Of an operator on a kind of domain of its own, that kind is checked as well.
+    """
     with running() as run, run.step(f"checking {name}"):
         kind, report = _checked(name)
     if json:
@@ -48,7 +51,11 @@ def _checked(name: str) -> tuple[str, "ConformanceReport"]:
         solver = catalog.solvers.resolve(short)
         return kind, testing.run_checks(solver, testing.linear_solver_checks(solver))
     operator = catalog.operators.resolve(short)
-    return kind, testing.run_checks(operator, testing.laplace_operator_checks(operator))
+    checks = testing.laplace_operator_checks(operator)
+    for own in operator.domains:
+        if own.has("samples"):  # a kind of domain that comes with the operator
+            checks += testing.domain_checks(own.samples().generic)
+    return kind, testing.run_checks(operator, checks)
 
 
 def _kind_and_name(name: str, operators: Any, solvers: Any) -> tuple[str, str]:

@@ -321,12 +321,12 @@ def _shape(
 ) -> "tuple[Welded, BoolArray | None, SourcePoints]":
     """Return the shape of a file, what of it is masked, and the sources on it."""
     from geodesic_toolkit.io import read
-    from geodesic_toolkit.solver.masks import check_unmasked, without
+    from geodesic_toolkit.solver.masks import check_unmasked, passable_part
     from geodesic_toolkit.sources.locate import locate_sources
 
     shape = welded(read(path), weld, run)
     masked = shape.mask(None if mask is None else mask.mask(shape.file.n_vertices))
-    passable = shape.domain if masked is None else without(shape.domain, masked)
+    passable = shape.domain if masked is None else passable_part(shape.domain, masked)
     places = locate_sources(shape.domain, shape.sources(sources, masked), passable=passable)
     if masked is not None:
         check_unmasked(places, masked)

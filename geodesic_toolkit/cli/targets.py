@@ -82,15 +82,14 @@ class Targets:
 
     def check_domain(self, domain: "Domain") -> None:
         """Raise an `InvalidOptionError` where a file needs positions and `domain` has none."""
-        from geodesic_toolkit.domains import Graph
         from geodesic_toolkit.io.writing import WITH_SHAPE
 
-        if isinstance(domain, Graph):
+        if not domain.has("positions"):
             for path in self.paths:
                 if path.suffix.lower() in (*WITH_SHAPE, ".png", ".html"):
                     raise InvalidOptionError(
-                        f"{path}: a graph has no positions to draw or to write; use .npy, .csv or "
-                        ".txt"
+                        f"{path}: a {type(domain).__name__} has no positions to draw or to write; "
+                        "use .npy, .csv or .txt"
                     )
 
     def load_graphics(self) -> None:

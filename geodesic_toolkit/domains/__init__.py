@@ -1,18 +1,24 @@
-"""What distances are measured on: triangle meshes, point clouds, graphs.
+"""Shapes that distances are measured on: meshes, point clouds, graphs, and the base of others.
 
 Domains coerce, validate and freeze; they hold no algorithms.
 """
 
 from geodesic_toolkit.domains.base import Domain
+from geodesic_toolkit.domains.checked import graph_of, normals_of, positions_of, triangles_of
 from geodesic_toolkit.domains.cloud import PointCloud
 from geodesic_toolkit.domains.graph import Graph
+from geodesic_toolkit.domains.located import Located, check_present
 from geodesic_toolkit.domains.mesh import TriangleMesh
-from geodesic_toolkit.domains.positions import known_positions
 
 __all__ = [
     "Domain",
     "Graph",
+    "Located",
     "PointCloud",
     "TriangleMesh",
-    "known_positions",
+    "check_present",
+    "graph_of",
+    "normals_of",
+    "positions_of",
+    "triangles_of",
 ]

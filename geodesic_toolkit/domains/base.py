@@ -1,7 +1,9 @@
 """The base of all domains, and the coercion of arrays that they share."""
 
+from __future__ import annotations
+
 import abc
-from typing import Any
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -9,8 +11,12 @@ from numpy.typing import ArrayLike
 from geodesic_toolkit.core.arrays import copied
 from geodesic_toolkit.core.checks import check_nothing_masked
 from geodesic_toolkit.core.frozen import FrozenArrays
-from geodesic_toolkit.core.types import FloatArray, IntArray
-from geodesic_toolkit.errors import InvalidDomainError
+from geodesic_toolkit.core.types import BoolArray, FloatArray, IntArray
+from geodesic_toolkit.errors import InvalidDomainError, UnsupportedDomainError
+
+if TYPE_CHECKING:
+    from geodesic_toolkit.domains.graph import Graph
+    from geodesic_toolkit.domains.located import Located
 
 __all__ = ["Domain", "as_floats", "as_indices", "check_corners", "check_indices", "first_bad_row"]
 
@@ -19,13 +25,203 @@ class Domain(FrozenArrays, abc.ABC):
     """A shape that distances are measured on: immutable, validated once, with read-only arrays.
 
     Third parties may subclass it for a kind of shape that the core does not have; an operator
-    says in :attr:`LaplaceOperator.domains` which kinds it discretizes.
+    says in :attr:`LaplaceOperator.domains` which kinds it discretizes. The number of vertices is
+    all that distances need. Everything else is an optional capability; a missing one raises an
+    `UnsupportedDomainError` that names it when it is needed.
+
+    ============ =====================================================================
+    capability   what needs it
+    ============ =====================================================================
+    positions    sources at points, queries, pictures, files with a shape
+    triangles    pictures and files with faces, :class:`SurfacePoint`, points between vertices
+    closest      sources and queries at points inside elements that are not triangles
+    as_graph     paths along edges, pictures of edges
+    without      masks
+    samples      ``geodesic-toolkit check`` of an operator on this kind
+    ============ =====================================================================
+
+    `present` and `normals` have defaults that fit most kinds.
+
+    Attributes
+    ----------
+    vertex_name : str
+        Singular noun for a vertex in messages.
     """
+
+    vertex_name: ClassVar[str] = "vertex"
 
     @property
     @abc.abstractmethod
     def n_vertices(self) -> int:
         """Number of vertices: the length of every distance field on this domain."""
+
+    @property
+    def present(self) -> BoolArray:
+        """True at the vertices that are not missing, of shape (N,); all of them by default.
+
+        A missing vertex has an index, a distance of ``inf``, and cannot be a source.
+        """
+        return np.broadcast_to(np.True_, (self.n_vertices,))
+
+    @property
+    def normals(self) -> FloatArray | None:
+        """Unit normals, of shape (N, 3), that files keep; None unless overridden."""
+        return None
+
+    @property
+    def positions(self) -> FloatArray:
+        """Positions of the vertices, of shape (N, 3), in the unit of the distances.
+
+        Vertices that nothing uses may be NaN.
+
+        Raises
+        ------
+        UnsupportedDomainError
+            This kind of domain has none.
+        """
+        raise _without_capability(
+            self, "no positions: its distances are at its vertices alone", "positions"
+        )
+
+    @property
+    def triangles(self) -> IntArray:
+        """Triangles of the surface as vertex indices, of shape (F, 3).
+
+        Those of a mesh, of polygons what they are split into, of a solid its boundary.
+
+        Raises
+        ------
+        UnsupportedDomainError
+            This kind of domain has none.
+        """
+        raise _without_capability(self, "no triangles", "triangles")
+
+    def as_graph(self) -> Graph:
+        """Return the edges between the vertices with their lengths, each once.
+
+        Returns
+        -------
+        Graph
+            Of the same vertices.
+
+        Raises
+        ------
+        UnsupportedDomainError
+            This kind of domain has none.
+        """
+        raise _without_capability(self, "no edges", "as_graph()")
+
+    def without(self, mask: BoolArray) -> Domain:  # noqa: ARG002 - for those that override it
+        """Return the domain without what touches a masked vertex: no path crosses it.
+
+        Parameters
+        ----------
+        mask : ndarray of shape (N,), bool
+
+        Returns
+        -------
+        Domain
+            A new one of a kind that the same operators take. All vertices keep their numbers;
+            masked ones belong to no element any more.
+
+        Raises
+        ------
+        InvalidOptionError
+            The mask leaves nothing.
+        UnsupportedDomainError
+            This kind of domain cannot be masked.
+        """
+        raise UnsupportedDomainError(
+            f"vertices of a {type(self).__name__} cannot be masked; leave them out of it"
+            f"{_to_write(self, 'without(mask)')}"
+        )
+
+    def closest(self, points: FloatArray) -> Located:  # noqa: ARG002 - as above
+        """Return the places of the domain that are closest to points in space.
+
+        To be overridden by kinds whose places are not those of their `triangles`: of those, and
+        else of the vertices with `positions`, the closest are found without it.
+
+        Parameters
+        ----------
+        points : ndarray of shape (Q, 3), float64
+            Finite.
+
+        Returns
+        -------
+        Located
+            Q places.
+
+        Raises
+        ------
+        UnsupportedDomainError
+            This kind of domain leaves it to its triangles or vertices.
+        """
+        raise _without_capability(self, "no places of its own between vertices", "closest(points)")
+
+    @classmethod
+    def samples(cls) -> Any:
+        """Return shapes of this kind about which the truth is known.
+
+        Returns
+        -------
+        DomainSamples
+            As :func:`geodesic_toolkit.testing.laplace_operator_checks` takes them.
+
+        Raises
+        ------
+        UnsupportedDomainError
+            This kind of domain brings none.
+        """
+        raise UnsupportedDomainError(
+            f"there are no samples of {cls.__name__}: pass samples=[DomainSamples(...)], or give "
+            "the class the classmethod samples() of Domain"
+        )
+
+    @classmethod
+    def has(cls, capability: str) -> bool:
+        """Return whether this kind of domain brings a capability.
+
+        Parameters
+        ----------
+        capability : str
+            The name of the property or method.
+
+        Returns
+        -------
+        bool
+
+        Examples
+        --------
+        >>> import geodesic_toolkit as gt
+        >>> gt.TriangleMesh.has("positions"), gt.Graph.has("positions")
+        (True, False)
+        """
+        return _defined(cls, capability) is not _defined(Domain, capability)
+
+    def __repr__(self) -> str:
+        return f"{type(self).__name__}({self.n_vertices} vertices)"
+
+
+def _defined(kind: type, capability: str) -> Any:
+    """Return what a class has under a name; of a classmethod the function, which does not vary."""
+    found = getattr(kind, capability)
+    return getattr(found, "__func__", found)
+
+
+def _without_capability(domain: Domain, missing: str, name: str) -> UnsupportedDomainError:
+    return UnsupportedDomainError(
+        f"a {type(domain).__name__} has {missing}{_to_write(domain, name)}"
+    )
+
+
+def _to_write(domain: Domain, name: str) -> str:
+    """Return what the author of a kind of domain is to write; nothing of kinds of the core."""
+    kind = type(domain)
+    if kind.__module__.startswith(f"{__package__}."):
+        return ""
+    what = "method" if name.endswith(")") else "property"
+    return f". To allow it, give the class {kind.__name__} the {what} {name} of Domain"
 
 
 def _as_array(values: ArrayLike, name: str) -> np.ndarray[Any, Any]:

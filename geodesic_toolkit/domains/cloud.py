@@ -1,14 +1,14 @@
 """Point clouds."""
 
 from dataclasses import dataclass
-from typing import final
+from typing import ClassVar, final
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from geodesic_toolkit.core.types import BoolArray, FloatArray
 from geodesic_toolkit.domains.base import Domain, as_floats, first_bad_row
-from geodesic_toolkit.errors import InvalidDomainError
+from geodesic_toolkit.errors import InvalidDomainError, InvalidOptionError
 
 __all__ = ["PointCloud"]
 
@@ -50,9 +50,11 @@ class PointCloud(Domain):
     PointCloud(3 points, 1 missing)
     """
 
+    vertex_name: ClassVar[str] = "point"
+
     points: FloatArray
-    normals: FloatArray | None
-    present: BoolArray
+    _normals: FloatArray | None
+    _present: BoolArray
 
     def __init__(self, points: ArrayLike, normals: ArrayLike | None = None) -> None:
         positions = as_floats(points, "points", (None, 3))
@@ -62,7 +64,42 @@ class PointCloud(Domain):
         if not present.any():
             raise InvalidDomainError("no point of the point cloud is finite")
         units = None if normals is None else _unit_normals(normals, present)
-        self._set(points=positions, normals=units, present=present)
+        self._set(points=positions, _normals=units, _present=present)
+
+    @property
+    def positions(self) -> FloatArray:
+        """The points."""
+        return self.points
+
+    @property
+    def present(self) -> BoolArray:
+        """True at finite points, of shape (N,)."""
+        return self._present
+
+    @property
+    def normals(self) -> FloatArray | None:
+        """Unit normals, of shape (N, 3), or None."""
+        return self._normals
+
+    def without(self, mask: BoolArray) -> "PointCloud":
+        """Return the cloud with masked points missing.
+
+        Parameters
+        ----------
+        mask : ndarray of shape (N,), bool
+
+        Returns
+        -------
+        PointCloud
+
+        Raises
+        ------
+        InvalidOptionError
+            The mask leaves no point.
+        """
+        if not (self.present & ~mask).any():
+            raise InvalidOptionError("the mask leaves no point, and so no paths")
+        return PointCloud(np.where(mask[:, None], np.nan, self.points), self.normals)
 
     @property
     def n_vertices(self) -> int:

@@ -6,7 +6,7 @@ from typing import final
 import numpy as np
 from numpy.typing import ArrayLike
 
-from geodesic_toolkit.core.types import FloatArray, IntArray
+from geodesic_toolkit.core.types import BoolArray, FloatArray, IntArray
 from geodesic_toolkit.domains.base import (
     Domain,
     as_floats,
@@ -14,7 +14,7 @@ from geodesic_toolkit.domains.base import (
     check_indices,
     first_bad_row,
 )
-from geodesic_toolkit.errors import InvalidDomainError
+from geodesic_toolkit.errors import InvalidDomainError, InvalidOptionError
 
 __all__ = ["Graph"]
 
@@ -86,6 +86,31 @@ class Graph(Domain):
     def n_edges(self) -> int:
         """Number of edges as given."""
         return len(self.edges)
+
+    def as_graph(self) -> "Graph":
+        """Return the graph itself."""
+        return self
+
+    def without(self, mask: BoolArray) -> "Graph":
+        """Return the graph without the edges of masked vertices.
+
+        Parameters
+        ----------
+        mask : ndarray of shape (N,), bool
+
+        Returns
+        -------
+        Graph
+
+        Raises
+        ------
+        InvalidOptionError
+            The mask leaves no vertex.
+        """
+        if mask.all():
+            raise InvalidOptionError("the mask leaves no vertex, and so no paths")
+        free = ~mask[self.edges].any(axis=1)
+        return Graph(self.n_vertices, self.edges[free], self.lengths[free])
 
     def __repr__(self) -> str:
         plural = "" if self.n_edges == 1 else "s"

@@ -15,7 +15,8 @@ from geodesic_toolkit.domains.base import (
     check_indices,
     first_bad_row,
 )
-from geodesic_toolkit.errors import InvalidDomainError
+from geodesic_toolkit.domains.graph import Graph
+from geodesic_toolkit.errors import InvalidDomainError, InvalidOptionError
 
 __all__ = ["TriangleMesh"]
 
@@ -85,6 +86,58 @@ class TriangleMesh(Domain):
         used = np.zeros(self.n_vertices, dtype=np.bool_)
         used[self.faces] = True
         return used
+
+    @property
+    def positions(self) -> FloatArray:
+        """The vertices."""
+        return self.vertices
+
+    @property
+    def triangles(self) -> IntArray:
+        """The faces."""
+        return self.faces
+
+    def as_graph(self) -> Graph:
+        """Return the edges of faces with three different vertices, those of some length, each once.
+
+        Returns
+        -------
+        Graph
+        """
+        a, b, c = self.faces.T
+        proper = self.faces[(a != b) & (b != c) & (c != a)]
+        edges = np.unique(np.sort(proper[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2)), axis=0)
+        lengths = np.linalg.norm(np.diff(self.vertices[edges], axis=1)[:, 0], axis=1)
+        some = lengths > 0
+        return Graph(self.n_vertices, edges[some], lengths[some])
+
+    def without(self, mask: BoolArray) -> "TriangleMesh":
+        """Return the mesh without the faces that have a masked vertex, its vertices as they are.
+
+        Parameters
+        ----------
+        mask : ndarray of shape (N,), bool
+
+        Returns
+        -------
+        TriangleMesh
+
+        Raises
+        ------
+        InvalidOptionError
+            The mask leaves no face.
+
+        Examples
+        --------
+        >>> import numpy as np
+        >>> import geodesic_toolkit as gt
+        >>> gt.testing.shapes.grid(3).without(np.arange(9) == 8)
+        TriangleMesh(9 vertices, 6 faces)
+        """
+        faces = self.faces[~mask[self.faces].any(axis=1)]
+        if not len(faces):
+            raise InvalidOptionError("the mask leaves no face, and so no paths")
+        return TriangleMesh(self.vertices, faces)
 
     @property
     def n_faces(self) -> int:

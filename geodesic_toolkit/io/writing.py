@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from geodesic_toolkit.core.atomic import check_output, replacing
 from geodesic_toolkit.core.types import FloatArray
-from geodesic_toolkit.domains import Domain, PointCloud, TriangleMesh, known_positions
+from geodesic_toolkit.domains import Domain, normals_of, positions_of, triangles_of
 from geodesic_toolkit.errors import InvalidOptionError
 from geodesic_toolkit.io.common import optional_package
 from geodesic_toolkit.io.readers.gifti import encode_gifti
@@ -115,7 +115,7 @@ def write(
     """
     file = check_distance_output(path)
     field = _checked(distances, domain)
-    positions = known_positions(domain)
+    positions = positions_of(domain) if domain.has("positions") else None
     suffix = file.suffix.lower()
     if suffix in WITH_SHAPE and positions is None:
         raise InvalidOptionError(
@@ -225,12 +225,11 @@ def _ply(domain: Domain, field: FloatArray, sources: Any, model: Path | None) ->
     comment = "geodesic distance" + _from(sources)
     if model is not None:
         return encode_ply_like(model, fields, comment)
-    positions = known_positions(domain)
-    assert positions is not None
-    vertices: dict[str, NDArray[Any]] = dict(zip("xyz", positions.T, strict=True))
-    if isinstance(domain, PointCloud) and domain.normals is not None:
-        vertices.update(zip(("nx", "ny", "nz"), domain.normals.T, strict=True))
-    faces = domain.faces if isinstance(domain, TriangleMesh) else None
+    vertices: dict[str, NDArray[Any]] = dict(zip("xyz", positions_of(domain).T, strict=True))
+    normals = normals_of(domain)
+    if normals is not None:
+        vertices.update(zip(("nx", "ny", "nz"), normals.T, strict=True))
+    faces = triangles_of(domain) if domain.has("triangles") else None
     return encode_ply({**vertices, **fields}, faces, [comment])
 
 

@@ -49,6 +49,10 @@ COMPACT = 20_000
 def resolve_operator(choice: object, domain: Domain) -> LaplaceOperator:
     """Return the operator for a name, class, instance or "auto".
 
+    Of a kind of domain that the core does not have, "auto" takes the installed operator that names
+    this class among its `domains`, or else the nearest of the classes that it derives from; of
+    several such operators the first by name.
+
     Raises
     ------
     UnsupportedDomainError
@@ -69,16 +73,28 @@ def resolve_operator(choice: object, domain: Domain) -> LaplaceOperator:
         from geodesic_toolkit.laplacians.uniform import UniformLaplacian
 
         return UniformLaplacian()
+    return _operator_of_kind(type(domain))
+
+
+def _operator_of_kind(kind: type[Domain]) -> LaplaceOperator:
+    """Return the installed operator that is closest to a kind of domain."""
+    found: list[tuple[int, str]] = []
+    broken = []
     for name in operators:
         try:
-            candidate = operators[name]
+            taken = operators[name].domains
         except PluginLoadError:  # a broken plugin hurts only itself; `status` shows it
+            broken.append(name)
             continue
-        if isinstance(domain, candidate.domains):
-            return candidate()
+        steps = [step for step, parent in enumerate(kind.__mro__) if parent in taken]
+        if steps:
+            found.append((steps[0], name))
+    if found:
+        return operators[min(found)[1]]()
+    others = f"; {', '.join(broken)} does not load, see geodesic-toolkit plugins" if broken else ""
     raise UnsupportedDomainError(
-        f"no installed operator discretizes a {type(domain).__name__} "
-        f"(installed: {', '.join(operators)})"
+        f"no installed operator discretizes a {kind.__name__} (installed: {', '.join(operators)}"
+        f"{others}); an operator that does names {kind.__name__} in its attribute domains"
     )
 
 

@@ -123,11 +123,11 @@ def _discretized(
     if mask is None:
         operator.check_domain(domain)
         return domain, operator.assemble(domain), None, None
-    from geodesic_toolkit.solver.masks import as_mask, assembled_without, of_places, without
+    from geodesic_toolkit.solver.masks import as_mask, assembled_without, of_places, passable_part
 
     held = of_places(domain, as_mask(mask, domain.n_vertices))
     metric, whole = assembled_without(operator, domain, held)
-    return without(domain, held), metric, held, whole
+    return passable_part(domain, held), metric, held, whole
 
 
 def _refinement(choice: Any, metric: Discretization, *, heat_is_meant: bool) -> tuple[Any, str]:

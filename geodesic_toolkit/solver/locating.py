@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 from geodesic_toolkit.core.checks import check_nothing_masked
 from geodesic_toolkit.core.types import BoolArray
-from geodesic_toolkit.domains import Domain, PointCloud, TriangleMesh
+from geodesic_toolkit.domains import Domain
 from geodesic_toolkit.errors import InvalidSourceError
 from geodesic_toolkit.solver.assembly import Assembly
 from geodesic_toolkit.sources.locate import locate_sources
@@ -124,7 +124,7 @@ class SourceLocator:
 
     def _kept_ground(self) -> "Ground | None":
         """Return where points in space snap to; None where vertices have no positions."""
-        if not isinstance(self.passable, TriangleMesh | PointCloud):
+        if not self.passable.has("positions"):
             return None
         with self._lock:
             if self._ground is None:

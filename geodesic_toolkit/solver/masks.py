@@ -8,7 +8,7 @@ from geodesic_toolkit.core.checks import check_nothing_masked
 from geodesic_toolkit.core.types import BoolArray
 from geodesic_toolkit.discretization.data import Discretization
 from geodesic_toolkit.discretization.element_gradient import ElementGradient
-from geodesic_toolkit.domains import Domain, Graph, PointCloud, TriangleMesh
+from geodesic_toolkit.domains import Domain, PointCloud
 from geodesic_toolkit.errors import (
     InvalidOptionError,
     InvalidSourceError,
@@ -18,7 +18,7 @@ from geodesic_toolkit.geometry.welding import same_places
 from geodesic_toolkit.laplacians.base import LaplaceOperator
 from geodesic_toolkit.sources.points import SourcePoints
 
-__all__ = ["as_mask", "assembled_without", "check_unmasked", "of_places", "without"]
+__all__ = ["as_mask", "assembled_without", "check_unmasked", "of_places", "passable_part"]
 
 
 def as_mask(mask: Any, n_vertices: int) -> BoolArray:
@@ -71,53 +71,21 @@ def check_unmasked(places: SourcePoints, mask: BoolArray, name: str = "sources")
         )
 
 
-def without(domain: Domain, mask: BoolArray) -> Domain:
-    """Return the domain without what touches a masked vertex: its faces, its edges, the point.
-
-    All vertices keep their indices; the masked ones belong to nothing any more.
-
-    Parameters
-    ----------
-    domain : TriangleMesh, PointCloud or Graph
-    mask : ndarray of shape (N,), bool
-
-    Returns
-    -------
-    Domain
+def passable_part(domain: Domain, mask: BoolArray) -> Domain:
+    """Return the domain without its masked vertices, checked.
 
     Raises
     ------
-    InvalidOptionError
-        The mask leaves nothing.
-    UnsupportedDomainError
-        A domain of another kind.
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> import geodesic_toolkit as gt
-    >>> from geodesic_toolkit.solver.masks import without
-    >>> square = gt.testing.shapes.grid(3)
-    >>> without(square, np.arange(9) == 8)
-    TriangleMesh(9 vertices, 6 faces)
+    InvalidOptionError, UnsupportedDomainError
+        As for :meth:`Domain.without`; a kind of domain that renumbers its vertices.
     """
-    if isinstance(domain, TriangleMesh):
-        faces = domain.faces[~mask[domain.faces].any(axis=1)]
-        if not len(faces):
-            raise InvalidOptionError("the mask leaves no face: paths could go nowhere")
-        return TriangleMesh(domain.vertices, faces)
-    if isinstance(domain, PointCloud):
-        if not (domain.present & ~mask).any():
-            raise InvalidOptionError("the mask leaves no point: paths could go nowhere")
-        return PointCloud(np.where(mask[:, None], np.nan, domain.points), domain.normals)
-    if isinstance(domain, Graph):
-        if mask.all():
-            raise InvalidOptionError("the mask leaves no vertex: paths could go nowhere")
-        free = ~mask[domain.edges].any(axis=1)
-        return Graph(domain.n_vertices, domain.edges[free], domain.lengths[free])
-    raise UnsupportedDomainError(
-        f"vertices of a {type(domain).__name__} cannot be masked; leave them out of it"
-    )
+    passable = domain.without(mask)
+    if not isinstance(passable, Domain) or passable.n_vertices != domain.n_vertices:
+        raise UnsupportedDomainError(
+            f"{type(domain).__name__}.without must return a domain of the same "
+            f"{domain.n_vertices} vertices, not {passable!r}"
+        )
+    return passable
 
 
 def assembled_without(
@@ -143,9 +111,9 @@ def assembled_without(
     Raises
     ------
     InvalidOptionError, UnsupportedDomainError
-        As for :func:`without`, and what the operator raises.
+        As for :meth:`Domain.without`, and what the operator raises.
     """
-    passable = without(domain, mask)
+    passable = passable_part(domain, mask)
     operator.check_domain(passable)
     if isinstance(domain, PointCloud):
         whole = operator.assemble(domain)

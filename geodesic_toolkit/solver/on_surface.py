@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 from numpy.typing import ArrayLike, NDArray
 
 from geodesic_toolkit.core.types import FloatArray, IntArray
-from geodesic_toolkit.domains import TriangleMesh
+from geodesic_toolkit.domains import positions_of
 from geodesic_toolkit.heat.method import Progress
 from geodesic_toolkit.solver.locating import SourceLocator
 
@@ -195,7 +195,7 @@ class SurfaceSolver(SourceLocator, abc.ABC):
 
     def _asked(self, points: ArrayLike, reach: float | None) -> tuple["Surface", NDArray[Any]]:
         """Return the surface and the points to find on it, all checked before any other work."""
-        from geodesic_toolkit.solver.queries import as_points, check_reach, positions_of
+        from geodesic_toolkit.solver.queries import as_points, check_reach
 
         positions_of(self.domain)  # refuses a graph
         queries = as_points(points)
@@ -209,13 +209,12 @@ class SurfaceSolver(SourceLocator, abc.ABC):
         with self._lock:
             if self._surface is None:
                 from geodesic_toolkit.solver.queries import Surface
+                from geodesic_toolkit.sources.ground import lies_in_triangles
 
                 # Feet are on all of it: in a face that the mask cuts, not on the rim of the rest.
                 whole, mask = self._assembly.whole, self.mask
                 metric = whole or self._assembly.method.metric
-                cut = mask is not None and (
-                    whole is not None or isinstance(self.domain, TriangleMesh)
-                )
+                cut = mask is not None and (whole is not None or lies_in_triangles(self.domain))
                 domain = self.domain if cut else self.passable
                 self._surface = Surface(domain, metric, ground, mask=mask if cut else None)
             return self._surface

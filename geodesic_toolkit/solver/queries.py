@@ -12,16 +12,16 @@ from geodesic_toolkit.core.checks import check_nothing_masked
 from geodesic_toolkit.core.types import BoolArray, FloatArray, IntArray
 from geodesic_toolkit.discretization.data import Discretization
 from geodesic_toolkit.discretization.element_gradient import ElementGradient
-from geodesic_toolkit.domains import Domain, TriangleMesh, known_positions
+from geodesic_toolkit.domains import Domain, positions_of, triangles_of
 from geodesic_toolkit.errors import InvalidOptionError, UnsupportedDomainError
 from geodesic_toolkit.geometry.closest import TriangleTree
 from geodesic_toolkit.geometry.entering import entered
 from geodesic_toolkit.geometry.triangles import proper_faces
 from geodesic_toolkit.heat.method import Progress
-from geodesic_toolkit.sources.ground import Ground
+from geodesic_toolkit.sources.ground import Ground, lies_in_triangles
 from geodesic_toolkit.sources.points import SourcePoints
 
-__all__ = ["Surface", "as_points", "check_reach", "interpolate", "positions_of"]
+__all__ = ["Surface", "as_points", "check_reach", "interpolate"]
 
 REACH = 2.0
 """Mean edge lengths from the surface within which a point has a distance, unless told otherwise."""
@@ -58,7 +58,7 @@ def interpolate(
     Parameters
     ----------
     domain : Domain
-        A TriangleMesh or a PointCloud.
+        A TriangleMesh, a PointCloud, or a kind of a plugin's with positions.
     discretization : Discretization
         That of `domain`: its spacing and, for a cloud, its triangles are used.
     distance : array-like of shape (N,)
@@ -105,17 +105,32 @@ class _Feet:
     ----------
     rows : ndarray of shape (F,), int64
         Which of the points these are: those within reach.
+    elements : ndarray of shape (E, C)
+        Vertices of the triangles or other elements.
     faces : ndarray of shape (F,)
-    weights : ndarray of shape (F, 3)
+        Index of the element of each foot.
+    weights : ndarray of shape (F, C)
         Barycentric coordinates.
     """
 
     rows: IntArray
+    elements: IntArray
     faces: NDArray[Any]
     weights: FloatArray
 
+    @property
+    def corners(self) -> IntArray:
+        """The vertices of the element of each foot, (F, C)."""
+        corners: IntArray = self.elements[self.faces]
+        return corners
+
     def chosen(self, which: NDArray[Any]) -> "_Feet":
-        return _Feet(self.rows[which], self.faces[which], self.weights[which])
+        return _Feet(self.rows[which], self.elements, self.faces[which], self.weights[which])
+
+    def compact(self) -> "_Feet":
+        """Return the same with no more than is needed of each point: there may be ten million."""
+        small = np.int32 if len(self.elements) < 2**31 else np.int64
+        return _Feet(self.rows, self.elements, self.faces.astype(small), self.weights)
 
 
 class Surface:
@@ -126,7 +141,7 @@ class Surface:
     Parameters
     ----------
     domain : Domain
-        A TriangleMesh or a PointCloud.
+        A TriangleMesh, a PointCloud, or a kind of a plugin's with positions.
     discretization : Discretization
         That of `domain`: its spacing and, for a cloud, its triangles are used.
     ground : Ground, optional
@@ -151,8 +166,15 @@ class Surface:
     ) -> None:
         self._mask, self._left = mask, ground
         self._positions = positions_of(domain)
-        self._faces = _triangles(domain, discretization)
         self._spacing = discretization.spacing
+        self._box: tuple[FloatArray, FloatArray] | None = None
+        self._own: Ground | None = None
+        if domain.has("closest"):
+            self._own = Ground(domain) if ground is None or ground.domain is not domain else ground
+            places = self._positions[np.isfinite(self._positions).all(axis=1)]
+            self._box = places.min(axis=0), places.max(axis=0)
+            return
+        self._faces = _triangles(domain, discretization)
         if len(self._faces) == 0:  # every face is degenerate, or all points are one
             return
         low, high = np.full(3, np.inf), np.full(3, -np.inf)
@@ -230,12 +252,7 @@ class Surface:
             if progress is not None:
                 progress(0, len(sets))
 
-        # No more than is needed of each point: there may be ten million.
-        small = np.int32 if len(self._faces) < 2**31 else np.int64
-        standing = [
-            _Feet(feet.rows, feet.faces.astype(small), feet.weights)
-            for feet in self._stand(queries, reach, located)
-        ]
+        standing = [feet.compact() for feet in self._stand(queries, reach, located)]
         done = 0
         for block in solve(sets):
             for number, values in enumerate(block, done):
@@ -252,7 +269,7 @@ class Surface:
         self, values: FloatArray, feet: _Feet, kinks: "_Kinks | None", nearest: FloatArray
     ) -> tuple[IntArray, FloatArray]:
         """Return the points at which values are less than the least so far, and these values."""
-        least = values[self._faces[feet.faces]].min(axis=1)
+        least = values[feet.corners].min(axis=1)
         # Save by rounding, or where there is a kink, no value is below the least of its corners.
         reached = 0.0 if kinks is None else 2 * NEAR * self._spacing
         limit = np.maximum((1 + 1e-12) * nearest[feet.rows], reached)
@@ -266,27 +283,36 @@ class Surface:
     ) -> Iterator[_Feet]:
         """Yield the feet of the points that are within reach, batch by batch."""
         limit = REACH * self._spacing if reach is None else float(reach)
-        for some in _batches(len(queries)) if len(self._faces) else ():
+        if self._box is None:
+            return
+        low, high = self._box
+        for some in _batches(len(queries)):
             places = queries[some].astype(np.float64)
-            low, high = self._box
             near = np.flatnonzero(((places >= low - limit) & (places <= high + limit)).all(axis=1))
             places = places[near]
             if len(near):
-                faces, weights = self._tree.closest(places)
-                feet = np.einsum("qc,qcd->qd", weights, self._positions[self._faces[faces]])
+                elements, faces, weights = self._closest(places)
+                feet = np.einsum("qc,qcd->qd", weights, self._positions[elements[faces]])
                 with np.errstate(over="ignore"):  # infinitely far is far enough
                     stands = _length(places - feet) <= limit
                 if self._mask is not None and self._left is not None:
-                    cut = np.flatnonzero(stands & self._mask[self._faces[faces]].any(axis=1))
+                    cut = np.flatnonzero(stands & self._mask[elements[faces]].any(axis=1))
                     if len(cut):
                         stands[cut] = self._left.gaps(places[cut]) <= limit
-                yield _Feet(some.start + near[stands], faces[stands], weights[stands])
+                yield _Feet(some.start + near[stands], elements, faces[stands], weights[stands])
             if progress is not None:
                 progress(some.stop, len(queries))
 
+    def _closest(self, places: FloatArray) -> tuple[IntArray, IntArray, FloatArray]:
+        """Return elements, which of them each place is closest to, and its weights there."""
+        if self._own is None:
+            return self._faces, *self._tree.closest(places)
+        at = self._own.closest(places)
+        return at.vertices, np.arange(len(at)), at.weights
+
     def _values(self, values: FloatArray, feet: _Feet, kinks: "_Kinks | None") -> FloatArray:
         """Return what values of the vertices are at the feet."""
-        corners = self._faces[feet.faces]
+        corners = feet.corners
         found = _mean(feet.weights, values[corners])
         beyond = np.flatnonzero(found == np.inf)
         if self._mask is not None and len(beyond):
@@ -304,7 +330,7 @@ class Surface:
 
         A foot on what is masked of a face is reached through any of the faces around that.
         """
-        corners, least = self._faces[feet.faces], np.full(len(feet.rows), np.inf)
+        corners, least = feet.corners, np.full(len(feet.rows), np.inf)
         places = np.einsum("qc,qcd->qd", feet.weights, self._positions[corners])
         masked = ~np.isfinite(values[corners])
         inside = (feet.weights > ON_CORNER) & ~masked
@@ -408,35 +434,21 @@ def check_reach(reach: float | None) -> None:
         raise InvalidOptionError(f"reach must be a positive length, not {reach!r}")
 
 
-def positions_of(domain: Domain) -> FloatArray:
-    """Return the positions of the vertices, of shape (N, 3); NaN for missing points of a cloud.
-
-    Raises
-    ------
-    UnsupportedDomainError
-        There are none: a graph.
-    """
-    positions = known_positions(domain)
-    if positions is None:
-        raise UnsupportedDomainError(
-            f"a {type(domain).__name__} has no positions: its distances are at its vertices alone"
-        )
-    return positions
-
-
 def _every_face(domain: Domain, faces: IntArray) -> bool:
-    return isinstance(domain, TriangleMesh) and len(faces) == domain.n_faces
+    return lies_in_triangles(domain) and len(faces) == len(domain.triangles)
 
 
 def _triangles(domain: Domain, discretization: Discretization) -> IntArray:
     """Return the triangles of the surface, each once."""
-    if isinstance(domain, TriangleMesh):
-        return domain.faces[proper_faces(domain.faces)]
+    if domain.has("triangles"):
+        faces = triangles_of(domain)
+        return faces[proper_faces(faces)]
     gradient = discretization.gradient
     if not isinstance(gradient, ElementGradient) or gradient.elements.shape[1] != 3:
         raise UnsupportedDomainError(
             f"{gradient!r} has no triangles to interpolate in; queries on a cloud need an operator "
-            "that makes some, such as PointCloudLaplacian"
+            "that makes some, such as PointCloudLaplacian, and on a kind of domain of a plugin its "
+            "triangles, or its method closest(points)"
         )
     # The stars of neighbours share triangles; a link (i, j, j) between two points is a segment.
     small = np.int32 if domain.n_vertices < 2**31 else np.int64

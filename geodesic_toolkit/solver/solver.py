@@ -136,9 +136,9 @@ class GeodesicSolver(SurfaceSolver):
 
         Parameters
         ----------
-        sources : int, array-like, SurfacePoint, sequence of them, Curve or OffsetSources
+        sources : int, array-like, SurfacePoint, sequence of them, Located, Curve or OffsetSources
             Vertex indices; points in space, of shape (3,) or (P, 3), snapped to the nearest point
-            of the surface; points inside faces; a polyline; or any of the first three with
+            of the surface; points inside faces, or other elements; a polyline; or any but that with
             offsets. The vertices of a label are ``numpy.flatnonzero(labels == label)``.
 
         Returns

@@ -1,4 +1,4 @@
-"""What points in space snap to: the faces of a mesh, or the points of a cloud."""
+"""Places that points in space snap to: those of a kind of domain, of triangles, or vertices."""
 
 import threading
 from typing import TYPE_CHECKING
@@ -6,27 +6,35 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from geodesic_toolkit.core.types import FloatArray, IntArray
-from geodesic_toolkit.domains import PointCloud, TriangleMesh
+from geodesic_toolkit.domains import Domain, Located, positions_of, triangles_of
+from geodesic_toolkit.errors import UnsupportedDomainError
 from geodesic_toolkit.geometry.closest import TriangleTree
 
 if TYPE_CHECKING:
     from scipy.spatial import cKDTree
 
-__all__ = ["Ground"]
+__all__ = ["Ground", "lies_in_triangles"]
+
+
+def lies_in_triangles(domain: Domain) -> bool:
+    """Return whether all places of a kind of domain are in its triangles, as those of a mesh."""
+    return domain.has("triangles") and not domain.has("closest")
 
 
 class Ground:
-    """The nearest faces or points of one shape; the tree is built when it is first wanted, once.
+    """The nearest places of one shape; the tree is built when it is first wanted, once.
 
     Safe to use from several threads.
 
     Parameters
     ----------
-    domain : TriangleMesh or PointCloud
+    domain : Domain
+        With positions.
     """
 
-    def __init__(self, domain: TriangleMesh | PointCloud) -> None:
+    def __init__(self, domain: Domain) -> None:
         self.domain = domain
+        self._positions = positions_of(domain)
         self._present: IntArray | None = None
         self._points: cKDTree | None = None
         self._triangles: TriangleTree | None = None
@@ -34,31 +42,54 @@ class Ground:
 
     @property
     def triangles(self) -> TriangleTree:
-        """The tree of all faces of a mesh."""
-        assert isinstance(self.domain, TriangleMesh)  # for the type checker
+        """The tree of all triangles of a surface."""
         with self._lock:
             if self._triangles is None:
-                self._triangles = TriangleTree(self.domain.vertices, self.domain.faces)
+                self._triangles = TriangleTree(self._positions, triangles_of(self.domain))
             return self._triangles
 
+    def closest(self, points: FloatArray) -> Located:
+        """Return the places closest to points (Q, 3): those of the kind of domain, if it has any.
+
+        Raises
+        ------
+        UnsupportedDomainError
+            A kind of domain that returns something else than as many places.
+        """
+        if self.domain.has("closest"):
+            return _checked(self.domain, self.domain.closest(points), len(points))
+        if lies_in_triangles(self.domain):
+            faces, weights = self.triangles.closest(points)
+            return Located(self.domain.triangles[faces], weights)
+        nearest = self.nearest_points(points)
+        return Located(nearest[:, None], np.ones((len(nearest), 1)))
+
     def gaps(self, places: FloatArray) -> FloatArray:
-        """Return how far each place is from the faces, or from the points of a cloud."""
-        domain = self.domain
-        if isinstance(domain, TriangleMesh):
-            faces, weights = self.triangles.closest(places)
-            feet = np.einsum("qc,qcd->qd", weights, domain.vertices[domain.faces[faces]])
-        else:
-            feet = domain.points[self.nearest_points(places)]
+        """Return how far each place is from the shape."""
+        feet = self.closest(places).positions(self.domain)
         return np.asarray(np.linalg.norm(places - feet, axis=1))
 
     def nearest_points(self, places: FloatArray) -> IntArray:
-        """Return the point of a cloud that is nearest to each place; none that is missing."""
+        """Return the vertex that is nearest to each place; none that is missing."""
         from scipy.spatial import cKDTree
 
-        assert isinstance(self.domain, PointCloud)  # for the type checker
         with self._lock:
             if self._points is None or self._present is None:
-                self._present = np.flatnonzero(self.domain.present)
-                self._points = cKDTree(self.domain.points[self._present])
+                somewhere = self.domain.present & np.isfinite(self._positions).all(axis=1)
+                self._present = np.flatnonzero(somewhere)
+                self._points = cKDTree(self._positions[self._present])
         nearest: IntArray = self._present[self._points.query(places)[1]]
         return nearest
+
+
+def _checked(domain: Domain, found: object, count: int) -> Located:
+    """Return what a kind of domain answered, or raise where that is not what was asked for."""
+    kind = type(domain).__name__
+    if not isinstance(found, Located) or len(found) != count:
+        size = f" of {len(found)} places" if isinstance(found, Located) else ""
+        raise UnsupportedDomainError(
+            f"{kind}.closest returned a {type(found).__name__}{size} for {count} points; it must "
+            "return a Located of as many"
+        )
+    found.check_on(domain, f"{kind}.closest")
+    return found

@@ -9,10 +9,10 @@ import numpy as np
 from geodesic_toolkit.core.checks import check_nothing_masked
 from geodesic_toolkit.core.types import FloatArray, IntArray
 from geodesic_toolkit.core.warning import warn
-from geodesic_toolkit.domains import Domain, Graph, PointCloud, TriangleMesh
+from geodesic_toolkit.domains import Domain, Located, check_present, positions_of, triangles_of
 from geodesic_toolkit.errors import FarSourceWarning, InvalidSourceError
 from geodesic_toolkit.geometry.triangles import face_edge_lengths
-from geodesic_toolkit.sources.ground import Ground
+from geodesic_toolkit.sources.ground import Ground, lies_in_triangles
 from geodesic_toolkit.sources.kinds import Curve, OffsetSources
 from geodesic_toolkit.sources.points import LEFT, SourcePoints, as_vertices
 from geodesic_toolkit.sources.surface_point import SurfacePoint
@@ -46,10 +46,10 @@ def locate_sources(
     Parameters
     ----------
     domain : Domain
-    sources : int, array-like, SurfacePoint, sequence of them, Curve or OffsetSources
+    sources : int, array-like, SurfacePoint, sequence of them, Located, Curve or OffsetSources
         Vertex indices; points in space, of shape (3,) or (P, 3), snapped to the nearest point of
-        the surface (or of the cloud); points inside faces; a polyline; or any of the first three
-        with offsets.
+        the surface (or of the cloud); points inside faces, or other elements; a polyline; or any
+        but that with offsets.
     name : str
         What to call them in messages.
     passable : Domain, optional
@@ -79,9 +79,9 @@ def locate_sources(
     if isinstance(sources, Curve):
         return _along(domain, ground or _ground(passable or domain, name), sources, name)
     check_nothing_masked(sources, name, InvalidSourceError, LEFT)
-    surface_points = _as_surface_points(sources)
-    if surface_points is not None:
-        return _on_faces(domain, surface_points, name)
+    located = _as_located(domain, sources, name)
+    if located is not None:
+        return _between(domain, located)
     try:
         array = np.asarray(sources)
     except (ValueError, TypeError) as error:
@@ -97,43 +97,44 @@ def locate_sources(
 
 
 def _at_vertices(domain: Domain, vertices: IntArray, name: str) -> SourcePoints:
-    if isinstance(domain, PointCloud) and not domain.present[vertices].all():
-        missing = int(vertices[~domain.present[vertices]][0])
-        raise InvalidSourceError(f"{name}: point {missing} of the cloud is missing (not finite)")
+    check_present(domain, vertices, name)
     return SourcePoints.at_vertices(vertices, domain.n_vertices)
 
 
-# -- points inside faces -------------------------------------------------------------------------
+# -- points inside elements ----------------------------------------------------------------------
 
 
-def _as_surface_points(sources: Any) -> Sequence[SurfacePoint] | None:
-    if isinstance(sources, SurfacePoint):
-        return [sources]
-    if isinstance(sources, Sequence) and any(isinstance(item, SurfacePoint) for item in sources):
+def _as_located(domain: Domain, sources: Any, name: str) -> Located | None:
+    """Return places that are given by the vertices around them, or by faces; None for others."""
+    if isinstance(sources, Located):
+        if not len(sources):
+            raise InvalidSourceError(f"{name}: there are none; give at least one place")
+        _check_positions(domain, name)
+        sources.check_on(domain, name)
         return sources
+    if isinstance(sources, SurfacePoint):
+        return _located(domain, [sources], name)
+    if isinstance(sources, Sequence) and any(isinstance(item, SurfacePoint) for item in sources):
+        return _located(domain, sources, name)
     return None
 
 
-def _on_faces(domain: Domain, points: Sequence[Any], name: str) -> SourcePoints:
-    faces, barycentric = _faces_of(domain, points, name)
-    assert isinstance(domain, TriangleMesh)  # for the type checker; _faces_of has raised
-    return _barycentric(domain, faces, barycentric)
-
-
-def _faces_of(domain: Domain, points: Sequence[Any], name: str) -> tuple[IntArray, FloatArray]:
-    if not isinstance(domain, TriangleMesh):
+def _located(domain: Domain, points: Sequence[Any], name: str) -> Located:
+    if not domain.has("triangles"):
         raise InvalidSourceError(
-            f"{name}: a SurfacePoint lies on a TriangleMesh, not on a {type(domain).__name__}"
+            f"{name}: a SurfacePoint lies on a TriangleMesh, or another kind of domain that has "
+            f"triangles, not on a {type(domain).__name__}"
         )
+    triangles = triangles_of(domain)
     for position, point in enumerate(points):
         if not isinstance(point, SurfacePoint):
-            raise InvalidSourceError(f"{name}: {point!r} stands among SurfacePoints; use one kind")
-        if not 0 <= point.face < domain.n_faces:
+            raise InvalidSourceError(f"{name}: {point!r} is among SurfacePoints; use one kind")
+        if not 0 <= point.face < len(triangles):
             raise InvalidSourceError(
-                f"{name}: point {position} lies on face {point.face}; there are {domain.n_faces}"
+                f"{name}: point {position} lies on face {point.face}; there are {len(triangles)}"
             )
     faces = np.array([point.face for point in points], dtype=np.int64)
-    return faces, np.array([point.barycentric for point in points])
+    return Located(triangles[faces], np.array([point.barycentric for point in points]))
 
 
 # -- points in space -----------------------------------------------------------------------------
@@ -157,7 +158,7 @@ def _check_one_meaning(array: Any, domain: Domain, name: str) -> None:
 
     Three vertices would be different ones: the point (0, 0, 1) is nothing else.
     """
-    if isinstance(domain, Graph):  # which has no points
+    if not domain.has("positions"):  # as a graph, which has no points
         return
     whole = array.shape == (3,) and (array == np.floor(array)).all() and len(set(array)) == 3
     if whole and array.min() >= 0 and array.max() < domain.n_vertices:
@@ -182,24 +183,32 @@ def _check_no_labels(array: Any, n_vertices: int, name: str) -> None:
         )
 
 
-def _ground(domain: Domain, name: str) -> Ground:
-    if not isinstance(domain, TriangleMesh | PointCloud):
+def _check_positions(domain: Domain, name: str) -> None:
+    if not domain.has("positions"):
         raise InvalidSourceError(
             f"{name}: a {type(domain).__name__} has no positions; give vertex indices"
         )
+
+
+def _ground(domain: Domain, name: str) -> Ground:
+    _check_positions(domain, name)
     return Ground(domain)
 
 
 def _in_space(ground: Ground, points: FloatArray, name: str) -> SourcePoints:
     domain = ground.domain
-    if isinstance(domain, TriangleMesh):
-        faces, barycentric = ground.triangles.closest(points)
-        feet = np.einsum("pc,pcd->pd", barycentric, domain.vertices[domain.faces[faces]])
-        _warn_if_far(points, feet, domain.vertices[domain.used], name)
-        return _barycentric(domain, faces, barycentric)
-    nearest = ground.nearest_points(points)
-    _warn_if_far(points, domain.points[nearest], domain.points[domain.present], name)
-    return SourcePoints.at_vertices(nearest, domain.n_vertices)
+    places = ground.closest(points)
+    _warn_if_far(points, places.positions(domain), _used_positions(domain), name)
+    return _between(domain, places)
+
+
+def _used_positions(domain: Domain) -> FloatArray:
+    """Return the positions of the vertices in triangles where there are any, else the finite."""
+    if domain.has("triangles"):
+        used = np.zeros(domain.n_vertices, dtype=np.bool_)
+        used[domain.triangles] = True
+        return domain.positions[used]
+    return domain.positions[domain.present]
 
 
 def _warn_if_far(points: FloatArray, feet: FloatArray, places: FloatArray, name: str) -> None:
@@ -224,9 +233,7 @@ def _along(domain: Domain, ground: Ground, curve: Curve, name: str) -> SourcePoi
     from geodesic_toolkit.sources.curves import sample_polyline
 
     if isinstance(curve.points, tuple):
-        faces, barycentric = _faces_of(domain, curve.points, name)
-        assert isinstance(domain, TriangleMesh)  # for the type checker; _faces_of has raised
-        corners = np.einsum("pc,pcd->pd", barycentric, domain.vertices[domain.faces[faces]])
+        corners = _located(domain, curve.points, name).positions(domain)
     else:
         corners = curve.points
     passable = ground.domain
@@ -242,42 +249,40 @@ def _along(domain: Domain, ground: Ground, curve: Curve, name: str) -> SourcePoi
             "is it in the unit of the shape?"
         )
     points, places = sample_polyline(corners, step)
-    if isinstance(passable, PointCloud):
-        nearest = ground.nearest_points(points)
-        vertices, place = np.unique(nearest, return_inverse=True)
+    at = ground.closest(points)
+    if at.vertices.shape[1] == 1:
+        vertices, place = np.unique(at.vertices[:, 0], return_inverse=True)
         off = np.full(len(vertices), np.inf)
-        np.minimum.at(off, place, np.linalg.norm(passable.points[nearest] - points, axis=1))
-        at = SourcePoints.at_vertices(vertices, domain.n_vertices)
-        return replace(at, distances=off, front_curvatures=np.zeros(len(vertices)), copy=False)
-    faces, barycentric = ground.triangles.closest(points)
-    if len(points) == 1:
-        return _barycentric(passable, faces, barycentric)
-    around = passable.vertices[passable.faces[faces]]
-    laid = np.einsum("pc,pcd->pd", barycentric, around)
+        np.minimum.at(off, place, np.linalg.norm(at.positions(passable) - points, axis=1))
+        near = SourcePoints.at_vertices(vertices, domain.n_vertices)
+        return replace(near, distances=off, front_curvatures=np.zeros(len(vertices)), copy=False)
+    if len(points) == 1 or not lies_in_triangles(passable):
+        return _between(passable, at)
+    around, laid = passable.positions[at.vertices], at.positions(passable)
     fronts = _fronts_beside(
         around,
         laid,
-        _normals_at(passable, faces, barycentric),
+        _normals_at(passable, at),
         corners=corners,
         places=places,
         spacing=spacing,
         closed=curve.closed,
     )
-    return _barycentric(passable, faces, barycentric, *fronts)
+    return _between(passable, at, *fronts)
 
 
-def _normals_at(mesh: TriangleMesh, faces: IntArray, barycentric: FloatArray) -> FloatArray:
-    """Return unit normals at points in faces, (P, 3), between those of the corners."""
-    corners = mesh.faces[faces]
-    near = np.zeros(mesh.n_vertices, dtype=np.bool_)
-    near[corners] = True
-    around = mesh.faces[near[mesh.faces].any(axis=1)]
-    a, b, c = (mesh.vertices[around[:, corner]] for corner in range(3))
+def _normals_at(surface: Domain, at: Located) -> FloatArray:
+    """Return unit normals at places in triangles, (P, 3), between those of the corners."""
+    triangles, positions = surface.triangles, surface.positions
+    near = np.zeros(surface.n_vertices, dtype=np.bool_)
+    near[at.vertices] = True
+    around = triangles[near[triangles].any(axis=1)]
+    a, b, c = (positions[around[:, corner]] for corner in range(3))
     areas = np.cross(b - a, c - a)
-    sums = np.zeros((mesh.n_vertices, 3))
+    sums = np.zeros((surface.n_vertices, 3))
     for corner in range(3):
         np.add.at(sums, around[:, corner], areas)
-    normals = np.einsum("pc,pcd->pd", barycentric, sums[corners])
+    normals = np.einsum("pc,pcd->pd", at.weights, sums[at.vertices])
     lengths = np.linalg.norm(normals, axis=1, keepdims=True)
     return np.asarray(np.divide(normals, lengths, out=normals, where=lengths > 0))
 
@@ -336,13 +341,13 @@ def _fronts_beside(
     return distances, curvatures
 
 
-def _spacing(domain: TriangleMesh | PointCloud) -> float:
-    """Return the mean edge length, or how far the points of a cloud are apart."""
-    if isinstance(domain, TriangleMesh):
-        return float(face_edge_lengths(domain.vertices, domain.faces).mean())
+def _spacing(domain: Domain) -> float:
+    """Return the mean edge length of the triangles, or how far the vertices are apart."""
+    if domain.has("triangles"):
+        return float(face_edge_lengths(domain.positions, domain.triangles).mean())
     from scipy.spatial import cKDTree
 
-    points = np.unique(domain.points[domain.present], axis=0)
+    points = np.unique(domain.positions[domain.present], axis=0)
     if len(points) == 1:
         return 1.0
     some = points[:: max(1, len(points) // 1000)]
@@ -350,25 +355,25 @@ def _spacing(domain: TriangleMesh | PointCloud) -> float:
     return float(np.median(near[:, 1]))
 
 
-def _barycentric(
-    mesh: TriangleMesh,
-    faces: IntArray,
-    barycentric: FloatArray,
+def _between(
+    domain: Domain,
+    places: Located,
     distances: FloatArray | None = None,
     curvatures: FloatArray | None = None,
 ) -> SourcePoints:
-    """Return points in faces; their corners lie at their straight distances unless told."""
-    corners = mesh.faces[faces]
+    """Return places as sources; their vertices lie at straight distances by default."""
+    vertices, weights = places.vertices, places.weights
     if distances is None:
-        places = mesh.vertices[corners]
-        at = np.einsum("pc,pcd->pd", barycentric, places)
-        distances = np.linalg.norm(places - at[:, None], axis=2)
-    used = barycentric > 0
+        corners = positions_of(domain)[vertices]
+        at = np.einsum("pc,pcd->pd", weights, corners)
+        distances = np.linalg.norm(corners - at[:, None], axis=2)
+    used = weights > 0
     return SourcePoints(
-        vertices=corners[used],
-        shares=barycentric[used],
+        vertices=vertices[used],
+        shares=weights[used],
         begins=np.concatenate([[0], np.cumsum(used.sum(axis=1))]),
-        n_vertices=mesh.n_vertices,
+        n_vertices=domain.n_vertices,
         distances=distances[used],
         front_curvatures=None if curvatures is None else curvatures[used],
+        copy=False,
     )

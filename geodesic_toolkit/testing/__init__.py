@@ -12,6 +12,7 @@ from geodesic_toolkit.testing.conformance import (
     Outcome,
     run_checks,
 )
+from geodesic_toolkit.testing.domain import check_domain, domain_checks
 from geodesic_toolkit.testing.laplace_operator import (
     check_laplace_operator,
     laplace_operator_checks,
@@ -26,8 +27,10 @@ __all__ = [
     "Measured",
     "Outcome",
     "Sample",
+    "check_domain",
     "check_laplace_operator",
     "check_linear_solver",
+    "domain_checks",
     "laplace_operator_checks",
     "linear_solver_checks",
     "run_checks",

@@ -1,6 +1,7 @@
 """The contract of a Laplace operator as executable checks."""
 
 from collections.abc import Mapping, Sequence
+from typing import Any
 
 from geodesic_toolkit.errors import InvalidOptionError
 from geodesic_toolkit.laplacians.base import LaplaceOperator
@@ -14,7 +15,7 @@ __all__ = ["OPERATOR_LAWS", "check_laplace_operator", "laplace_operator_checks"]
 def laplace_operator_checks(
     operator: LaplaceOperator,
     *,
-    samples: Sequence[DomainSamples] | None = None,
+    samples: Sequence[DomainSamples[Any]] | None = None,
     expected_failures: Mapping[str, str] | None = None,
 ) -> list[Check]:
     """Return the contract of a Laplace operator as a list of checks, one a law.
@@ -68,7 +69,7 @@ def laplace_operator_checks(
 def check_laplace_operator(
     operator: LaplaceOperator,
     *,
-    samples: Sequence[DomainSamples] | None = None,
+    samples: Sequence[DomainSamples[Any]] | None = None,
     expected_failures: Mapping[str, str] | None = None,
 ) -> ConformanceReport:
     """Check a Laplace operator against the whole contract.

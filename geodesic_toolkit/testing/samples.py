@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from typing import Any, Generic, TypeVar
 
 import numpy as np
 
@@ -12,6 +13,8 @@ from geodesic_toolkit.geometry.triangles import edges_of_faces
 from geodesic_toolkit.testing import shapes
 
 __all__ = ["DomainSamples", "Sample", "samples_of"]
+
+Kind = TypeVar("Kind", bound=Domain)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -62,11 +65,11 @@ class Sample:
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class DomainSamples:
+class DomainSamples(Generic[Kind]):
     """What the checks need to know of one kind of domain.
 
-    The core has them for meshes, clouds and graphs; a plugin that brings a kind of domain of its
-    own passes them as ``samples=``.
+    The core has them for meshes, clouds and graphs; a kind of domain of a plugin returns them from
+    its classmethod ``samples()``, or they are passed as ``samples=``.
 
     Parameters
     ----------
@@ -97,19 +100,19 @@ class DomainSamples:
     <class 'geodesic_toolkit.domains.graph.Graph'>
     """
 
-    kind: type[Domain]
+    kind: type[Kind]
     families: Sequence[Sequence[Sample]]
-    generic: Domain
-    permuted: Callable[[Domain, IntArray], Domain]
-    united: Callable[[Domain, Domain], Domain]
-    isolated: Callable[[Domain], Domain]
-    moved: Callable[[Domain, FloatArray, FloatArray], Domain] | None = None
-    scaled: Callable[[Domain, float], Domain] | None = None
-    degenerate: Sequence[Domain] = ()
+    generic: Kind
+    permuted: Callable[[Kind, IntArray], Kind]
+    united: Callable[[Kind, Kind], Kind]
+    isolated: Callable[[Kind], Kind]
+    moved: Callable[[Kind, FloatArray, FloatArray], Kind] | None = None
+    scaled: Callable[[Kind, float], Kind] | None = None
+    degenerate: Sequence[Kind] = ()
 
 
-def samples_of(kinds: Sequence[type[Domain]]) -> list[DomainSamples]:
-    """Return the samples that the core has of `kinds` of domain.
+def samples_of(kinds: Sequence[type[Domain]]) -> list[DomainSamples[Any]]:
+    """Return the samples of `kinds` of domain: the core's own, or what :meth:`Domain.samples` has.
 
     Parameters
     ----------
@@ -124,7 +127,7 @@ def samples_of(kinds: Sequence[type[Domain]]) -> list[DomainSamples]:
     Raises
     ------
     InvalidOptionError
-        A kind that it has none of.
+        A kind of which there are none.
 
     Examples
     --------
@@ -133,12 +136,13 @@ def samples_of(kinds: Sequence[type[Domain]]) -> list[DomainSamples]:
     >>> [len(family) for family in samples_of([gt.TriangleMesh])[0].families]
     [2, 2]
     """
-    missing = [kind.__name__ for kind in kinds if kind not in _MAKERS]
+    missing = [k.__name__ for k in kinds if k not in _MAKERS and not k.has("samples")]
     if missing:
         raise InvalidOptionError(
-            f"there are no samples of {', '.join(missing)}: pass samples=[DomainSamples(...)]"
+            f"there are no samples of {', '.join(missing)}: pass samples=[DomainSamples(...)], or "
+            "give the class the classmethod samples() of Domain"
         )
-    return [_MAKERS[kind]() for kind in kinds]
+    return [_MAKERS[kind]() if kind in _MAKERS else kind.samples() for kind in kinds]
 
 
 MEAN_ERROR = 0.05
@@ -236,7 +240,7 @@ def _lumpy(level: int = 2) -> TriangleMesh:
     return TriangleMesh(ball.vertices * radius[:, None] * [1.0, 0.8, 0.65], ball.faces)
 
 
-def _mesh_samples() -> DomainSamples:
+def _mesh_samples() -> DomainSamples[TriangleMesh]:
     squares = [(n, shapes.grid(n)) for n in PLANE]
     balls = [shapes.icosphere(level) for level in SPHERE]
     point, line = np.ones((3, 3)), np.outer([0.0, 1.0, 2.0], [1.0, 0.0, 0.0])
@@ -267,34 +271,28 @@ def _mesh_samples() -> DomainSamples:
     )
 
 
-def _permuted_mesh(domain: Domain, order: IntArray) -> Domain:
-    assert isinstance(domain, TriangleMesh)
+def _permuted_mesh(domain: TriangleMesh, order: IntArray) -> TriangleMesh:
     return TriangleMesh(domain.vertices[order], np.argsort(order)[domain.faces])
 
 
-def _moved_mesh(domain: Domain, rotation: FloatArray, shift: FloatArray) -> Domain:
-    assert isinstance(domain, TriangleMesh)
+def _moved_mesh(domain: TriangleMesh, rotation: FloatArray, shift: FloatArray) -> TriangleMesh:
     return TriangleMesh(domain.vertices @ rotation.T + shift, domain.faces)
 
 
-def _scaled_mesh(domain: Domain, factor: float) -> Domain:
-    assert isinstance(domain, TriangleMesh)
+def _scaled_mesh(domain: TriangleMesh, factor: float) -> TriangleMesh:
     return TriangleMesh(domain.vertices * factor, domain.faces)
 
 
-def _united_meshes(first: Domain, second: Domain) -> Domain:
-    assert isinstance(first, TriangleMesh)
-    assert isinstance(second, TriangleMesh)
+def _united_meshes(first: TriangleMesh, second: TriangleMesh) -> TriangleMesh:
     beside = TriangleMesh(second.vertices + BESIDE, second.faces)
     return shapes.disjoint_union(first, beside)
 
 
-def _mesh_and_vertex(domain: Domain) -> Domain:
-    assert isinstance(domain, TriangleMesh)
+def _mesh_and_vertex(domain: TriangleMesh) -> TriangleMesh:
     return TriangleMesh(np.concatenate([domain.vertices, [[0.1, 0.2, 0.3]]]), domain.faces)
 
 
-def _cloud_samples() -> DomainSamples:
+def _cloud_samples() -> DomainSamples[PointCloud]:
     squares = [(n, shapes.grid(n)) for n in PLANE]
     balls = [shapes.icosphere(level) for level in SPHERE]
     return DomainSamples(
@@ -329,33 +327,27 @@ def _cloud_samples() -> DomainSamples:
     )
 
 
-def _permuted_cloud(domain: Domain, order: IntArray) -> Domain:
-    assert isinstance(domain, PointCloud)
+def _permuted_cloud(domain: PointCloud, order: IntArray) -> PointCloud:
     return PointCloud(domain.points[order])
 
 
-def _moved_cloud(domain: Domain, rotation: FloatArray, shift: FloatArray) -> Domain:
-    assert isinstance(domain, PointCloud)
+def _moved_cloud(domain: PointCloud, rotation: FloatArray, shift: FloatArray) -> PointCloud:
     return PointCloud(domain.points @ rotation.T + shift)
 
 
-def _scaled_cloud(domain: Domain, factor: float) -> Domain:
-    assert isinstance(domain, PointCloud)
+def _scaled_cloud(domain: PointCloud, factor: float) -> PointCloud:
     return PointCloud(domain.points * factor)
 
 
-def _united_clouds(first: Domain, second: Domain) -> Domain:
-    assert isinstance(first, PointCloud)
-    assert isinstance(second, PointCloud)
+def _united_clouds(first: PointCloud, second: PointCloud) -> PointCloud:
     return PointCloud(np.concatenate([first.points, second.points + BESIDE]))
 
 
-def _cloud_and_missing_point(domain: Domain) -> Domain:
-    assert isinstance(domain, PointCloud)
+def _cloud_and_missing_point(domain: PointCloud) -> PointCloud:
     return PointCloud(np.concatenate([domain.points, [NOWHERE]]))
 
 
-def _graph_samples() -> DomainSamples:
+def _graph_samples() -> DomainSamples[Graph]:
     squares = [(n, *_lattice(n)) for n in PLANE]
     balls = [shapes.icosphere(level) for level in SPHERE]
     return DomainSamples(
@@ -389,19 +381,15 @@ def _lattice(n: int) -> tuple[Graph, FloatArray]:
     return Graph(n * n, edges, np.full(len(edges), 1 / (n - 1))), shapes.grid(n).vertices[:, :2]
 
 
-def _permuted_graph(domain: Domain, order: IntArray) -> Domain:
-    assert isinstance(domain, Graph)
+def _permuted_graph(domain: Graph, order: IntArray) -> Graph:
     return Graph(domain.n_vertices, np.argsort(order)[domain.edges], domain.lengths)
 
 
-def _scaled_graph(domain: Domain, factor: float) -> Domain:
-    assert isinstance(domain, Graph)
+def _scaled_graph(domain: Graph, factor: float) -> Graph:
     return Graph(domain.n_vertices, domain.edges, domain.lengths * factor)
 
 
-def _united_graphs(first: Domain, second: Domain) -> Domain:
-    assert isinstance(first, Graph)
-    assert isinstance(second, Graph)
+def _united_graphs(first: Graph, second: Graph) -> Graph:
     return Graph(
         first.n_vertices + second.n_vertices,
         np.concatenate([first.edges, second.edges + first.n_vertices]),
@@ -409,12 +397,11 @@ def _united_graphs(first: Domain, second: Domain) -> Domain:
     )
 
 
-def _graph_and_vertex(domain: Domain) -> Domain:
-    assert isinstance(domain, Graph)
+def _graph_and_vertex(domain: Graph) -> Graph:
     return Graph(domain.n_vertices + 1, domain.edges, domain.lengths)
 
 
-_MAKERS: Mapping[type[Domain], Callable[[], DomainSamples]] = {
+_MAKERS: Mapping[type[Domain], Callable[[], DomainSamples[Any]]] = {
     TriangleMesh: _mesh_samples,
     PointCloud: _cloud_samples,
     Graph: _graph_samples,

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from geodesic_toolkit.core.types import BoolArray, FloatArray, IntArray
-from geodesic_toolkit.domains import Domain, Graph, TriangleMesh, known_positions
+from geodesic_toolkit.domains import Domain, graph_of, positions_of, triangles_of
 from geodesic_toolkit.errors import InvalidOptionError, UnsupportedDomainError
 from geodesic_toolkit.geometry.triangles import proper_faces
 from geodesic_toolkit.sources.locate import locate_sources
@@ -37,9 +37,9 @@ class Scene:
     present : ndarray of shape (N,), bool
         Which of them are to be seen.
     faces : ndarray of shape (F, 3)
-        None for clouds and graphs.
+        None where there are no triangles, as of clouds and graphs.
     edges : ndarray of shape (E, 2)
-        Of graphs.
+        Where there are edges and no triangles, as of graphs.
     values : ndarray of shape (N,)
         NaN where there is none.
     limits : (float, float)
@@ -134,9 +134,13 @@ def make_scene(
     """
     points = _positions(domain, positions)
     field = _field(domain, values)
-    faces = domain.faces[proper_faces(domain.faces)] if isinstance(domain, TriangleMesh) else None
-    edges = domain.edges if isinstance(domain, Graph) else None
-    finite: BoolArray = np.asarray(np.isfinite(points).all(axis=1))
+    faces = edges = None
+    if domain.has("triangles"):
+        faces = triangles_of(domain)
+        faces = faces[proper_faces(faces)]
+    elif domain.has("as_graph"):
+        edges = graph_of(domain).edges
+    finite: BoolArray = np.asarray(np.isfinite(points).all(axis=1) & domain.present)
     present = finite.copy()
     if faces is not None:
         used = np.zeros(len(points), dtype=np.bool_)
@@ -185,9 +189,8 @@ def _positions(domain: Domain, positions: ArrayLike | None) -> FloatArray:
                 f"not {given.shape}"
             )
         return given
-    known = known_positions(domain)
-    if known is not None:
-        return known
+    if isinstance(domain, Domain) and domain.has("positions"):
+        return positions_of(domain)
     raise UnsupportedDomainError(
         f"a {type(domain).__name__} has no positions to draw; pass positions=, an array of shape "
         f"({domain.n_vertices}, 3), from a layout of your choice"

@@ -11,7 +11,6 @@ from geodesic_toolkit.errors import (
     InvalidOptionError,
     InvalidSourceError,
     UnreachableError,
-    UnsupportedDomainError,
 )
 from geodesic_toolkit.testing import shapes
 
@@ -233,9 +232,6 @@ def test_paths_refuse_what_they_cannot_follow():
         gt.geodesic_path(masked, 40, 0)
     with pytest.raises(UnreachableError, match="behind masked vertices"):
         gt.geodesic_path(masked, 0, 40)
-    graph = gt.Graph(3, [[0, 1], [1, 2]])
-    with pytest.raises(UnsupportedDomainError, match="a Graph has none"):
-        gt.geodesic_path(gt.GeodesicSolver(graph), 0, 1)
     with pytest.raises(InvalidOptionError, match="a path needs a GeodesicSolver, not a Triangle"):
         gt.geodesic_path(shapes.grid(4), 0, 1)
 

@@ -18,7 +18,6 @@ from geodesic_toolkit.errors import (
     UnsupportedDomainError,
 )
 from geodesic_toolkit.io import read_mask
-from geodesic_toolkit.solver.masks import without
 from geodesic_toolkit.sources.curves import KINK, bends_of_polyline
 from geodesic_toolkit.testing import shapes
 
@@ -412,7 +411,7 @@ def test_other_domains_have_no_mask():
         n_vertices = 2
 
     with pytest.raises(UnsupportedDomainError, match="a Line cannot be masked"):
-        without(Line(), np.array([True, False]))
+        Line().without(np.array([True, False]))
 
 
 # -- masks in files --------------------------------------------------------------------------------

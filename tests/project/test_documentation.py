@@ -79,6 +79,17 @@ def test_a_guide_runs_from_top_to_bottom(name, tmp_path):
     assert finished.returncode == 0, finished.stderr
 
 
+def test_the_page_on_writing_an_operator_has_a_kind_of_domain_that_works(tmp_path):
+    page = (DOCS / "writing_an_operator.md").read_text(encoding="utf-8")
+    section = page.partition("## A kind of domain of its own")[2].partition("## A linear solver")[0]
+    code = "\n".join(blocks(section, "python"))
+    finished = run_python(code, tmp_path)
+    assert finished.returncode == 0, finished.stderr
+    shown = re.findall(r"^print\(.*\)  # (.*)$", code, flags=re.MULTILINE)
+    assert finished.stdout.splitlines() == shown
+    assert (tmp_path / "ring.csv").exists()
+
+
 @pytest.mark.parametrize("script", sorted(DOCS.glob("examples/plot_*.py")), ids=lambda p: p.stem)
 def test_a_gallery_script_runs_in_another_folder(script, tmp_path):
     finished = run_python(script.read_text(encoding="utf-8"), tmp_path)

@@ -211,7 +211,7 @@ BAD = {
         4,
         {"operator": gt.PointCloudLaplacian(normals="pca")},
         InvalidSourceError,
-        "point 4 of the cloud is missing",
+        "point 4 of the PointCloud is missing",
     ),
 }
 

@@ -10,6 +10,7 @@ from scipy.sparse import csr_array
 
 from geodesic_toolkit.analysis.matrix.tasks import EveryVertex, Sets
 from geodesic_toolkit.discretization.data import Discretization
+from geodesic_toolkit.domains import Domain
 from geodesic_toolkit.solver.solver import GeodesicSolver
 
 __all__ = ["digest", "fingerprint_of_solver", "fingerprint_of_sources", "fingerprint_of_versions"]
@@ -47,6 +48,9 @@ def _feed(state: Any, value: Any) -> None:
         state.update(f"{type(value).__qualname__} ".encode())
         for item in dataclasses.fields(value):
             _feed(state, getattr(value, item.name))
+    elif isinstance(value, Domain):  # a kind of a plugin's, whose repr may say little
+        state.update(f"{type(value).__qualname__} ".encode())
+        _feed(state, sorted(vars(value).items()))
     else:
         state.update(f"{value!r} ".encode())
 

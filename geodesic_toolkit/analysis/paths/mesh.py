@@ -9,17 +9,14 @@ from scipy.sparse import csr_array, vstack
 
 from geodesic_toolkit.analysis.paths.candidates import best_path
 from geodesic_toolkit.analysis.paths.cloud import CloudPath, path_on_cloud
+from geodesic_toolkit.analysis.paths.edges import EdgePath, path_along_edges
 from geodesic_toolkit.analysis.paths.fronts import first_to_arrive, refined_distance
 from geodesic_toolkit.analysis.paths.insertion import Insertion, insert_points
 from geodesic_toolkit.core.types import FloatArray, IntArray
 from geodesic_toolkit.discretization.data import Discretization
 from geodesic_toolkit.discretization.element_gradient import ElementGradient
 from geodesic_toolkit.domains import PointCloud, TriangleMesh
-from geodesic_toolkit.errors import (
-    InvalidSourceError,
-    UnreachableError,
-    UnsupportedDomainError,
-)
+from geodesic_toolkit.errors import InvalidSourceError, UnreachableError
 from geodesic_toolkit.geometry.triangles import proper_faces
 from geodesic_toolkit.laplacians.cotan import CotanLaplacian
 from geodesic_toolkit.solver.solver import GeodesicSolver, check_solver
@@ -78,8 +75,10 @@ class GeodesicPath:
         return f"GeodesicPath({len(self.surface_points)} points, length {self.length:.6g})"
 
 
-def geodesic_path(solver: GeodesicSolver, source: Any, target: Any) -> GeodesicPath | CloudPath:
-    """Return a shortest path over a mesh or a cloud from the nearest source to a target.
+def geodesic_path(
+    solver: GeodesicSolver, source: Any, target: Any
+) -> GeodesicPath | CloudPath | EdgePath:
+    """Return a shortest path over a mesh, a cloud or a graph from the nearest source to a target.
 
     The refined distance from the sources is descended from the target; the strip of faces passed
     on the way is unfolded, the shortest line through it drawn, and the strip led around the other
@@ -93,11 +92,13 @@ def geodesic_path(solver: GeodesicSolver, source: Any, target: Any) -> GeodesicP
     are: noise of a third of the spacing makes it 2 to 4 % longer than the distance, which is
     measured along the tangent planes.
 
+    On a graph, and on another kind of domain with edges, it is the shortest path along edges, which
+    is longer than a distance across them.
+
     Parameters
     ----------
     solver : GeodesicSolver
-        Of a TriangleMesh or a PointCloud; its heat gives the distances their order, no factor is
-        made.
+        Its heat gives the distances their order, no factor is made.
     source : int, array-like, SurfacePoint, sequence of them, Curve or OffsetSources
         As :meth:`GeodesicSolver.distance` takes them. Of sources that start late the path leads
         from the one whose offset and way are least together; its length is that of the way.
@@ -106,15 +107,15 @@ def geodesic_path(solver: GeodesicSolver, source: Any, target: Any) -> GeodesicP
 
     Returns
     -------
-    GeodesicPath or CloudPath
-        On a mesh and on a cloud. One point where the target is a source.
+    GeodesicPath, CloudPath or EdgePath
+        On a mesh, on a cloud, and along edges. One point where the target is a source.
 
     Raises
     ------
     InvalidOptionError
         Something else than a solver.
     UnsupportedDomainError
-        A graph, or a cloud whose operator makes no triangles.
+        A cloud whose operator makes no triangles; a kind of domain without edges.
     InvalidSourceError
         Sources or a target that name no place; a masked source; several targets.
     UnreachableError
@@ -136,11 +137,6 @@ def geodesic_path(solver: GeodesicSolver, source: Any, target: Any) -> GeodesicP
     """
     check_solver(solver, "a path")
     domain = solver.domain
-    if not isinstance(domain, TriangleMesh | PointCloud):
-        raise UnsupportedDomainError(
-            f"paths run through triangles, of a TriangleMesh or between the points of a "
-            f"PointCloud; a {type(domain).__name__} has none"
-        )
     if isinstance(target, OffsetSources):
         raise InvalidSourceError("target: a path leads to a place; offsets are for sources")
     sources = solver.locate(source, "source")
@@ -151,6 +147,8 @@ def geodesic_path(solver: GeodesicSolver, source: Any, target: Any) -> GeodesicP
         )
     if isinstance(domain, PointCloud):
         return path_on_cloud(solver, sources, goal)
+    if not isinstance(domain, TriangleMesh):
+        return path_along_edges(solver, sources, goal)
     metric = _with_triangles(solver)
     back = refined_distance(solver, metric, goal)
     if sources.delayed:

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from geodesic_toolkit.core.types import FloatArray
-from geodesic_toolkit.domains import Domain, PointCloud, known_positions
+from geodesic_toolkit.domains import Domain, PointCloud, normals_of, positions_of
 from geodesic_toolkit.errors import ReadError
 from geodesic_toolkit.io.common import check_count, cloud, floats
 
@@ -43,7 +43,7 @@ def encode_pcd(domain: Domain, field: FloatArray, like: Path | None) -> bytes:
     Parameters
     ----------
     domain : Domain
-        Positions, and the normals of a cloud, are written where there is no `like`.
+        Positions, and normals if there are any, are written where there is no `like`.
     field : ndarray of shape (N,)
     like : Path, optional
         A PCD file of the same points: all of its fields are kept, and whether it is organised.
@@ -62,12 +62,11 @@ def encode_pcd(domain: Domain, field: FloatArray, like: Path | None) -> bytes:
         old = [i for i, (name, _, _) in enumerate(layout) if name != "distance"]
         layout, fields = [layout[i] for i in old], [fields[i] for i in old]
     else:
-        positions = known_positions(domain)
-        assert positions is not None  # the caller has asked
-        names, columns = ["x", "y", "z"], [*positions.T]
-        if isinstance(domain, PointCloud) and domain.normals is not None:
+        names, columns = ["x", "y", "z"], [*positions_of(domain).T]
+        normals = normals_of(domain)
+        if normals is not None:
             names += ["normal_x", "normal_y", "normal_z"]
-            columns += [*domain.normals.T]
+            columns += [*normals.T]
         layout = [(name, np.dtype("<f8"), 1) for name in names]
         fields = [column[:, None] for column in columns]
     layout.append(("distance", np.dtype("<f8"), 1))

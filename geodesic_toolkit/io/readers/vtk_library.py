@@ -8,8 +8,8 @@ from typing import Any
 
 import numpy as np
 
-from geodesic_toolkit.core.types import FloatArray
-from geodesic_toolkit.domains import Domain, PointCloud, TriangleMesh, known_positions
+from geodesic_toolkit.core.types import FloatArray, IntArray
+from geodesic_toolkit.domains import Domain, graph_of, normals_of, positions_of, triangles_of
 from geodesic_toolkit.errors import WriteError
 from geodesic_toolkit.io.common import optional_package
 
@@ -21,8 +21,8 @@ ALONE = threading.Lock()
 WHERE = re.compile(r"(ERROR|Warning): In \S+, line \d+ \S+ \(\w+\): ")
 """Where in its sources VTK met an error."""
 
-VERTEX, TRIANGLE = 1, 5
-"""VTK's numbers of these cells."""
+CELLS = {1: (1, "SetVerts"), 2: (3, "SetLines"), 3: (5, "SetPolys")}
+"""VTK's number of vertices, lines and triangles, and what takes them, by their corners."""
 
 
 def require_vtk(path: Path) -> Any:
@@ -46,14 +46,16 @@ def write_vtk(path: Path, domain: Domain, field: FloatArray) -> None:
     from vtkmodules.vtkIOLegacy import vtkPolyDataWriter
     from vtkmodules.vtkIOXML import vtkXMLPolyDataWriter, vtkXMLUnstructuredGridWriter
 
-    cells = _vtk_cells(numpy_support, domain)
+    rows = _elements(domain)
+    kind, setter = CELLS[rows.shape[1]]
+    cells = _vtk_cells(numpy_support, rows)
     if path.suffix.lower() == ".vtu":
         data, writer = vtkUnstructuredGrid(), vtkXMLUnstructuredGridWriter()
-        data.SetCells(TRIANGLE if isinstance(domain, TriangleMesh) else VERTEX, cells)
+        data.SetCells(kind, cells)
     else:
         data = vtkPolyData()
         writer = vtkXMLPolyDataWriter() if path.suffix.lower() == ".vtp" else vtkPolyDataWriter()
-        (data.SetPolys if isinstance(domain, TriangleMesh) else data.SetVerts)(cells)
+        getattr(data, setter)(cells)
     if path.suffix.lower() == ".vtk":
         writer.SetFileTypeToBinary()
         writer.SetFileVersion(42)  # 5.1, the default, is not known to programs older than 2020
@@ -64,15 +66,19 @@ def write_vtk(path: Path, domain: Domain, field: FloatArray) -> None:
         raise WriteError(f"{path.name} cannot be written: {said}")
 
 
-def _vtk_cells(numpy_support: Any, domain: Domain) -> Any:
-    """Return the faces of a mesh, or a cell for each point."""
+def _elements(domain: Domain) -> IntArray:
+    """Return the triangles (E, 3), else the edges (E, 2), else the vertices (N, 1)."""
+    if domain.has("triangles"):
+        return triangles_of(domain)
+    if domain.has("as_graph"):
+        return graph_of(domain).edges
+    return np.arange(domain.n_vertices, dtype=np.int64)[:, None]
+
+
+def _vtk_cells(numpy_support: Any, rows: IntArray) -> Any:
+    """Return cells of these vertices, one a row."""
     from vtkmodules.vtkCommonDataModel import vtkCellArray
 
-    rows = (
-        domain.faces
-        if isinstance(domain, TriangleMesh)
-        else np.arange(domain.n_vertices, dtype=np.int64)[:, None]
-    )
     cells = vtkCellArray()
     cells.SetData(
         *(
@@ -92,14 +98,13 @@ def _fill(numpy_support: Any, data: Any, domain: Domain, field: FloatArray) -> N
         made.SetName(name)
         return made
 
-    positions = known_positions(domain)
-    assert positions is not None  # for the type checker; write has raised
     points = vtkPoints()
-    points.SetData(array(positions, "Points"))
+    points.SetData(array(positions_of(domain), "Points"))
     data.SetPoints(points)
     data.GetPointData().SetScalars(array(field, "distance"))
-    if isinstance(domain, PointCloud) and domain.normals is not None:
-        data.GetPointData().SetNormals(array(domain.normals, "Normals"))
+    normals = normals_of(domain)
+    if normals is not None:
+        data.GetPointData().SetNormals(array(normals, "Normals"))
 
 
 def _listened(work: Callable[[], Any]) -> str:

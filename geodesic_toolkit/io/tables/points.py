@@ -5,7 +5,7 @@ from pathlib import Path
 
 import numpy as np
 
-from geodesic_toolkit.domains import PointCloud, known_positions
+from geodesic_toolkit.domains import PointCloud, positions_of
 from geodesic_toolkit.errors import ReadError
 from geodesic_toolkit.io.common import array_of
 from geodesic_toolkit.io.reading import check_file, named_errors, read, unpacked
@@ -51,7 +51,6 @@ def read_points(path: str | os.PathLike[str]) -> PointCloud:
         with unpacked(file) as plain, named_errors(file, "the table of points"):
             return PointCloud(np.atleast_2d(array_of(plain)))
     domain = read(file)
-    positions = known_positions(domain)
-    if positions is None:
+    if not domain.has("positions"):
         raise ReadError(f"{file}: a {type(domain).__name__} has no positions")
-    return PointCloud(positions)
+    return PointCloud(positions_of(domain))

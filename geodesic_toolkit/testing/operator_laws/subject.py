@@ -1,6 +1,7 @@
 """What the laws are asked of: an operator, assembled on samples."""
 
 from collections.abc import Iterator, Sequence
+from typing import Any
 
 import numpy as np
 
@@ -17,7 +18,7 @@ __all__ = ["OperatorSubject", "heat_method"]
 class OperatorSubject:
     """An operator with the samples that it is measured on; each is assembled once."""
 
-    def __init__(self, operator: LaplaceOperator, samples: Sequence[DomainSamples]) -> None:
+    def __init__(self, operator: LaplaceOperator, samples: Sequence[DomainSamples[Any]]) -> None:
         self.recipe = operator
         self.samples = samples
         self._methods: dict[int, HeatMethod] = {}

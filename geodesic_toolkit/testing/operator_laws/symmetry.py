@@ -47,7 +47,7 @@ def scaling_the_shape_scales_the_result(subject: OperatorSubject) -> Iterable[Me
 def _same(
     given: Discretization,
     seen: Discretization,
-    kind: DomainSamples,
+    kind: DomainSamples[Any],
     *,
     order: Any = None,
     factor: float | None = None,

@@ -1,0 +1,93 @@
+"""Checked capabilities of a domain: kernels trust the indices and shapes of arrays."""
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from geodesic_toolkit.core.types import FloatArray, IntArray
+from geodesic_toolkit.domains.base import Domain
+from geodesic_toolkit.domains.graph import Graph
+from geodesic_toolkit.errors import UnsupportedDomainError
+
+__all__ = ["graph_of", "normals_of", "positions_of", "triangles_of"]
+
+
+def positions_of(domain: Domain) -> FloatArray:
+    """Return the positions of the vertices, (N, 3); NaN at vertices without a place.
+
+    Raises
+    ------
+    UnsupportedDomainError
+        There are none, or not one for each vertex.
+    """
+    _check(domain, "positions", domain.positions, np.float64, domain.n_vertices)
+    return domain.positions
+
+
+def normals_of(domain: Domain) -> FloatArray | None:
+    """Return the normals at the vertices, (N, 3), or None.
+
+    Raises
+    ------
+    UnsupportedDomainError
+        Not one for each vertex.
+    """
+    if domain.normals is not None:
+        _check(domain, "normals", domain.normals, np.float64, domain.n_vertices)
+    return domain.normals
+
+
+def triangles_of(domain: Domain) -> IntArray:
+    """Return the triangles, (F, 3).
+
+    Raises
+    ------
+    UnsupportedDomainError
+        There are none, or one has a vertex that is not there.
+    """
+    triangles = domain.triangles
+    _check(domain, "triangles", triangles, np.int64, None)
+    if triangles.size and not (triangles.min() >= 0 and triangles.max() < domain.n_vertices):
+        outside = ((triangles < 0) | (triangles >= domain.n_vertices)).any(axis=1)
+        bad = int(outside.argmax())
+        raise UnsupportedDomainError(
+            f"row {bad} of {type(domain).__name__}.triangles is {triangles[bad].tolist()}; there "
+            f"are {domain.n_vertices} vertices, numbered from 0"
+        )
+    return triangles
+
+
+def graph_of(domain: Domain) -> Graph:
+    """Return the edges with their lengths.
+
+    Raises
+    ------
+    UnsupportedDomainError
+        There are none, or something else than a graph of the same vertices.
+    """
+    graph = domain.as_graph()
+    if not isinstance(graph, Graph) or graph.n_vertices != domain.n_vertices:
+        raise UnsupportedDomainError(
+            f"{type(domain).__name__}.as_graph() must return a Graph of {domain.n_vertices} "
+            f"vertices, not {graph!r}"
+        )
+    return graph
+
+
+def _check(domain: Domain, name: str, array: Any, dtype: type, rows: int | None) -> None:
+    """Raise unless an array is of that type and of shape (rows, 3)."""
+    good = isinstance(array, np.ndarray) and array.dtype == dtype and array.ndim == 2
+    if good and array.shape[1] == 3 and rows in (None, len(array)):
+        return
+    wanted = f"({'F' if rows is None else rows}, 3)"
+    raise UnsupportedDomainError(
+        f"{type(domain).__name__}.{name} must be {np.dtype(dtype)} of shape {wanted}, not "
+        f"{_described(array)}"
+    )
+
+
+def _described(array: NDArray[Any] | object) -> str:
+    if isinstance(array, np.ndarray):
+        return f"{array.dtype} of shape {array.shape}"
+    return f"a {type(array).__name__}"
