@@ -38,7 +38,7 @@ def solver(sphere_file):
 @pytest.fixture
 def interrupted_after(monkeypatch):
     """The function that has Ctrl-C come once so many rows are written; and that lets it be."""
-    usual = stores.FileOfRows.put
+    usual = stores.DenseFile.put
 
     def interrupt_after(rows):
         def put(self, task, found):
@@ -46,7 +46,7 @@ def interrupted_after(monkeypatch):
             if rows is not None and task.stop >= rows:
                 raise KeyboardInterrupt
 
-        monkeypatch.setattr(stores.FileOfRows, "put", put)
+        monkeypatch.setattr(stores.DenseFile, "put", put)
 
     return interrupt_after
 

@@ -8,7 +8,6 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, DTypeLike
 
-from geodesic_toolkit.analysis.matrix.executors import check_executor, computed
 from geodesic_toolkit.analysis.matrix.fingerprints import (
     digest,
     fingerprint_of_solver,
@@ -16,15 +15,14 @@ from geodesic_toolkit.analysis.matrix.fingerprints import (
     fingerprint_of_versions,
 )
 from geodesic_toolkit.analysis.matrix.stores import (
-    FileOfRows,
+    NEEDS_ZARR,
+    DenseFile,
     InMemory,
     Plan,
     SparseFile,
     SparseInMemory,
     Store,
-    ZarrOfRows,
     check_disk,
-    require_zarr,
 )
 from geodesic_toolkit.analysis.matrix.symmetry import Symmetrize, check_symmetrize, widened
 from geodesic_toolkit.analysis.matrix.tasks import (
@@ -35,7 +33,9 @@ from geodesic_toolkit.analysis.matrix.tasks import (
     vertices_of,
 )
 from geodesic_toolkit.analysis.matrix.unfinished import Unfinished
+from geodesic_toolkit.analysis.matrix.workers import check_executor, computed
 from geodesic_toolkit.core.atomic import check_output
+from geodesic_toolkit.core.optional import optional
 from geodesic_toolkit.core.types import IntArray
 from geodesic_toolkit.errors import InvalidOptionError, WriteError
 from geodesic_toolkit.heat.method import Progress
@@ -292,7 +292,7 @@ def check_matrix_output(out: str | os.PathLike[str], *, sparse: bool) -> Path:
             "or .zarr"
         )
     if suffix == ".zarr":
-        require_zarr()
+        optional("zarr", "zarr", NEEDS_ZARR)
         if path.exists():  # another store may be replaced, something else may not
             if not (path / "zarr.json").exists():
                 raise WriteError(f"{path} is there already, and no zarr store")
@@ -318,8 +318,7 @@ def _store(solver: GeodesicSolver, plan: Plan, output: Path | None, *, resume: b
             return SparseFile(plan, unfinished)
         todo = float(np.mean(~unfinished.done)) + (plan.symmetrize is not None)
         check_disk(output.parent, plan.nbytes * todo, output)
-        kind = FileOfRows if output.suffix.lower() == ".npy" else ZarrOfRows
-        return kind(plan, unfinished)
+        return DenseFile(plan, unfinished)
     except BaseException:  # Ctrl-C too: the folder must not stay locked; it goes on at once
         unfinished.close()
         raise
