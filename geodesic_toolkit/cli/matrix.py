@@ -221,34 +221,40 @@ def _processes(count: int) -> Iterator["Executor | None"]:
                 pool.submit(int)
         yield pool
     except BaseException:  # Ctrl-C above all: no process may outlive the block; it goes on
-        threading.excepthook = _without_cancelled_tasks
-        for process in multiprocessing.active_children():  # rather than wait for their tasks
-            process.terminate()
-        _shut_down(pool)
+        with _quiet_about_cancelled_tasks():
+            for process in multiprocessing.active_children():  # rather than wait for their tasks
+                process.terminate()
+            # The end of the program wakes the thread of the pool, and fails if that ends just then.
+            # Where a process was ended in the middle of a result, it waits for the rest: so not for
+            # ever, and the program leaves anyway.
+            closing = threading.Thread(
+                target=pool.shutdown, kwargs={"cancel_futures": True}, daemon=True
+            )
+            closing.start()
+            closing.join(PATIENCE)
         raise
     pool.shutdown()
 
 
-def _shut_down(pool: "Executor") -> None:
-    """Wait for the thread of a pool whose processes were ended, but not for ever.
-
-    The end of the program wakes that thread, and fails if it ends just then. Where a process was
-    ended in the middle of a result, the thread waits for the rest, and the program leaves anyway.
-    """
-    closing = threading.Thread(target=pool.shutdown, kwargs={"cancel_futures": True}, daemon=True)
-    closing.start()
-    closing.join(PATIENCE)
-
-
-def _without_cancelled_tasks(failure: threading.ExceptHookArgs) -> None:
-    """Report how a thread failed, but for that of a pool whose processes were ended.
+@contextmanager
+def _quiet_about_cancelled_tasks() -> Iterator[None]:
+    """Leave out how the thread of a pool fails whose processes were ended.
 
     It marks all tasks as broken and stumbles over those that were cancelled before.
     """
     from concurrent.futures import InvalidStateError
 
-    if failure.exc_type is not InvalidStateError:
-        threading.__excepthook__(failure)
+    usual = threading.excepthook
+
+    def report(failure: threading.ExceptHookArgs) -> None:
+        if failure.exc_type is not InvalidStateError:
+            usual(failure)
+
+    threading.excepthook = report
+    try:
+        yield
+    finally:
+        threading.excepthook = usual
 
 
 @contextmanager
