@@ -18,6 +18,7 @@ from geodesic_toolkit.errors import (
     SolverError,
 )
 from geodesic_toolkit.exact import exact_distance
+from geodesic_toolkit.geometry.along_edges import AlongEdges, shortest_parallel_edges
 from geodesic_toolkit.interop.conversion import as_domain
 from geodesic_toolkit.solver.solver import GeodesicSolver
 from geodesic_toolkit.sources.locate import locate_sources
@@ -213,7 +214,12 @@ def compare(
 
 def _reference(domain: Domain, sources: IntArray, affordable: int) -> tuple[str, FloatArray]:
     if isinstance(domain, Graph):
-        return "shortest way along edges", _along_edges(domain, sources)
+        edges = AlongEdges(
+            domain.n_vertices, *shortest_parallel_edges(domain.edges, domain.lengths)
+        )
+        starts = np.zeros(len(sources))
+        way = edges.distances(np.array([0, len(sources)]), sources, starts)[0]
+        return "shortest way along edges", way
     if isinstance(domain, TriangleMesh) and domain.n_faces <= affordable:
         try:
             return "exact polyhedral distance", exact_distance(domain, sources)
@@ -224,16 +230,6 @@ def _reference(domain: Domain, sources: IntArray, affordable: int) -> tuple[str,
             warnings.simplefilter("ignore", GeodesicWarning)  # its row has them
             return "refined distance", GeodesicSolver(domain).distance(sources)
     return "the default", GeodesicSolver(domain).distance(sources)
-
-
-def _along_edges(graph: Graph, sources: IntArray) -> FloatArray:
-    from scipy.sparse import coo_array, csr_array
-    from scipy.sparse.csgraph import dijkstra
-
-    shape = (graph.n_vertices, graph.n_vertices)
-    adjacency = csr_array(coo_array((graph.lengths, tuple(graph.edges.T)), shape=shape))
-    distance = dijkstra(adjacency, directed=False, indices=sources, min_only=True)
-    return np.asarray(distance, dtype=np.float64)
 
 
 def _probes(reference: FloatArray) -> IntArray:

@@ -23,7 +23,7 @@ from geodesic_toolkit.cli.arguments import (
 )
 from geodesic_toolkit.cli.interrupts import last_words
 from geodesic_toolkit.cli.output import aligned, show, show_json, versions
-from geodesic_toolkit.cli.run import Run, running
+from geodesic_toolkit.cli.run import Run, method_in_words, running
 from geodesic_toolkit.cli.welding import Welded, check_weld, welded
 from geodesic_toolkit.errors import InvalidOptionError
 
@@ -317,19 +317,13 @@ class Result:
         }
 
     def __str__(self) -> str:
-        method = self.solver.method
-        solvers = dict.fromkeys([repr(method.heat_solver), repr(method.poisson_solver)])
         rows, columns = self.matrix.shape
         of = f", {self.entries} entries" if hasattr(self.matrix, "nnz") else ""
         lines = [
             ("shape", repr(self.shape.file)),
             *self.shape.rows,
             ("sources", _named(self.sources)),
-            (
-                "method",
-                f"{self.solver.operator!r}, {' and '.join(solvers)}"
-                + (", refined" if method.refine else ""),
-            ),
+            ("method", method_in_words(self.solver)),
             ("matrix", f"{rows} x {columns}, {self.matrix.dtype}{of}"),
             ("took", self.run.took),
             ("wrote", str(self.output)),

@@ -5,20 +5,23 @@ from typing import Any
 
 from geodesic_toolkit.errors import MissingDependencyError
 
-__all__ = ["optional"]
+__all__ = ["require"]
+
+PACKAGES = {"vtkmodules": "vtk"}
+"""Distributions whose modules are called otherwise."""
 
 
-def optional(module: str, extra: str, purpose: str) -> Any:
+def require(module: str, extra: str, purpose: str) -> Any:
     """Import and return a module of an extra.
 
     Parameters
     ----------
     module : str
-        Its name, with that of its package.
+        With the name of its package.
     extra : str
-        The extra of this project that installs it.
+        That of this project which installs it.
     purpose : str
-        What needs it, with the verb and the package: "writing .zarr stores needs zarr".
+        What it is for, as the subject and the verb of the message.
 
     Raises
     ------
@@ -27,16 +30,17 @@ def optional(module: str, extra: str, purpose: str) -> Any:
 
     Examples
     --------
-    >>> from geodesic_toolkit.core.optional import optional
-    >>> optional("no_such_package", "viz", "drawing needs it")
+    >>> from geodesic_toolkit.core.optional import require
+    >>> require("vtkmodules.none", "viz", "Pictures need")  # doctest: +ELLIPSIS
     Traceback (most recent call last):
         ...
-    geodesic_toolkit.errors.MissingDependencyError: drawing needs it (No module named \
-'no_such_package'): pip install "geodesic-toolkit[viz]"
+    geodesic_toolkit.errors.MissingDependencyError: Pictures need vtk: pip install ...
     """
     try:
         return importlib.import_module(module)
     except ImportError as error:
+        package = module.partition(".")[0]
         raise MissingDependencyError(
-            f'{purpose} ({error}): pip install "geodesic-toolkit[{extra}]"'
+            f"{purpose} {PACKAGES.get(package, package)}: "
+            f'pip install "geodesic-toolkit[{extra}]" ({error})'
         ) from error

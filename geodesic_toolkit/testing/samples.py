@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -100,11 +101,11 @@ class DomainSamples:
     kind: type[Domain]
     families: Sequence[Sequence[Sample]]
     generic: Domain
-    permuted: Callable[[Domain, IntArray], Domain]
-    united: Callable[[Domain, Domain], Domain]
-    isolated: Callable[[Domain], Domain]
-    moved: Callable[[Domain, FloatArray, FloatArray], Domain] | None = None
-    scaled: Callable[[Domain, float], Domain] | None = None
+    permuted: Callable[[Any, IntArray], Domain]
+    united: Callable[[Any, Any], Domain]
+    isolated: Callable[[Any], Domain]
+    moved: Callable[[Any, FloatArray, FloatArray], Domain] | None = None
+    scaled: Callable[[Any, float], Domain] | None = None
     degenerate: Sequence[Domain] = ()
 
 
@@ -224,6 +225,10 @@ def _edge_lengths(mesh: TriangleMesh) -> tuple[IntArray, FloatArray]:
     return edges, np.linalg.norm(mesh.vertices[edges[:, 0]] - mesh.vertices[edges[:, 1]], axis=1)
 
 
+def _spacing(mesh: TriangleMesh) -> float:
+    return float(_edge_lengths(mesh)[1].mean())
+
+
 def _mesh_edges(mesh: TriangleMesh) -> Graph:
     return Graph(mesh.n_vertices, *_edge_lengths(mesh))
 
@@ -244,18 +249,17 @@ def _mesh_samples() -> DomainSamples:
     return DomainSamples(
         kind=TriangleMesh,
         families=(
-            [
-                _plane(n, m, float(_edge_lengths(m)[1].mean()), m.vertices[:, :2])
-                for n, m in squares
-            ],
-            [_sphere(m, float(_edge_lengths(m)[1].mean()), m.vertices) for m in balls],
+            [_plane(n, m, _spacing(m), m.vertices[:, :2]) for n, m in squares],
+            [_sphere(m, _spacing(m), m.vertices) for m in balls],
         ),
         generic=_lumpy(),
-        permuted=_permuted_mesh,
-        united=_united_meshes,
-        isolated=_mesh_and_vertex,
-        moved=_moved_mesh,
-        scaled=_scaled_mesh,
+        permuted=lambda m, order: TriangleMesh(m.vertices[order], np.argsort(order)[m.faces]),
+        united=lambda first, second: shapes.disjoint_union(
+            first, TriangleMesh(second.vertices + BESIDE, second.faces)
+        ),
+        isolated=lambda m: TriangleMesh(np.concatenate([m.vertices, [[0.1, 0.2, 0.3]]]), m.faces),
+        moved=lambda m, rotation, shift: TriangleMesh(m.vertices @ rotation.T + shift, m.faces),
+        scaled=lambda m, factor: TriangleMesh(m.vertices * factor, m.faces),
         degenerate=(
             TriangleMesh(triangle, [[0, 1, 2]]),
             TriangleMesh(triangle, [[0, 1, 2], [0, 1, 2], [2, 1, 0]]),
@@ -267,56 +271,23 @@ def _mesh_samples() -> DomainSamples:
     )
 
 
-def _permuted_mesh(domain: Domain, order: IntArray) -> Domain:
-    assert isinstance(domain, TriangleMesh)
-    return TriangleMesh(domain.vertices[order], np.argsort(order)[domain.faces])
-
-
-def _moved_mesh(domain: Domain, rotation: FloatArray, shift: FloatArray) -> Domain:
-    assert isinstance(domain, TriangleMesh)
-    return TriangleMesh(domain.vertices @ rotation.T + shift, domain.faces)
-
-
-def _scaled_mesh(domain: Domain, factor: float) -> Domain:
-    assert isinstance(domain, TriangleMesh)
-    return TriangleMesh(domain.vertices * factor, domain.faces)
-
-
-def _united_meshes(first: Domain, second: Domain) -> Domain:
-    assert isinstance(first, TriangleMesh)
-    assert isinstance(second, TriangleMesh)
-    beside = TriangleMesh(second.vertices + BESIDE, second.faces)
-    return shapes.disjoint_union(first, beside)
-
-
-def _mesh_and_vertex(domain: Domain) -> Domain:
-    assert isinstance(domain, TriangleMesh)
-    return TriangleMesh(np.concatenate([domain.vertices, [[0.1, 0.2, 0.3]]]), domain.faces)
-
-
 def _cloud_samples() -> DomainSamples:
     squares = [(n, shapes.grid(n)) for n in PLANE]
     balls = [shapes.icosphere(level) for level in SPHERE]
     return DomainSamples(
         kind=PointCloud,
         families=(
-            [
-                _plane(
-                    n, PointCloud(m.vertices), float(_edge_lengths(m)[1].mean()), m.vertices[:, :2]
-                )
-                for n, m in squares
-            ],
-            [
-                _sphere(PointCloud(m.vertices), float(_edge_lengths(m)[1].mean()), m.vertices)
-                for m in balls
-            ],
+            [_plane(n, PointCloud(m.vertices), _spacing(m), m.vertices[:, :2]) for n, m in squares],
+            [_sphere(PointCloud(m.vertices), _spacing(m), m.vertices) for m in balls],
         ),
         generic=PointCloud(_lumpy().vertices),
-        permuted=_permuted_cloud,
-        united=_united_clouds,
-        isolated=_cloud_and_missing_point,
-        moved=_moved_cloud,
-        scaled=_scaled_cloud,
+        permuted=lambda c, order: PointCloud(c.points[order]),
+        united=lambda first, second: PointCloud(
+            np.concatenate([first.points, second.points + BESIDE])
+        ),
+        isolated=lambda c: PointCloud(np.concatenate([c.points, [NOWHERE]])),
+        moved=lambda c, rotation, shift: PointCloud(c.points @ rotation.T + shift),
+        scaled=lambda c, factor: PointCloud(c.points * factor),
         degenerate=(
             PointCloud([[0, 0, 0]]),
             PointCloud([[0.0, 0.0, 0.0], NOWHERE]),
@@ -329,32 +300,6 @@ def _cloud_samples() -> DomainSamples:
     )
 
 
-def _permuted_cloud(domain: Domain, order: IntArray) -> Domain:
-    assert isinstance(domain, PointCloud)
-    return PointCloud(domain.points[order])
-
-
-def _moved_cloud(domain: Domain, rotation: FloatArray, shift: FloatArray) -> Domain:
-    assert isinstance(domain, PointCloud)
-    return PointCloud(domain.points @ rotation.T + shift)
-
-
-def _scaled_cloud(domain: Domain, factor: float) -> Domain:
-    assert isinstance(domain, PointCloud)
-    return PointCloud(domain.points * factor)
-
-
-def _united_clouds(first: Domain, second: Domain) -> Domain:
-    assert isinstance(first, PointCloud)
-    assert isinstance(second, PointCloud)
-    return PointCloud(np.concatenate([first.points, second.points + BESIDE]))
-
-
-def _cloud_and_missing_point(domain: Domain) -> Domain:
-    assert isinstance(domain, PointCloud)
-    return PointCloud(np.concatenate([domain.points, [NOWHERE]]))
-
-
 def _graph_samples() -> DomainSamples:
     squares = [(n, *_lattice(n)) for n in PLANE]
     balls = [shapes.icosphere(level) for level in SPHERE]
@@ -363,13 +308,17 @@ def _graph_samples() -> DomainSamples:
         families=(
             [_segment(n) for n in SEGMENT],
             [_plane(n, graph, 1 / (n - 1), positions) for n, graph, positions in squares],
-            [_sphere(_mesh_edges(m), float(_edge_lengths(m)[1].mean()), m.vertices) for m in balls],
+            [_sphere(_mesh_edges(m), _spacing(m), m.vertices) for m in balls],
         ),
         generic=_mesh_edges(_lumpy()),
-        permuted=_permuted_graph,
-        united=_united_graphs,
-        isolated=_graph_and_vertex,
-        scaled=_scaled_graph,
+        permuted=lambda g, order: Graph(g.n_vertices, np.argsort(order)[g.edges], g.lengths),
+        united=lambda first, second: Graph(
+            first.n_vertices + second.n_vertices,
+            np.concatenate([first.edges, second.edges + first.n_vertices]),
+            np.concatenate([first.lengths, second.lengths]),
+        ),
+        isolated=lambda g: Graph(g.n_vertices + 1, g.edges, g.lengths),
+        scaled=lambda g, factor: Graph(g.n_vertices, g.edges, g.lengths * factor),
         degenerate=(
             Graph(1, []),
             Graph(3, []),
@@ -387,31 +336,6 @@ def _lattice(n: int) -> tuple[Graph, FloatArray]:
     across = np.column_stack([index[:-1].ravel(), index[1:].ravel()])
     edges = np.concatenate([along, across])
     return Graph(n * n, edges, np.full(len(edges), 1 / (n - 1))), shapes.grid(n).vertices[:, :2]
-
-
-def _permuted_graph(domain: Domain, order: IntArray) -> Domain:
-    assert isinstance(domain, Graph)
-    return Graph(domain.n_vertices, np.argsort(order)[domain.edges], domain.lengths)
-
-
-def _scaled_graph(domain: Domain, factor: float) -> Domain:
-    assert isinstance(domain, Graph)
-    return Graph(domain.n_vertices, domain.edges, domain.lengths * factor)
-
-
-def _united_graphs(first: Domain, second: Domain) -> Domain:
-    assert isinstance(first, Graph)
-    assert isinstance(second, Graph)
-    return Graph(
-        first.n_vertices + second.n_vertices,
-        np.concatenate([first.edges, second.edges + first.n_vertices]),
-        np.concatenate([first.lengths, second.lengths]),
-    )
-
-
-def _graph_and_vertex(domain: Domain) -> Domain:
-    assert isinstance(domain, Graph)
-    return Graph(domain.n_vertices + 1, domain.edges, domain.lengths)
 
 
 _MAKERS: Mapping[type[Domain], Callable[[], DomainSamples]] = {

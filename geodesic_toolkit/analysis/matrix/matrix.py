@@ -15,7 +15,6 @@ from geodesic_toolkit.analysis.matrix.fingerprints import (
     fingerprint_of_versions,
 )
 from geodesic_toolkit.analysis.matrix.stores import (
-    NEEDS_ZARR,
     DenseFile,
     InMemory,
     Plan,
@@ -23,6 +22,7 @@ from geodesic_toolkit.analysis.matrix.stores import (
     SparseInMemory,
     Store,
     check_disk,
+    require_zarr,
 )
 from geodesic_toolkit.analysis.matrix.symmetry import Symmetrize, check_symmetrize, widened
 from geodesic_toolkit.analysis.matrix.tasks import (
@@ -35,7 +35,6 @@ from geodesic_toolkit.analysis.matrix.tasks import (
 from geodesic_toolkit.analysis.matrix.unfinished import Unfinished
 from geodesic_toolkit.analysis.matrix.workers import check_executor, computed
 from geodesic_toolkit.core.atomic import check_output
-from geodesic_toolkit.core.optional import optional
 from geodesic_toolkit.core.types import IntArray
 from geodesic_toolkit.errors import InvalidOptionError, WriteError
 from geodesic_toolkit.heat.method import Progress
@@ -292,7 +291,7 @@ def check_matrix_output(out: str | os.PathLike[str], *, sparse: bool) -> Path:
             "or .zarr"
         )
     if suffix == ".zarr":
-        optional("zarr", "zarr", NEEDS_ZARR)
+        require_zarr()
         if path.exists():  # another store may be replaced, something else may not
             if not (path / "zarr.json").exists():
                 raise WriteError(f"{path} is there already, and no zarr store")

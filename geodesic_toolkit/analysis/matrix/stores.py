@@ -21,14 +21,21 @@ from geodesic_toolkit.analysis.matrix.symmetry import (
 from geodesic_toolkit.analysis.matrix.tasks import Rows, RowTask
 from geodesic_toolkit.analysis.matrix.unfinished import Unfinished
 from geodesic_toolkit.core.atomic import replacing, sync, writing
-from geodesic_toolkit.core.optional import optional
+from geodesic_toolkit.core.optional import require
 from geodesic_toolkit.core.types import BoolArray
 from geodesic_toolkit.errors import WriteError
 from geodesic_toolkit.linear.memory import require_memory
 
-__all__ = ["DenseFile", "InMemory", "Plan", "SparseFile", "SparseInMemory", "Store", "check_disk"]
-
-NEEDS_ZARR = "writing .zarr stores needs zarr"
+__all__ = [
+    "DenseFile",
+    "InMemory",
+    "Plan",
+    "SparseFile",
+    "SparseInMemory",
+    "Store",
+    "check_disk",
+    "require_zarr",
+]
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -165,6 +172,11 @@ def check_disk(folder: Path, needed: float, output: Path) -> None:
         )
 
 
+def require_zarr() -> Any:
+    """Import and return zarr, or raise a `MissingDependencyError`."""
+    return require("zarr", "zarr", "writing .zarr stores needs")
+
+
 class _OnDisk(Store):
     """What stores in files share: rows on disk first, then the mark that they are there."""
 
@@ -213,7 +225,7 @@ class _ZarrRows:
     """Rows of a zarr array, of which each task is a chunk."""
 
     def __init__(self, path: Path, plan: Plan) -> None:
-        zarr = optional("zarr", "zarr", NEEDS_ZARR)
+        zarr = require_zarr()
         self.path = path
         self._rows_of_chunk = plan.rows_of_task
         if (path / "zarr.json").exists():
@@ -273,7 +285,7 @@ class DenseFile(_OnDisk):
         self._folder.deliver(self._result)
         if self._kind is _NpyRows:
             return np.load(self._folder.output, mmap_mode="r")
-        return optional("zarr", "zarr", NEEDS_ZARR).open_array(self._folder.output, mode="r")
+        return require_zarr().open_array(self._folder.output, mode="r")
 
 
 @final
@@ -286,6 +298,7 @@ class SparseFile(_OnDisk):
             self.done[task.number] &= self._piece(task).exists()
 
     def _write(self, task: RowTask, rows: Rows) -> None:
+        assert isinstance(rows, csr_array)  # for the type checker
         with replacing(self._piece(task)) as path:
             save_npz(path, rows, compressed=False)
 

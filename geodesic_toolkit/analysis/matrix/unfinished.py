@@ -155,7 +155,7 @@ class Unfinished:
         marks = np.frombuffer(path.read_bytes(), dtype=np.uint8)
         if len(marks) != n_tasks:
             raise self._broken(f"{len(marks)} tasks, not {n_tasks}")
-        return marks == 1
+        return np.asarray(marks == 1)
 
     def _broken(self, what: str) -> WriteError:
         return WriteError(

@@ -1,4 +1,4 @@
-"""Tasks through any `concurrent.futures.Executor`, whose workers get the solver once and keep it."""
+"""Tasks through any `concurrent.futures.Executor`, whose workers get the solver once."""
 
 import os
 import pickle
