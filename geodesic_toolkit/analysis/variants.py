@@ -6,8 +6,9 @@ from typing import Any
 
 import numpy as np
 
-from geodesic_toolkit.domains import Domain, Graph, PointCloud, TriangleMesh
+from geodesic_toolkit.domains import Domain, PointCloud, TriangleMesh
 from geodesic_toolkit.errors import PluginLoadError
+from geodesic_toolkit.geometry.along_edges import edge_graph
 from geodesic_toolkit.geometry.triangles import edges_of_faces, proper_faces
 from geodesic_toolkit.laplacians.cotan import CotanLaplacian
 from geodesic_toolkit.laplacians.uniform import UniformLaplacian
@@ -116,13 +117,8 @@ def _operators(domain: Domain) -> Iterator[Variant]:
 
 def _elsewhere(mesh: TriangleMesh) -> Iterator[Variant]:
     """Forget the faces, or all but their edges."""
-    faces = mesh.faces[proper_faces(mesh.faces)]
-    used = np.isin(np.arange(mesh.n_vertices), faces)
+    used = np.isin(np.arange(mesh.n_vertices), mesh.faces[proper_faces(mesh.faces)])
     cloud = PointCloud(np.where(used[:, None], mesh.vertices, np.nan))
     yield Variant("cloud of the vertices", "domain", {"refine": False}, cloud)
     yield Variant("cloud of the vertices, refined", "domain", domain=cloud)
-    edges, _ = edges_of_faces(faces, mesh.n_vertices)
-    lengths = np.linalg.norm(np.diff(mesh.vertices[edges], axis=1)[:, 0], axis=1)
-    proper = lengths > 0
-    graph = Graph(mesh.n_vertices, edges[proper], lengths[proper])
-    yield Variant("graph of the edges", "domain", domain=graph)
+    yield Variant("graph of the edges", "domain", domain=edge_graph(mesh))

@@ -10,8 +10,10 @@ import numpy as np
 
 from geodesic_toolkit.core.frozen import FrozenArrays
 from geodesic_toolkit.core.types import FloatArray, IntArray
+from geodesic_toolkit.domains import Graph, TriangleMesh
+from geodesic_toolkit.geometry.triangles import edges_and_lengths
 
-__all__ = ["AlongEdges", "shortest_parallel_edges"]
+__all__ = ["AlongEdges", "edge_graph", "shortest_parallel_edges"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -98,6 +100,12 @@ class AlongEdges(FrozenArrays):
 
     def __getstate__(self) -> dict[str, Any]:
         return {name: value for name, value in self.__dict__.items() if name != "matrix"}
+
+
+def edge_graph(mesh: TriangleMesh) -> Graph:
+    """Return the graph of the edges of a mesh that have a length."""
+    edges, lengths = edges_and_lengths(mesh.vertices, mesh.faces)
+    return Graph(mesh.n_vertices, edges[lengths > 0], lengths[lengths > 0])
 
 
 def shortest_parallel_edges(edges: IntArray, lengths: FloatArray) -> tuple[IntArray, FloatArray]:

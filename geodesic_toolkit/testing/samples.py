@@ -9,7 +9,7 @@ import numpy as np
 from geodesic_toolkit.core.types import BoolArray, FloatArray, IntArray
 from geodesic_toolkit.domains import Domain, Graph, PointCloud, TriangleMesh
 from geodesic_toolkit.errors import InvalidOptionError
-from geodesic_toolkit.geometry.triangles import edges_of_faces
+from geodesic_toolkit.geometry.along_edges import edge_graph
 from geodesic_toolkit.testing import shapes
 
 __all__ = ["DomainSamples", "Sample", "samples_of"]
@@ -220,17 +220,8 @@ def _segment(n: int) -> Sample:
     )
 
 
-def _edge_lengths(mesh: TriangleMesh) -> tuple[IntArray, FloatArray]:
-    edges, _ = edges_of_faces(mesh.faces, mesh.n_vertices)
-    return edges, np.linalg.norm(mesh.vertices[edges[:, 0]] - mesh.vertices[edges[:, 1]], axis=1)
-
-
 def _spacing(mesh: TriangleMesh) -> float:
-    return float(_edge_lengths(mesh)[1].mean())
-
-
-def _mesh_edges(mesh: TriangleMesh) -> Graph:
-    return Graph(mesh.n_vertices, *_edge_lengths(mesh))
+    return float(edge_graph(mesh).lengths.mean())
 
 
 def _lumpy(level: int = 2) -> TriangleMesh:
@@ -308,9 +299,9 @@ def _graph_samples() -> DomainSamples:
         families=(
             [_segment(n) for n in SEGMENT],
             [_plane(n, graph, 1 / (n - 1), positions) for n, graph, positions in squares],
-            [_sphere(_mesh_edges(m), _spacing(m), m.vertices) for m in balls],
+            [_sphere(edge_graph(m), _spacing(m), m.vertices) for m in balls],
         ),
-        generic=_mesh_edges(_lumpy()),
+        generic=edge_graph(_lumpy()),
         permuted=lambda g, order: Graph(g.n_vertices, np.argsort(order)[g.edges], g.lengths),
         united=lambda first, second: Graph(
             first.n_vertices + second.n_vertices,
