@@ -80,11 +80,14 @@ class Store(abc.ABC):
     ----------
     plan : Plan
     done : ndarray of bool
-        One a task: whether its rows are here, from an earlier run too.
+        One a task: whether its rows are here from an earlier run.
     """
 
-    plan: Plan
     done: BoolArray
+
+    def __init__(self, plan: Plan) -> None:
+        self.plan = plan
+        self.done = np.zeros(len(plan.tasks), dtype=bool)
 
     @abc.abstractmethod
     def put(self, task: RowTask, rows: Rows) -> None:
@@ -110,14 +113,12 @@ class InMemory(Store):
             f"the matrix of {rows} x {columns} distances (on disk it takes none: out= with a name "
             "ending in .npy or .zarr; dtype=numpy.float32 halves it, max_distance= thins it)",
         )
-        self.plan = plan
-        self.done = np.zeros(len(plan.tasks), dtype=bool)
+        super().__init__(plan)
         self._matrix = np.empty(plan.shape, dtype=plan.dtype)
 
     def put(self, task: RowTask, rows: Rows) -> None:
         """Copy the rows to their place."""
         self._matrix[task.start : task.stop] = rows
-        self.done[task.number] = True
 
     def finish(self) -> NDArray[np.floating[Any]]:
         """Return the array."""
@@ -131,15 +132,13 @@ class SparseInMemory(Store):
     """A csr_array, made of thinned blocks."""
 
     def __init__(self, plan: Plan) -> None:
-        self.plan = plan
-        self.done = np.zeros(len(plan.tasks), dtype=bool)
+        super().__init__(plan)
         self._blocks: dict[int, csr_array] = {}
 
     def put(self, task: RowTask, rows: Rows) -> None:
         """Keep the block."""
         assert isinstance(rows, csr_array)  # for the type checker
         self._blocks[task.number] = rows
-        self.done[task.number] = True
 
     def finish(self) -> csr_array:
         """Return the array."""
@@ -181,7 +180,7 @@ class _OnDisk(Store):
     """What stores in files share: rows on disk first, then the mark that they are there."""
 
     def __init__(self, plan: Plan, folder: Unfinished) -> None:
-        self.plan = plan
+        super().__init__(plan)
         self.done = folder.done
         self._folder = folder
 
