@@ -26,7 +26,7 @@ from geodesic_toolkit.cli.arguments import (
     parse_sources,
 )
 from geodesic_toolkit.cli.output import aligned, one_line, show, show_json, versions
-from geodesic_toolkit.cli.run import Run, running
+from geodesic_toolkit.cli.run import Run, method_in_words, running
 from geodesic_toolkit.cli.targets import Targets
 from geodesic_toolkit.cli.welding import Welded, check_weld, welded
 from geodesic_toolkit.errors import InvalidOptionError
@@ -277,7 +277,6 @@ class Result:
     def __str__(self) -> str:
         method, finite = self.solver.method, self.finite
         places = "vertices" if self.at is None else "points"
-        solvers = dict.fromkeys([repr(method.heat_solver), repr(method.poisson_solver)])
         rows = [
             ("shape", repr(self.shape.file)),
             *self.shape.rows,
@@ -285,11 +284,7 @@ class Result:
             *([] if self.at is None else [("at", f"{len(self.distances)} points of {self.at}")]),
             *([] if self.mask is None else [("mask", str(self.mask))]),
             *([] if self.thinned is None else [("thinned", repr(self.thinned.cloud))]),
-            (
-                "method",
-                f"{self.solver.operator!r}, {' and '.join(solvers)}"
-                + (", refined" if method.refine else ""),
-            ),
+            ("method", method_in_words(self.solver)),
             ("time step", f"{method.time:.4g}, mean edge length {method.metric.spacing:.4g}"),
             (
                 "distance",

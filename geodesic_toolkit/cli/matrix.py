@@ -23,7 +23,7 @@ from geodesic_toolkit.cli.arguments import (
 )
 from geodesic_toolkit.cli.interrupts import last_words
 from geodesic_toolkit.cli.output import aligned, show, show_json, versions
-from geodesic_toolkit.cli.run import Run, running
+from geodesic_toolkit.cli.run import Run, method_in_words, running
 from geodesic_toolkit.cli.welding import Welded, check_weld, welded
 from geodesic_toolkit.errors import InvalidOptionError
 
@@ -221,34 +221,40 @@ def _processes(count: int) -> Iterator["Executor | None"]:
                 pool.submit(int)
         yield pool
     except BaseException:  # Ctrl-C above all: no process may outlive the block; it goes on
-        threading.excepthook = _without_cancelled_tasks
-        for process in multiprocessing.active_children():  # rather than wait for their tasks
-            process.terminate()
-        _shut_down(pool)
+        with _quiet_about_cancelled_tasks():
+            for process in multiprocessing.active_children():  # rather than wait for their tasks
+                process.terminate()
+            # The end of the program wakes the thread of the pool, and fails if that ends just then.
+            # Where a process was ended in the middle of a result, it waits for the rest: so not for
+            # ever, and the program leaves anyway.
+            closing = threading.Thread(
+                target=pool.shutdown, kwargs={"cancel_futures": True}, daemon=True
+            )
+            closing.start()
+            closing.join(PATIENCE)
         raise
     pool.shutdown()
 
 
-def _shut_down(pool: "Executor") -> None:
-    """Wait for the thread of a pool whose processes were ended, but not for ever.
-
-    The end of the program wakes that thread, and fails if it ends just then. Where a process was
-    ended in the middle of a result, the thread waits for the rest, and the program leaves anyway.
-    """
-    closing = threading.Thread(target=pool.shutdown, kwargs={"cancel_futures": True}, daemon=True)
-    closing.start()
-    closing.join(PATIENCE)
-
-
-def _without_cancelled_tasks(failure: threading.ExceptHookArgs) -> None:
-    """Report how a thread failed, but for that of a pool whose processes were ended.
+@contextmanager
+def _quiet_about_cancelled_tasks() -> Iterator[None]:
+    """Leave out how the thread of a pool fails whose processes were ended.
 
     It marks all tasks as broken and stumbles over those that were cancelled before.
     """
     from concurrent.futures import InvalidStateError
 
-    if failure.exc_type is not InvalidStateError:
-        threading.__excepthook__(failure)
+    usual = threading.excepthook
+
+    def report(failure: threading.ExceptHookArgs) -> None:
+        if failure.exc_type is not InvalidStateError:
+            usual(failure)
+
+    threading.excepthook = report
+    try:
+        yield
+    finally:
+        threading.excepthook = usual
 
 
 @contextmanager
@@ -311,19 +317,13 @@ class Result:
         }
 
     def __str__(self) -> str:
-        method = self.solver.method
-        solvers = dict.fromkeys([repr(method.heat_solver), repr(method.poisson_solver)])
         rows, columns = self.matrix.shape
         of = f", {self.entries} entries" if hasattr(self.matrix, "nnz") else ""
         lines = [
             ("shape", repr(self.shape.file)),
             *self.shape.rows,
             ("sources", _named(self.sources)),
-            (
-                "method",
-                f"{self.solver.operator!r}, {' and '.join(solvers)}"
-                + (", refined" if method.refine else ""),
-            ),
+            ("method", method_in_words(self.solver)),
             ("matrix", f"{rows} x {columns}, {self.matrix.dtype}{of}"),
             ("took", self.run.took),
             ("wrote", str(self.output)),

@@ -11,7 +11,16 @@ import typer
 
 from geodesic_toolkit import __version__
 
-__all__ = ["SCHEMA_VERSION", "aligned", "one_line", "say", "show", "show_json", "versions"]
+__all__ = [
+    "SCHEMA_VERSION",
+    "aligned",
+    "one_line",
+    "plain",
+    "say",
+    "show",
+    "show_json",
+    "versions",
+]
 
 SCHEMA_VERSION = 1
 """Of every object that ``--json`` prints; raised when a key changes its meaning or goes."""
@@ -32,8 +41,8 @@ def say(text: str) -> None:
 
 def show_json(content: Mapping[str, Any]) -> None:
     """Print one JSON object, with the version of its schema first."""
-    plain = _plain({"schema_version": SCHEMA_VERSION, **content})
-    typer.echo(json.dumps(plain, indent=2, allow_nan=False))
+    content = plain({"schema_version": SCHEMA_VERSION, **content})
+    typer.echo(json.dumps(content, indent=2, allow_nan=False))
 
 
 def one_line(message: object) -> str:
@@ -62,14 +71,14 @@ def versions() -> dict[str, str]:
     }
 
 
-def _plain(value: Any) -> Any:
+def plain(value: Any) -> Any:
     """Return `value` as what JSON has: NumPy's types as Python's, no NaN, no infinity."""
     if isinstance(value, Mapping):
-        return {str(key): _plain(item) for key, item in value.items()}
+        return {str(key): plain(item) for key, item in value.items()}
     if hasattr(value, "tolist"):  # NumPy's arrays and scalars
         value = value.tolist()
     if isinstance(value, list | tuple):
-        return [_plain(item) for item in value]
+        return [plain(item) for item in value]
     if isinstance(value, float) and not math.isfinite(value):
         return None
     return value if value is None or isinstance(value, str | int | float | bool) else str(value)

@@ -5,13 +5,16 @@ import sys
 import warnings
 from collections.abc import Iterator
 from contextlib import contextmanager
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from geodesic_toolkit.cli.output import one_line
 from geodesic_toolkit.cli.progress import Progress
 from geodesic_toolkit.errors import GeodesicWarning
 
-__all__ = ["Run", "running"]
+if TYPE_CHECKING:
+    from geodesic_toolkit.solver.solver import GeodesicSolver
+
+__all__ = ["Run", "method_in_words", "running"]
 
 
 class Run:
@@ -50,6 +53,14 @@ class Run:
     def note(self, message: object) -> None:
         """Say on stderr what is worth knowing and no warning."""
         self._progress.say(f"note: {one_line(message)}")
+
+
+def method_in_words(solver: "GeodesicSolver") -> str:
+    """Return how a solver computes: its operator, its linear solvers, whether it refines."""
+    method = solver.method
+    names = dict.fromkeys([repr(method.heat_solver), repr(method.poisson_solver)])
+    refined = ", refined" if method.refine else ""
+    return f"{solver.operator!r}, {' and '.join(names)}{refined}"
 
 
 @contextmanager

@@ -100,12 +100,12 @@ class Targets:
         MissingDependencyError
             It is not installed, or does not import.
         """
-        from geodesic_toolkit.viz.extras import require
+        from geodesic_toolkit.core.optional import require
 
         if self.picture is not None or self.parts is not None:
-            require("pyvista", "viz", "Pictures")
+            require("pyvista", "viz", "Pictures need")
         if self.html is not None:
-            require("k3d", "viz", "HTML pages")
+            require("k3d", "viz", "HTML pages need")
 
     def write(
         self,

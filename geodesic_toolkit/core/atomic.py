@@ -9,7 +9,18 @@ from pathlib import Path
 
 from geodesic_toolkit.errors import GeodesicError, InvalidOptionError, WriteError
 
-__all__ = ["check_output", "make_folder", "replacing"]
+__all__ = ["check_output", "make_folder", "replacing", "sync", "writing"]
+
+
+@contextmanager
+def writing(path: Path) -> Iterator[None]:
+    """Turn what the system says of a full disk or a missing permission into a `WriteError`."""
+    try:
+        yield
+    except GeodesicError:
+        raise
+    except OSError as error:
+        raise WriteError(f"{path} cannot be written: {error.strerror or error}") from error
 
 
 def check_output(path: str | os.PathLike[str], suffixes: Sequence[str]) -> Path:
@@ -101,59 +112,45 @@ def replacing(path: str | os.PathLike[str]) -> Iterator[Path]:
     file = Path(path)
     target = _target(file)
     temporary = target.with_name(f".{target.stem[:100]}.{secrets.token_hex(6)}{target.suffix}")
-    try:
+    with writing(file):
         # Not tempfile's, whose files nobody else may read whatever the umask says.
         os.close(os.open(temporary, os.O_CREAT | os.O_EXCL | os.O_WRONLY, 0o666))
-    except OSError as error:
-        raise _failure(file, error) from error
-    try:
-        yield temporary
-        _sync(temporary)
-        if target.exists():
-            shutil.copymode(target, temporary)
-        temporary.replace(target)
-        if (
-            os.name == "posix"
-        ):  # so that the new name is on disk too; elsewhere it cannot be asked for
-            _sync(target.parent)
-    except GeodesicError:
-        raise
-    except OSError as error:
-        raise _failure(file, error) from error
-    finally:
-        temporary.unlink(missing_ok=True)
+        try:
+            yield temporary
+            sync(temporary)
+            if target.exists():
+                shutil.copymode(target, temporary)
+            temporary.replace(target)
+            if os.name == "posix":  # so that the new name is on disk, too
+                sync(target.parent)
+        finally:
+            temporary.unlink(missing_ok=True)
 
 
 def _target(file: Path) -> Path:
     """Return the file to replace, links resolved, or raise where it cannot be one."""
     try:
-        target = Path(os.path.realpath(file))
-        if target.is_dir():
-            raise WriteError(f"{file} is a directory; give the name of a file")
-        if target.exists() and not target.is_file():
-            raise WriteError(f"{file} is not a regular file")
-        if not target.parent.is_dir():
-            raise WriteError(f"{file} cannot be written: there is no directory {target.parent}")
-        if not os.access(target.parent, os.W_OK):
-            raise WriteError(f"{file} cannot be written: no permission in {target.parent}")
-        if target.exists() and not os.access(target, os.W_OK):
-            raise WriteError(f"{file} cannot be written: it is read-only")
+        with writing(file):
+            target = Path(os.path.realpath(file))
+            if target.is_dir():
+                raise WriteError(f"{file} is a directory; give the name of a file")
+            if target.exists() and not target.is_file():
+                raise WriteError(f"{file} is not a regular file")
+            if not target.parent.is_dir():
+                raise WriteError(f"{file} cannot be written: there is no directory {target.parent}")
+            if not os.access(target.parent, os.W_OK):
+                raise WriteError(f"{file} cannot be written: no permission in {target.parent}")
+            if target.exists() and not os.access(target, os.W_OK):
+                raise WriteError(f"{file} cannot be written: it is read-only")
+            return target
     except ValueError as error:  # a NUL in the path
         raise WriteError(f"{str(file)!r} is no path: {error}") from error
-    except OSError as error:
-        if isinstance(error, WriteError):
-            raise
-        raise _failure(file, error) from error
-    return target
 
 
-def _sync(path: Path) -> None:
+def sync(path: Path) -> None:
+    """Have the contents of a file or folder on disk."""
     handle = os.open(path, os.O_RDONLY)
     try:
         os.fsync(handle)
     finally:
         os.close(handle)
-
-
-def _failure(file: Path, error: OSError) -> WriteError:
-    return WriteError(f"{file} cannot be written: {error.strerror or error}")

@@ -107,20 +107,9 @@ class AcrossEdges(FrozenArrays):
         return _native.GraphCorners(self.n_vertices, self.edges, shorter), noise
 
     def distances(self, begins: IntArray, vertices: IntArray, starts: FloatArray) -> FloatArray:
-        """Return the distance from each of K sets of vertices.
+        """Return the distance from each of K sets of vertices, (K, N).
 
-        Parameters
-        ----------
-        begins : ndarray of shape (K + 1,), int64
-            Where the vertices of each set begin, and P at the end.
-        vertices : ndarray of shape (P,), int64
-        starts : ndarray of shape (P,), float64
-            The distance that each of them starts with; of any sign.
-
-        Returns
-        -------
-        ndarray of shape (K, N), float64
-            ``inf`` where no edge leads; nowhere above the way along edges.
+        Arguments are those of `AlongEdges.distances`; nothing is above what that returns.
         """
         others = self.representatives
         moved = others[vertices] if len(others) else vertices

@@ -6,14 +6,13 @@ diagonal, and for the rest manifold3d clips ears. That library was chosen over m
 drops corners that lie on a straight line, and so opens cracks towards the neighbours of a polygon.
 """
 
-import importlib
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
+from geodesic_toolkit.core.optional import require
 from geodesic_toolkit.core.types import BoolArray, FloatArray, IntArray
-from geodesic_toolkit.errors import MissingDependencyError
 
 __all__ = ["correct_fans"]
 
@@ -211,10 +210,4 @@ def _crosses_itself(ring: FloatArray, noise: float) -> bool:
 
 def _ear_clipping() -> Any:
     """Return manifold3d's function from a list of rings to triangles, which keep every corner."""
-    try:
-        return importlib.import_module("manifold3d").triangulate
-    except ImportError as error:
-        raise MissingDependencyError(
-            "splitting polygons that are not convex needs manifold3d: "
-            'pip install "geodesic-toolkit[io]"'
-        ) from error
+    return require("manifold3d", "io", "splitting polygons that are not convex needs").triangulate

@@ -1,10 +1,9 @@
 """Whether a graph is made of lines, and how wide it is."""
 
-from typing import Any
-
 import numpy as np
 
 from geodesic_toolkit.core.types import BoolArray, FloatArray, IntArray
+from geodesic_toolkit.geometry.along_edges import AlongEdges
 from geodesic_toolkit.geometry.components import connected_by_edges
 
 __all__ = [
@@ -97,11 +96,7 @@ def is_network(n_vertices: int, edges: IntArray, lengths: FloatArray) -> bool:
         return False
     if len(np.unique(np.round(np.log(lengths) / LIKE))) <= FEW_LENGTHS:
         return False
-    from scipy.sparse import coo_array, csr_array
-
-    ones = np.ones(len(edges))
-    adjacency: Any = csr_array(coo_array((ones, tuple(edges.T)), shape=(n_vertices, n_vertices)))
-    adjacency = adjacency + adjacency.T
+    adjacency = AlongEdges(n_vertices, edges, np.ones(len(edges))).matrix
     in_triangles = (adjacency @ adjacency).multiply(adjacency)
     return bool(in_triangles.nnz <= TRIANGLES * adjacency.nnz)
 
@@ -138,16 +133,14 @@ def widest_level(n_vertices: int, edges: IntArray) -> int:
     n_vertices : int
     edges : ndarray of shape (E, 2), int64
     """
-    from scipy.sparse import coo_array, csr_array
     from scipy.sparse.csgraph import dijkstra
 
-    entries = (np.ones(len(edges)), tuple(edges.T))
-    adjacency: Any = csr_array(coo_array(entries, shape=(n_vertices, n_vertices)))
+    adjacency = AlongEdges(n_vertices, edges, np.ones(len(edges))).matrix
     labels = connected_by_edges(edges, n_vertices)
     start = int(np.argmax(labels == np.bincount(labels).argmax()))
     widths = []
     for _ in range(3):
-        hops = dijkstra(adjacency, directed=False, indices=[start], unweighted=True)[0]
+        hops = dijkstra(adjacency, indices=[start], unweighted=True)[0]
         reached = np.where(np.isfinite(hops), hops, -1)
         widths.append(int(np.bincount(reached[reached >= 0].astype(np.int64)).max()))
         start = int(reached.argmax())

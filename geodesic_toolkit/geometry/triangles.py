@@ -13,6 +13,7 @@ from geodesic_toolkit.core.types import BoolArray, FloatArray, IntArray
 from geodesic_toolkit.geometry.components import connected_by_faces
 
 __all__ = [
+    "edges_and_lengths",
     "edges_of_faces",
     "face_areas",
     "face_edge_lengths",
@@ -191,6 +192,12 @@ def edges_of_faces(faces: IntArray, n_vertices: int) -> tuple[IntArray, IntArray
     shape = (n_vertices, n_vertices)
     counted = coo_array(csr_array(coo_array((ones, (rows, columns)), shape=shape)))
     return np.column_stack(counted.coords).astype(np.int64), counted.data
+
+
+def edges_and_lengths(vertices: FloatArray, faces: IntArray) -> tuple[IntArray, FloatArray]:
+    """Return the edges (E, 2) of proper faces, smaller vertex first, and their lengths (E,)."""
+    edges, _ = edges_of_faces(faces[proper_faces(faces)], len(vertices))
+    return edges, np.linalg.norm(vertices[edges[:, 0]] - vertices[edges[:, 1]], axis=1)
 
 
 def mean_edge_length(vertices: FloatArray, edges: CompressedRows) -> float:

@@ -12,6 +12,7 @@ from geodesic_toolkit.core.types import FloatArray, IntArray
 from geodesic_toolkit.core.warning import warn
 from geodesic_toolkit.domains import Domain, Graph, PointCloud, TriangleMesh
 from geodesic_toolkit.errors import InvalidDomainError, ReadWarning, UnsupportedDomainError
+from geodesic_toolkit.geometry.along_edges import shortest_parallel_edges
 from geodesic_toolkit.interop.refusals import OF_GRIDS, described, refusal, several
 
 __all__ = ["as_domain", "check_one_shape", "graph_of_lengths"]
@@ -171,13 +172,11 @@ def graph_of_lengths(matrix: Any) -> Graph:
     if entries.data.dtype.kind not in "buif":
         raise InvalidDomainError(f"edge lengths are real numbers, not {entries.data.dtype}")
     off = entries.row != entries.col
-    ends = np.sort(np.column_stack([entries.row, entries.col])[off].astype(np.int64), axis=1)
+    ends = np.column_stack([entries.row, entries.col])[off].astype(np.int64)
     lengths = entries.data[off].astype(np.float64)
-    order = np.lexsort((lengths, ends[:, 1], ends[:, 0]))  # NaN comes last, for Graph to refuse
-    ends, lengths = ends[order], lengths[order]
-    new = np.ones(len(ends), dtype=np.bool_)
-    new[1:] = (ends[1:] != ends[:-1]).any(axis=1) | np.isnan(lengths[1:])
-    return Graph(matrix.shape[0], ends[new], lengths[new])
+    if not np.isnan(lengths).any():  # which Graph refuses
+        ends, lengths = shortest_parallel_edges(ends, lengths)
+    return Graph(matrix.shape[0], ends, lengths)
 
 
 def _network(obj: Any) -> Domain | None:

@@ -3,9 +3,8 @@
 from geodesic_toolkit.core.atomic import check_output, replacing
 from geodesic_toolkit.core.deprecation import deprecated_alias
 from geodesic_toolkit.io.reading import read
-from geodesic_toolkit.io.tables.masks import read_mask
 from geodesic_toolkit.io.tables.points import read_points
-from geodesic_toolkit.io.tables.vertices import read_vertices
+from geodesic_toolkit.io.tables.vertices import read_mask, read_vertices
 from geodesic_toolkit.io.writing import write
 
 write_distances = deprecated_alias(

@@ -1,7 +1,6 @@
 """What the readers share: numbers from text, triangles of polygons, optional packages."""
 
 import codecs
-import importlib
 import warnings
 from collections.abc import Iterable, Sequence
 from pathlib import Path
@@ -11,12 +10,12 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from geodesic_toolkit.core import warning as _warning
+from geodesic_toolkit.core.optional import require
 from geodesic_toolkit.core.types import FloatArray, IntArray
 from geodesic_toolkit.domains import Domain, PointCloud, TriangleMesh
 from geodesic_toolkit.errors import (
     InvalidDomainError,
     InvalidOptionError,
-    MissingDependencyError,
     ReadError,
     ReadWarning,
 )
@@ -36,9 +35,6 @@ __all__ = [
     "warn",
     "whole_numbers",
 ]
-
-PACKAGES = {"vtkmodules": "vtk"}
-"""Distributions whose modules are called otherwise."""
 
 BYTE_ORDER_MARK = b"\xef\xbb\xbf"
 
@@ -188,17 +184,5 @@ def check_count(path: Path, count: int, expected: int) -> None:
 
 
 def optional_package(name: str, suffix: str, doing: str = "reading") -> Any:
-    """Import a package, or a module of one, of the extra ``io``.
-
-    Raises
-    ------
-    MissingDependencyError
-        It is not installed.
-    """
-    try:
-        return importlib.import_module(name)
-    except ImportError as error:
-        package = PACKAGES.get(name.partition(".")[0], name.partition(".")[0])
-        raise MissingDependencyError(
-            f'{doing} .{suffix} files needs {package}: pip install "geodesic-toolkit[io]"'
-        ) from error
+    """Import a package, or a module of one, of the extra ``io``; see `require`."""
+    return require(name, "io", f"{doing} .{suffix} files needs")

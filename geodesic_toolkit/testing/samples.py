@@ -9,7 +9,6 @@ import numpy as np
 from geodesic_toolkit.core.types import BoolArray, FloatArray, IntArray
 from geodesic_toolkit.domains import Domain, Graph, PointCloud, TriangleMesh
 from geodesic_toolkit.errors import InvalidOptionError
-from geodesic_toolkit.geometry.triangles import edges_of_faces
 from geodesic_toolkit.testing import shapes
 
 __all__ = ["DomainSamples", "Sample", "samples_of"]
@@ -223,13 +222,8 @@ def _segment(n: int) -> Sample:
     )
 
 
-def _edge_lengths(mesh: TriangleMesh) -> tuple[IntArray, FloatArray]:
-    edges, _ = edges_of_faces(mesh.faces, mesh.n_vertices)
-    return edges, np.linalg.norm(mesh.vertices[edges[:, 0]] - mesh.vertices[edges[:, 1]], axis=1)
-
-
-def _mesh_edges(mesh: TriangleMesh) -> Graph:
-    return Graph(mesh.n_vertices, *_edge_lengths(mesh))
+def _spacing(mesh: TriangleMesh) -> float:
+    return float(mesh.as_graph().lengths.mean())
 
 
 def _lumpy(level: int = 2) -> TriangleMesh:
@@ -248,18 +242,17 @@ def _mesh_samples() -> DomainSamples[TriangleMesh]:
     return DomainSamples(
         kind=TriangleMesh,
         families=(
-            [
-                _plane(n, m, float(_edge_lengths(m)[1].mean()), m.vertices[:, :2])
-                for n, m in squares
-            ],
-            [_sphere(m, float(_edge_lengths(m)[1].mean()), m.vertices) for m in balls],
+            [_plane(n, m, _spacing(m), m.vertices[:, :2]) for n, m in squares],
+            [_sphere(m, _spacing(m), m.vertices) for m in balls],
         ),
         generic=_lumpy(),
-        permuted=_permuted_mesh,
-        united=_united_meshes,
-        isolated=_mesh_and_vertex,
-        moved=_moved_mesh,
-        scaled=_scaled_mesh,
+        permuted=lambda m, order: TriangleMesh(m.vertices[order], np.argsort(order)[m.faces]),
+        united=lambda first, second: shapes.disjoint_union(
+            first, TriangleMesh(second.vertices + BESIDE, second.faces)
+        ),
+        isolated=lambda m: TriangleMesh(np.concatenate([m.vertices, [[0.1, 0.2, 0.3]]]), m.faces),
+        moved=lambda m, rotation, shift: TriangleMesh(m.vertices @ rotation.T + shift, m.faces),
+        scaled=lambda m, factor: TriangleMesh(m.vertices * factor, m.faces),
         degenerate=(
             TriangleMesh(triangle, [[0, 1, 2]]),
             TriangleMesh(triangle, [[0, 1, 2], [0, 1, 2], [2, 1, 0]]),
@@ -271,50 +264,23 @@ def _mesh_samples() -> DomainSamples[TriangleMesh]:
     )
 
 
-def _permuted_mesh(domain: TriangleMesh, order: IntArray) -> TriangleMesh:
-    return TriangleMesh(domain.vertices[order], np.argsort(order)[domain.faces])
-
-
-def _moved_mesh(domain: TriangleMesh, rotation: FloatArray, shift: FloatArray) -> TriangleMesh:
-    return TriangleMesh(domain.vertices @ rotation.T + shift, domain.faces)
-
-
-def _scaled_mesh(domain: TriangleMesh, factor: float) -> TriangleMesh:
-    return TriangleMesh(domain.vertices * factor, domain.faces)
-
-
-def _united_meshes(first: TriangleMesh, second: TriangleMesh) -> TriangleMesh:
-    beside = TriangleMesh(second.vertices + BESIDE, second.faces)
-    return shapes.disjoint_union(first, beside)
-
-
-def _mesh_and_vertex(domain: TriangleMesh) -> TriangleMesh:
-    return TriangleMesh(np.concatenate([domain.vertices, [[0.1, 0.2, 0.3]]]), domain.faces)
-
-
 def _cloud_samples() -> DomainSamples[PointCloud]:
     squares = [(n, shapes.grid(n)) for n in PLANE]
     balls = [shapes.icosphere(level) for level in SPHERE]
     return DomainSamples(
         kind=PointCloud,
         families=(
-            [
-                _plane(
-                    n, PointCloud(m.vertices), float(_edge_lengths(m)[1].mean()), m.vertices[:, :2]
-                )
-                for n, m in squares
-            ],
-            [
-                _sphere(PointCloud(m.vertices), float(_edge_lengths(m)[1].mean()), m.vertices)
-                for m in balls
-            ],
+            [_plane(n, PointCloud(m.vertices), _spacing(m), m.vertices[:, :2]) for n, m in squares],
+            [_sphere(PointCloud(m.vertices), _spacing(m), m.vertices) for m in balls],
         ),
         generic=PointCloud(_lumpy().vertices),
-        permuted=_permuted_cloud,
-        united=_united_clouds,
-        isolated=_cloud_and_missing_point,
-        moved=_moved_cloud,
-        scaled=_scaled_cloud,
+        permuted=lambda c, order: PointCloud(c.points[order]),
+        united=lambda first, second: PointCloud(
+            np.concatenate([first.points, second.points + BESIDE])
+        ),
+        isolated=lambda c: PointCloud(np.concatenate([c.points, [NOWHERE]])),
+        moved=lambda c, rotation, shift: PointCloud(c.points @ rotation.T + shift),
+        scaled=lambda c, factor: PointCloud(c.points * factor),
         degenerate=(
             PointCloud([[0, 0, 0]]),
             PointCloud([[0.0, 0.0, 0.0], NOWHERE]),
@@ -327,26 +293,6 @@ def _cloud_samples() -> DomainSamples[PointCloud]:
     )
 
 
-def _permuted_cloud(domain: PointCloud, order: IntArray) -> PointCloud:
-    return PointCloud(domain.points[order])
-
-
-def _moved_cloud(domain: PointCloud, rotation: FloatArray, shift: FloatArray) -> PointCloud:
-    return PointCloud(domain.points @ rotation.T + shift)
-
-
-def _scaled_cloud(domain: PointCloud, factor: float) -> PointCloud:
-    return PointCloud(domain.points * factor)
-
-
-def _united_clouds(first: PointCloud, second: PointCloud) -> PointCloud:
-    return PointCloud(np.concatenate([first.points, second.points + BESIDE]))
-
-
-def _cloud_and_missing_point(domain: PointCloud) -> PointCloud:
-    return PointCloud(np.concatenate([domain.points, [NOWHERE]]))
-
-
 def _graph_samples() -> DomainSamples[Graph]:
     squares = [(n, *_lattice(n)) for n in PLANE]
     balls = [shapes.icosphere(level) for level in SPHERE]
@@ -355,13 +301,17 @@ def _graph_samples() -> DomainSamples[Graph]:
         families=(
             [_segment(n) for n in SEGMENT],
             [_plane(n, graph, 1 / (n - 1), positions) for n, graph, positions in squares],
-            [_sphere(_mesh_edges(m), float(_edge_lengths(m)[1].mean()), m.vertices) for m in balls],
+            [_sphere(m.as_graph(), _spacing(m), m.vertices) for m in balls],
         ),
-        generic=_mesh_edges(_lumpy()),
-        permuted=_permuted_graph,
-        united=_united_graphs,
-        isolated=_graph_and_vertex,
-        scaled=_scaled_graph,
+        generic=_lumpy().as_graph(),
+        permuted=lambda g, order: Graph(g.n_vertices, np.argsort(order)[g.edges], g.lengths),
+        united=lambda first, second: Graph(
+            first.n_vertices + second.n_vertices,
+            np.concatenate([first.edges, second.edges + first.n_vertices]),
+            np.concatenate([first.lengths, second.lengths]),
+        ),
+        isolated=lambda g: Graph(g.n_vertices + 1, g.edges, g.lengths),
+        scaled=lambda g, factor: Graph(g.n_vertices, g.edges, g.lengths * factor),
         degenerate=(
             Graph(1, []),
             Graph(3, []),
@@ -379,26 +329,6 @@ def _lattice(n: int) -> tuple[Graph, FloatArray]:
     across = np.column_stack([index[:-1].ravel(), index[1:].ravel()])
     edges = np.concatenate([along, across])
     return Graph(n * n, edges, np.full(len(edges), 1 / (n - 1))), shapes.grid(n).vertices[:, :2]
-
-
-def _permuted_graph(domain: Graph, order: IntArray) -> Graph:
-    return Graph(domain.n_vertices, np.argsort(order)[domain.edges], domain.lengths)
-
-
-def _scaled_graph(domain: Graph, factor: float) -> Graph:
-    return Graph(domain.n_vertices, domain.edges, domain.lengths * factor)
-
-
-def _united_graphs(first: Graph, second: Graph) -> Graph:
-    return Graph(
-        first.n_vertices + second.n_vertices,
-        np.concatenate([first.edges, second.edges + first.n_vertices]),
-        np.concatenate([first.lengths, second.lengths]),
-    )
-
-
-def _graph_and_vertex(domain: Graph) -> Graph:
-    return Graph(domain.n_vertices + 1, domain.edges, domain.lengths)
 
 
 _MAKERS: Mapping[type[Domain], Callable[[], DomainSamples[Any]]] = {

@@ -7,9 +7,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
+from geodesic_toolkit.core.optional import require
 from geodesic_toolkit.core.types import FloatArray
 from geodesic_toolkit.errors import InvalidOptionError
-from geodesic_toolkit.viz.extras import require
 from geodesic_toolkit.viz.scene import Scene
 
 __all__ = [
@@ -83,7 +83,7 @@ def colour_table(cmap: Any, n: int = 256) -> FloatArray:
     array([[0., 0., 1.],
            [0., 1., 0.]])
     """
-    matplotlib = require("matplotlib", "viz", "Colour maps")
+    matplotlib = require("matplotlib", "viz", "Colour maps need")
     if isinstance(cmap, str):
         known = {name.lower(): name for name in matplotlib.colormaps}
         if cmap not in matplotlib.colormaps:
@@ -95,7 +95,7 @@ def colour_table(cmap: Any, n: int = 256) -> FloatArray:
                 f"no colour map {cmap!r}; {hint or 'any name that matplotlib knows will do'}"
             )
         cmap = matplotlib.colormaps[cmap]
-    if not isinstance(cmap, require("matplotlib.colors", "viz", "Colour maps").Colormap):
+    if not isinstance(cmap, require("matplotlib.colors", "viz", "Colour maps need").Colormap):
         raise InvalidOptionError(f"cmap is a name or a matplotlib Colormap, not {cmap!r}")
     table: FloatArray = np.asarray(cmap(np.linspace(0.0, 1.0, n)), dtype=np.float64)[:, :3]
     return table
@@ -139,7 +139,7 @@ def isoline_levels(isolines: int | ArrayLike, limits: tuple[float, float]) -> Fl
             raise InvalidOptionError(f"the number of isolines is an integer >= 0, not {isolines!r}")
         if wanted == 0:
             return np.zeros(0)
-        ticker = require("matplotlib.ticker", "viz", "Isolines")
+        ticker = require("matplotlib.ticker", "viz", "Isolines need")
         locator = ticker.MaxNLocator(nbins=int(1.5 * wanted) + 1, steps=[1, 2, 2.5, 5, 10])
         levels = np.asarray(locator.tick_values(low, high), dtype=np.float64)
     margin = 1e-9 * (high - low)

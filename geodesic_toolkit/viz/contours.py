@@ -4,8 +4,8 @@ from typing import Any
 
 import numpy as np
 
+from geodesic_toolkit.core.optional import require
 from geodesic_toolkit.core.types import FloatArray, IntArray
-from geodesic_toolkit.viz.extras import require
 from geodesic_toolkit.viz.scene import Scene, compacted
 
 __all__ = ["contour_lines", "surface"]
@@ -13,7 +13,7 @@ __all__ = ["contour_lines", "surface"]
 
 def surface(points: FloatArray, faces: IntArray) -> tuple[Any, IntArray]:
     """Return a ``pyvista.PolyData`` of `faces`, and the points that it is made of."""
-    pyvista = require("pyvista", "viz", "Pictures")
+    pyvista = require("pyvista", "viz", "Pictures need")
     used, own = compacted(faces)
     return pyvista.PolyData.from_regular_faces(points[used], own), used
 

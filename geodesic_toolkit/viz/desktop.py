@@ -4,11 +4,11 @@ from typing import Any
 
 from numpy.typing import ArrayLike
 
+from geodesic_toolkit.core.optional import require
 from geodesic_toolkit.domains import Domain
 from geodesic_toolkit.errors import MissingDependencyError
 from geodesic_toolkit.viz.camera import choose_views
 from geodesic_toolkit.viz.colours import MARKER, UNREACHED
-from geodesic_toolkit.viz.extras import require
 from geodesic_toolkit.viz.scene import Scene, compacted, make_scene
 
 __all__ = ["polyscope"]
@@ -56,7 +56,7 @@ def polyscope(
     >>> gt.viz.polyscope(sphere, gt.geodesic_distance(sphere, 0))  # doctest: +SKIP
     """
     scene = make_scene(domain, distance, sources=sources, positions=positions)
-    viewer = require("polyscope", "gui", "Desktop windows")
+    viewer = require("polyscope", "gui", "Desktop windows need")
     try:
         viewer.init()
     except RuntimeError as error:  # it raises nothing finer

@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from geodesic_toolkit.core.atomic import replacing
+from geodesic_toolkit.core.optional import require
 from geodesic_toolkit.core.types import FloatArray
 from geodesic_toolkit.domains import Domain
 from geodesic_toolkit.errors import MissingDependencyError
@@ -27,7 +28,6 @@ from geodesic_toolkit.viz.colours import (
     point_colours,
 )
 from geodesic_toolkit.viz.contours import contour_lines
-from geodesic_toolkit.viz.extras import require
 from geodesic_toolkit.viz.legend import legend
 from geodesic_toolkit.viz.scene import Scene, compacted, make_scene
 
@@ -183,7 +183,7 @@ def _encoded(data: bytes) -> str:
 
 def _widget(scene: Scene, style: Style, *, name: str) -> Any:
     """Return a k3d plot of a scene, in the scene's own frame."""
-    k3d = require("k3d", "viz", "HTML pictures and widgets")
+    k3d = require("k3d", "viz", "HTML pictures and widgets need")
     front = choose_views(scene, ["front"])[0]
     reach = max(0.1, float(np.linalg.norm(scene.points[scene.present], axis=1).max()))
     distance = 1.08 * reach / np.sin(np.radians(FIELD_OF_VIEW / 2))

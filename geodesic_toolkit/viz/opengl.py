@@ -4,8 +4,8 @@ import contextlib
 import ctypes.util
 from collections.abc import Iterator
 
+from geodesic_toolkit.core.optional import require
 from geodesic_toolkit.errors import MissingDependencyError
-from geodesic_toolkit.viz.extras import require
 
 __all__ = ["check_opengl", "quiet"]
 
@@ -13,7 +13,7 @@ __all__ = ["check_opengl", "quiet"]
 @contextlib.contextmanager
 def quiet() -> Iterator[None]:
     """Keep VTK from writing to stderr that there is no X server, which nobody asked for."""
-    logger = require("vtkmodules.vtkCommonCore", "viz", "Pictures").vtkLogger
+    logger = require("vtkmodules.vtkCommonCore", "viz", "Pictures need").vtkLogger
     before = logger.GetCurrentVerbosityCutoff()
     logger.SetStderrVerbosity(logger.VERBOSITY_OFF)
     try:
@@ -32,8 +32,8 @@ def check_opengl() -> None:
     MissingDependencyError
         None of the three is there; the message names the system packages.
     """
-    require("vtkmodules.vtkRenderingOpenGL2", "viz", "Pictures")  # it registers the windows
-    window = require("vtkmodules.vtkRenderingCore", "viz", "Pictures").vtkRenderWindow()
+    require("vtkmodules.vtkRenderingOpenGL2", "viz", "Pictures need")  # it registers the windows
+    window = require("vtkmodules.vtkRenderingCore", "viz", "Pictures need").vtkRenderWindow()
     if window.GetClassName() != "vtkOSOpenGLRenderWindow" or ctypes.util.find_library("OSMesa"):
         return
     raise MissingDependencyError(

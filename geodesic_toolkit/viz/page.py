@@ -6,9 +6,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from geodesic_toolkit.core.optional import require
 from geodesic_toolkit.viz.camera import View, fit
 from geodesic_toolkit.viz.colours import INK, UNREACHED, Style
-from geodesic_toolkit.viz.extras import require
 from geodesic_toolkit.viz.scene import Scene
 
 __all__ = ["Page"]
@@ -39,8 +39,8 @@ class Page:
     def __init__(
         self, size: tuple[int, int], scene: Scene, views: Sequence[View], *, titled: bool
     ) -> None:
-        figures = require("matplotlib.figure", "viz", "Pictures")
-        canvases = require("matplotlib.backends.backend_agg", "viz", "Pictures")
+        figures = require("matplotlib.figure", "viz", "Pictures need")
+        canvases = require("matplotlib.backends.backend_agg", "viz", "Pictures need")
         self.width, self.height = size
         self.scene, self.views = scene, views
         self.frames = fit(scene, views)
@@ -89,8 +89,8 @@ class Page:
         """Set the colour bar, with the isolines in it, and what grey means where there is grey."""
         if not self.scene.reached.any():
             return
-        cm = require("matplotlib.cm", "viz", "Pictures")
-        colors = require("matplotlib.colors", "viz", "Pictures")
+        cm = require("matplotlib.cm", "viz", "Pictures need")
+        colors = require("matplotlib.colors", "viz", "Pictures need")
         free, em = self.height - self.top, self.em
         left, bottom, wide = self.width - self.bar + 0.6 * em, 0.14 * free, 1.1 * em
         mappable = cm.ScalarMappable(

@@ -8,11 +8,11 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from geodesic_toolkit.core.atomic import replacing
+from geodesic_toolkit.core.optional import require
 from geodesic_toolkit.domains import Domain
 from geodesic_toolkit.errors import InvalidOptionError
 from geodesic_toolkit.viz.camera import choose_views
 from geodesic_toolkit.viz.colours import choose_style
-from geodesic_toolkit.viz.extras import require
 from geodesic_toolkit.viz.page import Page
 from geodesic_toolkit.viz.render import render
 from geodesic_toolkit.viz.scene import make_scene
@@ -99,7 +99,7 @@ def plot(
     width, height = _checked_size(size)
     scene = make_scene(domain, distance, sources=sources, positions=positions, limits=limits)
     style = choose_style(scene, cmap, isolines)
-    require("pyvista", "viz", "Pictures")
+    require("pyvista", "viz", "Pictures need")
     page = Page((width, height), scene, choose_views(scene, views), titled=bool(title))
     for index, picture in enumerate(render(scene, style, page)):
         page.place(index, picture)

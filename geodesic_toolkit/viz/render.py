@@ -5,11 +5,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from geodesic_toolkit.core.optional import require
 from geodesic_toolkit.core.types import FloatArray
 from geodesic_toolkit.viz.camera import View
 from geodesic_toolkit.viz.colours import INK, MARKER, UNREACHED, Style, point_colours
 from geodesic_toolkit.viz.contours import contour_lines, surface
-from geodesic_toolkit.viz.extras import require
 from geodesic_toolkit.viz.opengl import check_opengl, quiet
 from geodesic_toolkit.viz.page import Page
 from geodesic_toolkit.viz.scene import Scene
@@ -39,7 +39,7 @@ def render(scene: Scene, style: Style, page: Page) -> list[NDArray[np.uint8]]:
     MissingDependencyError
         pyvista, or the system's OpenGL, is missing.
     """
-    pyvista = require("pyvista", "viz", "Pictures")
+    pyvista = require("pyvista", "viz", "Pictures need")
     factor = SUPERSAMPLING if SUPERSAMPLING * max(page.cell) <= LARGEST_WINDOW else 1
     size = [factor * side for side in page.cell]
     with quiet():
@@ -102,7 +102,7 @@ class _Stage:
 
     def _add_surface(self, scene: Scene, style: Style) -> None:
         assert scene.faces is not None
-        colors = require("matplotlib.colors", "viz", "Pictures")
+        colors = require("matplotlib.colors", "viz", "Pictures need")
         reached = scene.face_reached
         if reached.any():
             mesh, used = surface(scene.points, scene.faces[reached])

@@ -137,6 +137,11 @@ def test_graphs_and_clouds_are_compared_too():
     assert cloud.row("auto").largest < 1e-9
 
 
+def test_of_parallel_edges_the_shortest_is_the_reference_and_loops_are_none():
+    graph = gt.Graph(3, [[0, 1], [1, 0], [1, 1], [1, 2]], [5.0, 2.0, 1.0, 3.0])
+    np.testing.assert_array_equal(compare(graph, 0).reference, [0.0, 2.0, 5.0])
+
+
 def test_progress_is_told():
     told = []
     two = [Variant("auto", "default"), Variant("again", "default")]

@@ -7,6 +7,7 @@ import shutil
 import subprocess
 import sys
 import textwrap
+import warnings
 from concurrent.futures import (
     BrokenExecutor,
     Executor,
@@ -26,7 +27,7 @@ from scipy.sparse import csr_array, load_npz
 
 import geodesic_toolkit as gt
 from geodesic_toolkit import errors
-from geodesic_toolkit.analysis.matrix import fingerprints, stores, symmetry, unfinished, workers
+from geodesic_toolkit.analysis.matrix import fingerprints, stores, symmetry, workers
 from geodesic_toolkit.analysis.matrix.tasks import rows_of_task
 from geodesic_toolkit.linear import memory
 from geodesic_toolkit.testing import shapes
@@ -506,8 +507,8 @@ def test_a_folder_that_is_not_sound_is_refused(solver, tmp_path, spoil, message)
 def test_a_run_that_ended_before_its_record_was_written_begins_anew(solver, tmp_path):
     folder = tmp_path / "D.npy.partial"
     folder.mkdir()
-    (folder / "done").write_bytes(b"")
-    (folder / "request.json.new").write_text("{")
+    (folder / "lock").touch()
+    (folder / ".request.0123456789ab.json").write_text("{")
     found = gt.distance_matrix(solver, [1, 2], out=tmp_path / "D.npy")
     assert found.shape == (2, 162)
     assert not folder.exists()
@@ -531,7 +532,7 @@ class Watched(Executor):
 
     @property
     def payloads(self):
-        return sum(payload is not None for _, payload, _ in self.submitted)
+        return sum(parcel.content is not None for parcel, _ in self.submitted)
 
 
 def spawned(count):
@@ -578,17 +579,16 @@ def test_an_interrupted_run_cancels_what_has_not_begun(solver):
 
 
 def test_a_worker_that_is_not_known_is_told_what_to_do(solver):
-    token = workers.Token("nobody's", home=0)
-    assert workers.compute(token, None, None).rows is None
+    assert workers.compute(workers.Parcel("nobody's"), None) is None
 
 
 def test_a_worker_keeps_one_solver(monkeypatch, solver):
-    monkeypatch.setattr(workers, "_visiting", None)
-    payload = workers.pickled(solver)
-    first = workers._unpacked("a", payload)
-    assert workers._unpacked("a", b"not needed") is first
-    assert workers._unpacked("b", payload) is not first
-    assert workers._known("a") is None
+    monkeypatch.setattr(workers, "_kept", None)
+    content = workers.pickled(solver)
+    first = workers.Parcel("a", content=content).opened()
+    assert workers.Parcel("a").opened() is first
+    assert workers.Parcel("b", content=content).opened() is not first
+    assert workers.Parcel("a").opened() is None
 
 
 def test_warnings_of_workers_are_heard():
@@ -599,6 +599,42 @@ def test_warnings_of_workers_are_heard():
     ):
         gt.distance_matrix(coarse, executor=pool)
     assert all(Path(warning.filename).samefile(__file__) for warning in seen)
+
+
+def test_matrices_of_one_solver_at_the_same_time_do_not_disturb_each_other(solver, rows):
+    """The first ends while the second is under way, which must not lose its solver by that."""
+    with ThreadPoolExecutor(2) as pool:
+        watched = Watched(pool)
+        second = []
+
+        def begin_another(done, total):
+            if done and not second:
+                second.append(None)
+                second[0] = gt.distance_matrix(solver, symmetrize=None, executor=watched)
+
+        first = gt.distance_matrix(
+            solver, symmetrize=None, executor=watched, progress=begin_another
+        )
+
+        def short_one(done, total):
+            if done == 16:
+                gt.distance_matrix(solver, [1, 2], executor=watched)
+
+        third = gt.distance_matrix(solver, symmetrize=None, executor=watched, progress=short_one)
+    for found in (first, second[0], third):
+        np.testing.assert_array_equal(found, rows)
+    assert watched.payloads == 0
+
+
+def test_matrices_leave_the_warnings_of_a_worker_as_they_are(solver):
+    with spawned(1) as pool:
+        before = pool.submit(warnings_of_the_process).result()
+        gt.distance_matrix(solver, [1, 2], executor=pool)
+        assert pool.submit(warnings_of_the_process).result() == before
+
+
+def warnings_of_the_process():
+    return warnings.showwarning.__module__, len(warnings.filters)
 
 
 def test_a_failure_in_a_worker_is_raised_here(solver, monkeypatch):
@@ -634,11 +670,10 @@ def test_many_workers_are_served_in_turn(solver, rows):
         def __init__(self):
             self.payloads = 0
 
-        def submit(self, function, /, token, payload, task):
-            self.payloads += payload is not None
+        def submit(self, function, /, parcel, task):
+            self.payloads += parcel.content is not None
             future = Future()
-            known = payload is not None
-            future.set_result(workers.Answer(task.compute(solver) if known else None))
+            future.set_result(None if parcel.content is None else (task.compute(solver), []))
             return future
 
     executor = Forgetful()
@@ -777,12 +812,11 @@ def test_a_disk_that_is_too_small_is_noticed_before_the_work(solver, tmp_path, m
 def test_a_disk_that_is_full_later_is_an_error_that_leaves_what_is_done(
     solver, tmp_path, monkeypatch
 ):
-    def full(self, start, rows, *, durable):
-        with unfinished.writing(self.path):
-            raise OSError(28, "No space left on device")
+    def full(*_):
+        raise OSError(28, "No space left on device")
 
     with monkeypatch.context() as patch:
-        patch.setattr(stores.NpyRows, "write", full)
+        patch.setattr(stores.os, "fsync", full)
         with pytest.raises(errors.WriteError, match="No space left"):
             gt.distance_matrix(solver, out=tmp_path / "D.npy")
     assert gt.distance_matrix(solver, out=tmp_path / "D.npy").shape == (162, 162)

@@ -38,7 +38,7 @@ def solver(sphere_file):
 @pytest.fixture
 def interrupted_after(monkeypatch):
     """The function that has Ctrl-C come once so many rows are written; and that lets it be."""
-    usual = stores.FileOfRows.put
+    usual = stores.DenseFile.put
 
     def interrupt_after(rows):
         def put(self, task, found):
@@ -46,7 +46,7 @@ def interrupted_after(monkeypatch):
             if rows is not None and task.stop >= rows:
                 raise KeyboardInterrupt
 
-        monkeypatch.setattr(stores.FileOfRows, "put", put)
+        monkeypatch.setattr(stores.DenseFile, "put", put)
 
     return interrupt_after
 
@@ -211,9 +211,9 @@ def process_group_ends(group):
     return False
 
 
-def test_the_end_of_the_program_finds_no_thread_of_a_pool_that_was_interrupted(monkeypatch):
+def test_the_end_of_the_program_finds_no_thread_of_a_pool_that_was_interrupted():
     """It would wake the thread, and fail where that ends just then."""
-    monkeypatch.setattr(threading, "excepthook", threading.excepthook)  # which the block changes
+    usual = threading.excepthook
     before = set(threading.enumerate())
 
     def interrupted():
@@ -224,6 +224,7 @@ def test_the_end_of_the_program_finds_no_thread_of_a_pool_that_was_interrupted(m
     with pytest.raises(KeyboardInterrupt):
         interrupted()
     assert set(threading.enumerate()) <= before
+    assert threading.excepthook is usual
 
 
 def test_interrupts_are_ignored_while_processes_start_and_only_in_the_main_thread():

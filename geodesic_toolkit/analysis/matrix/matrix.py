@@ -8,7 +8,6 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, DTypeLike
 
-from geodesic_toolkit.analysis.matrix.executors import check_executor, computed
 from geodesic_toolkit.analysis.matrix.fingerprints import (
     digest,
     fingerprint_of_solver,
@@ -16,13 +15,12 @@ from geodesic_toolkit.analysis.matrix.fingerprints import (
     fingerprint_of_versions,
 )
 from geodesic_toolkit.analysis.matrix.stores import (
-    FileOfRows,
+    DenseFile,
     InMemory,
     Plan,
     SparseFile,
     SparseInMemory,
     Store,
-    ZarrOfRows,
     check_disk,
     require_zarr,
 )
@@ -35,6 +33,7 @@ from geodesic_toolkit.analysis.matrix.tasks import (
     vertices_of,
 )
 from geodesic_toolkit.analysis.matrix.unfinished import Unfinished
+from geodesic_toolkit.analysis.matrix.workers import check_executor, computed
 from geodesic_toolkit.core.atomic import check_output
 from geodesic_toolkit.core.types import IntArray
 from geodesic_toolkit.errors import InvalidOptionError, WriteError
@@ -155,18 +154,16 @@ def distance_matrix(
 def _filled(
     solver: GeodesicSolver, store: Store, executor: Executor | None, progress: Progress | None
 ) -> Any:
-    tasks = store.plan.tasks
-    missing = [task for task in tasks if not store.done[task.number]]
-    done = sum(task.stop - task.start for task in tasks) - sum(
-        task.stop - task.start for task in missing
-    )
+    missing = [task for task in store.plan.tasks if not store.done[task.number]]
+    total = store.plan.shape[0]
+    done = total - sum(task.stop - task.start for task in missing)
     if progress is not None:
-        progress(done, store.plan.shape[0])
+        progress(done, total)
     for task, rows in computed(solver, missing, executor):
         store.put(task, rows)
         done += task.stop - task.start
         if progress is not None:
-            progress(done, store.plan.shape[0])
+            progress(done, total)
     return store.finish()
 
 
@@ -223,8 +220,8 @@ def _plan(
 ) -> Plan:
     n_vertices = solver.domain.n_vertices
     across = np.arange(n_vertices) if columns is None else columns
-    square = _are_the_same(vertices_of(sets), across)
-    how = symmetrize if square else None
+    rows = vertices_of(sets)
+    how = symmetrize if rows is not None and np.array_equal(rows, across) else None
     kept = None if limit is None else widened(limit, how)
     step = rows_of_task(len(sets), n_vertices)
     tasks = []
@@ -249,35 +246,14 @@ def _plan(
     )
 
 
-def _are_the_same(rows: IntArray | None, columns: IntArray) -> bool:
-    return rows is not None and bool(np.array_equal(rows, columns))
-
-
 # -- the output ------------------------------------------------------------------------------------
 
 
 def check_matrix_output(out: str | os.PathLike[str], *, sparse: bool) -> Path:
-    """Raise where `out` cannot become a matrix: to be asked before any work is done.
+    """Return the path of `out`, links resolved, or raise where it cannot become a matrix.
 
-    Parameters
-    ----------
-    out : path-like
-    sparse : bool
-        Whether a `max_distance` is given.
-
-    Returns
-    -------
-    Path
-        With links resolved.
-
-    Raises
-    ------
-    InvalidOptionError
-        Another suffix than those that can be written.
-    WriteError
-        Something else is there, there is no such folder, no permission.
-    MissingDependencyError
-        A ``.zarr`` without the package zarr.
+    To be asked before any work is done; `sparse` is whether a `max_distance` is given, and errors
+    are those of `distance_matrix`.
     """
     try:
         path = Path(out)
@@ -303,9 +279,8 @@ def check_matrix_output(out: str | os.PathLike[str], *, sparse: bool) -> Path:
 
 
 def _store(solver: GeodesicSolver, plan: Plan, output: Path | None, *, resume: bool) -> Store:
-    sparse = plan.limit is not None
     if output is None:
-        return SparseInMemory(plan) if sparse else InMemory(plan)
+        return InMemory(plan) if plan.limit is None else SparseInMemory(plan)
     request = {
         **fingerprint_of_solver(solver),
         **plan.request,
@@ -314,12 +289,11 @@ def _store(solver: GeodesicSolver, plan: Plan, output: Path | None, *, resume: b
     }
     unfinished = Unfinished(output, request, len(plan.tasks), resume=resume)
     try:
-        if sparse:
+        if plan.limit is not None:
             return SparseFile(plan, unfinished)
         todo = float(np.mean(~unfinished.done)) + (plan.symmetrize is not None)
         check_disk(output.parent, plan.nbytes * todo, output)
-        kind = FileOfRows if output.suffix.lower() == ".npy" else ZarrOfRows
-        return kind(plan, unfinished)
+        return DenseFile(plan, unfinished)
     except BaseException:  # Ctrl-C too: the folder must not stay locked; it goes on at once
         unfinished.close()
         raise

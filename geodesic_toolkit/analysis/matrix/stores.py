@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any, final
 
 import numpy as np
-from numpy.lib import format as npy
+from numpy.lib.format import open_memmap
 from numpy.typing import NDArray
 from scipy.sparse import csr_array, load_npz, save_npz, vstack
 
@@ -19,19 +19,20 @@ from geodesic_toolkit.analysis.matrix.symmetry import (
     symmetrized_entries,
 )
 from geodesic_toolkit.analysis.matrix.tasks import Rows, RowTask
-from geodesic_toolkit.analysis.matrix.unfinished import Unfinished, writing
+from geodesic_toolkit.analysis.matrix.unfinished import Unfinished
+from geodesic_toolkit.core.atomic import replacing, sync, writing
+from geodesic_toolkit.core.optional import require
 from geodesic_toolkit.core.types import BoolArray
-from geodesic_toolkit.errors import MissingDependencyError, WriteError
+from geodesic_toolkit.errors import WriteError
 from geodesic_toolkit.linear.memory import require_memory
 
 __all__ = [
-    "FileOfRows",
+    "DenseFile",
     "InMemory",
     "Plan",
     "SparseFile",
     "SparseInMemory",
     "Store",
-    "ZarrOfRows",
     "check_disk",
     "require_zarr",
 ]
@@ -79,11 +80,14 @@ class Store(abc.ABC):
     ----------
     plan : Plan
     done : ndarray of bool
-        One a task: whether its rows are here, from an earlier run too.
+        One a task: whether its rows are here from an earlier run.
     """
 
-    plan: Plan
     done: BoolArray
+
+    def __init__(self, plan: Plan) -> None:
+        self.plan = plan
+        self.done = np.zeros(len(plan.tasks), dtype=bool)
 
     @abc.abstractmethod
     def put(self, task: RowTask, rows: Rows) -> None:
@@ -109,14 +113,12 @@ class InMemory(Store):
             f"the matrix of {rows} x {columns} distances (on disk it takes none: out= with a name "
             "ending in .npy or .zarr; dtype=numpy.float32 halves it, max_distance= thins it)",
         )
-        self.plan = plan
-        self.done = np.zeros(len(plan.tasks), dtype=bool)
+        super().__init__(plan)
         self._matrix = np.empty(plan.shape, dtype=plan.dtype)
 
     def put(self, task: RowTask, rows: Rows) -> None:
         """Copy the rows to their place."""
         self._matrix[task.start : task.stop] = rows
-        self.done[task.number] = True
 
     def finish(self) -> NDArray[np.floating[Any]]:
         """Return the array."""
@@ -130,15 +132,13 @@ class SparseInMemory(Store):
     """A csr_array, made of thinned blocks."""
 
     def __init__(self, plan: Plan) -> None:
-        self.plan = plan
-        self.done = np.zeros(len(plan.tasks), dtype=bool)
+        super().__init__(plan)
         self._blocks: dict[int, csr_array] = {}
 
     def put(self, task: RowTask, rows: Rows) -> None:
         """Keep the block."""
         assert isinstance(rows, csr_array)  # for the type checker
         self._blocks[task.number] = rows
-        self.done[task.number] = True
 
     def finish(self) -> csr_array:
         """Return the array."""
@@ -171,194 +171,120 @@ def check_disk(folder: Path, needed: float, output: Path) -> None:
         )
 
 
-class NpyRows:
-    """Rows of a matrix in an .npy file: written by position, read through a memory map.
-
-    A map is not written through: on a full disk it would end the process.
-    """
-
-    def __init__(self, path: Path, shape: tuple[int, int], dtype: np.dtype[Any]) -> None:
-        self.path = path
-        self._shape = shape
-        self._row_bytes = shape[1] * dtype.itemsize
-        header = {"descr": npy.dtype_to_descr(dtype), "fortran_order": False, "shape": shape}
-        with writing(path):
-            self._file = path.open("r+b" if path.exists() else "w+b")
-            npy.write_array_header_1_0(self._file, header)
-            self._offset = self._file.tell()
-            self._file.truncate(self._offset + shape[0] * self._row_bytes)
-
-    def write(self, start: int, rows: NDArray[np.floating[Any]], *, durable: bool) -> None:
-        """Write rows from row `start` on; `durable` ones are on disk afterwards."""
-        with writing(self.path):
-            self._file.seek(self._offset + start * self._row_bytes)
-            self._file.write(np.ascontiguousarray(rows).data)
-            self._file.flush()
-            if durable:
-                os.fsync(self._file.fileno())
-
-    def array(self) -> NDArray[np.floating[Any]]:
-        """Return the matrix as a read-only memory map."""
-        array: NDArray[np.floating[Any]] = np.load(self.path, mmap_mode="r")
-        return array
-
-    def close(self) -> None:
-        """Close the file, with all of it on disk."""
-        if not self._file.closed:
-            with writing(self.path):
-                self._file.flush()
-                os.fsync(self._file.fileno())
-                self._file.close()
-
-
-class ZarrRows:
-    """Rows of a matrix in a zarr array, of which each task is a chunk."""
-
-    def __init__(self, path: Path, plan: Plan) -> None:
-        zarr = require_zarr()
-        self.path = path
-        self._rows = plan.rows_of_task
-        with writing(path):
-            if path.exists():
-                self._array = zarr.open_array(path, mode="r+")
-            else:
-                self._array = zarr.create_array(
-                    path,
-                    shape=plan.shape,
-                    dtype=plan.dtype,
-                    chunks=(plan.rows_of_task, plan.shape[1]),
-                    fill_value=np.inf,
-                    zarr_format=3,
-                )
-
-    def write(self, start: int, rows: NDArray[np.floating[Any]], *, durable: bool) -> None:
-        """Write whole chunks from row `start` on; `durable` ones are on disk afterwards."""
-        stop = start + len(rows)
-        with writing(self.path):
-            self._array[start:stop] = rows
-            if durable:
-                for chunk in range(start // self._rows, -(-stop // self._rows)):
-                    _sync_if_there(self.path / "c" / str(chunk) / "0")
-
-
-def _sync_if_there(chunk: Path) -> None:
-    if chunk.exists():  # one of nothing but infinity is not written
-        with chunk.open("rb") as file:
-            os.fsync(file.fileno())
-
-
 def require_zarr() -> Any:
-    """Import and return zarr.
-
-    Raises
-    ------
-    MissingDependencyError
-        It is not installed.
-    """
-    try:
-        import zarr
-    except ImportError as error:
-        raise MissingDependencyError(
-            f'writing .zarr stores needs zarr ({error}): pip install "geodesic-toolkit[zarr]"'
-        ) from error
-    return zarr
+    """Import and return zarr, or raise a `MissingDependencyError`."""
+    return require("zarr", "zarr", "writing .zarr stores needs")
 
 
 class _OnDisk(Store):
-    """What stores in files share: the folder of what is unfinished."""
+    """What stores in files share: rows on disk first, then the mark that they are there."""
 
     def __init__(self, plan: Plan, folder: Unfinished) -> None:
-        self.plan = plan
-        self._folder = folder
+        super().__init__(plan)
         self.done = folder.done
+        self._folder = folder
+
+    @abc.abstractmethod
+    def _write(self, task: RowTask, rows: Rows) -> None:
+        """Have the rows of a task on disk."""
+
+    def put(self, task: RowTask, rows: Rows) -> None:
+        """Write the rows, then note that they are there."""
+        with writing(self._folder.folder):
+            self._write(task, rows)
+            self._folder.mark(task.number)
 
     def close(self) -> None:
         """Let go of the folder."""
         self._folder.close()
 
-    def _restart_without(self, path: Path) -> None:
-        """Where the rows are gone (a run that ended while it cleaned up), so are the marks."""
+
+class _NpyRows:
+    """Rows of an .npy file, written by position.
+
+    A map is not written through: on a full disk it would end the process.
+    """
+
+    def __init__(self, path: Path, plan: Plan) -> None:
         if not path.exists():
-            self.done[:] = False
+            open_memmap(path, mode="w+", dtype=plan.dtype, shape=plan.shape)  # header and length
+        self.path = path
+        self._offset = open_memmap(path, mode="r").offset
+        self._row_bytes = plan.dtype.itemsize * plan.shape[1]
+
+    def write(self, start: int, rows: NDArray[np.floating[Any]]) -> None:
+        with self.path.open("r+b") as file:
+            file.seek(self._offset + start * self._row_bytes)
+            file.write(np.ascontiguousarray(rows).data)
+            file.flush()
+            os.fsync(file.fileno())
 
 
-@final
-class FileOfRows(_OnDisk):
-    """An .npy file; a symmetric one is made of another with the rows as they came."""
+class _ZarrRows:
+    """Rows of a zarr array, of which each task is a chunk."""
 
-    def __init__(self, plan: Plan, folder: Unfinished) -> None:
-        super().__init__(plan, folder)
-        self._restart_without(folder.folder / "rows.npy")
-        self._rows = NpyRows(folder.folder / "rows.npy", plan.shape, plan.dtype)
-
-    def put(self, task: RowTask, rows: Rows) -> None:
-        """Write the rows, then note that they are there."""
-        assert isinstance(rows, np.ndarray)  # for the type checker
-        self._rows.write(task.start, rows, durable=True)
-        self._folder.mark(task.number)
-
-    def finish(self) -> NDArray[np.floating[Any]]:
-        """Return the matrix as a read-only memory map."""
-        self._rows.close()
-        result = self._rows
-        if self.plan.symmetrize is not None:
-            path = self._folder.folder / "symmetric.npy"
-            result = NpyRows(path, self.plan.shape, self.plan.dtype)
-            try:
-                for start, band in symmetric_bands(self._rows.array(), self.plan.symmetrize):
-                    result.write(start, band, durable=False)
-            finally:
-                result.close()
-        self._folder.deliver(result.path)
-        array: NDArray[np.floating[Any]] = np.load(self._folder.output, mmap_mode="r")
-        return array
-
-    def close(self) -> None:
-        """Let go of the file and the folder."""
-        self._rows.close()
-        super().close()
-
-
-@final
-class ZarrOfRows(_OnDisk):
-    """A zarr store; a symmetric one is made of an .npy file, whose columns can be read."""
-
-    def __init__(self, plan: Plan, folder: Unfinished) -> None:
-        super().__init__(plan, folder)
-        self._path = folder.folder / "matrix.zarr"
-        self._rows: NpyRows | ZarrRows
-        if plan.symmetrize is not None:
-            self._restart_without(folder.folder / "rows.npy")
-            self._rows = NpyRows(folder.folder / "rows.npy", plan.shape, plan.dtype)
+    def __init__(self, path: Path, plan: Plan) -> None:
+        zarr = require_zarr()
+        self.path = path
+        self._rows_of_chunk = plan.rows_of_task
+        if (path / "zarr.json").exists():
+            self._array = zarr.open_array(path, mode="r+")
         else:
-            self._restart_without(self._path)
-            self._rows = ZarrRows(self._path, plan)
+            self._array = zarr.create_array(
+                path,
+                shape=plan.shape,
+                dtype=plan.dtype,
+                chunks=(plan.rows_of_task, plan.shape[1]),
+                fill_value=np.inf,
+                zarr_format=3,
+                overwrite=True,
+            )
 
-    def put(self, task: RowTask, rows: Rows) -> None:
-        """Write the rows, then note that they are there."""
+    def write(self, start: int, rows: NDArray[np.floating[Any]]) -> None:
+        self._array[start : start + len(rows)] = rows
+        for first in range(start, start + len(rows), self._rows_of_chunk):
+            chunk = self.path / "c" / str(first // self._rows_of_chunk) / "0"
+            if chunk.exists():  # one of nothing but infinity is not written
+                sync(chunk)
+
+
+@final
+class DenseFile(_OnDisk):
+    """An .npy file or a zarr store.
+
+    A symmetric one is made at the end of an .npy file with the rows as they came: columns of a zarr
+    array cannot be read without all of it.
+    """
+
+    def __init__(self, plan: Plan, folder: Unfinished) -> None:
+        super().__init__(plan, folder)
+        suffix = folder.output.suffix.lower()
+        self._kind = _ZarrRows if suffix == ".zarr" else _NpyRows
+        self._result = folder.folder / f"matrix{suffix}"
+        with writing(folder.folder):
+            path = self._result if plan.symmetrize is None else folder.folder / "rows.npy"
+            if not path.exists():
+                self.done[:] = False
+            self._rows = (self._kind if plan.symmetrize is None else _NpyRows)(path, plan)
+
+    def _write(self, task: RowTask, rows: Rows) -> None:
         assert isinstance(rows, np.ndarray)  # for the type checker
-        self._rows.write(task.start, rows, durable=True)
-        self._folder.mark(task.number)
+        self._rows.write(task.start, rows)
 
     def finish(self) -> Any:
-        """Return the zarr array, opened for reading."""
-        if isinstance(self._rows, NpyRows):
-            assert self.plan.symmetrize is not None  # for the type checker
-            self._rows.close()
-            if self._path.exists():  # of a run that was interrupted here
-                shutil.rmtree(self._path)
-            result = ZarrRows(self._path, self.plan)
-            raw, multiple = self._rows.array(), self.plan.rows_of_task
-            for start, band in symmetric_bands(raw, self.plan.symmetrize, multiple):
-                result.write(start, band, durable=True)
-        self._folder.deliver(self._path)
+        """Return the matrix: a read-only memory map, or a zarr array opened for reading."""
+        if self.plan.symmetrize is not None:
+            with writing(self._result):
+                result = self._kind(self._result, self.plan)
+                raw = np.load(self._rows.path, mmap_mode="r")
+                bands = symmetric_bands(raw, self.plan.symmetrize, self.plan.rows_of_task)
+                for start, band in bands:
+                    result.write(start, band)
+                del raw, bands  # Windows moves no file that is mapped
+        self._folder.deliver(self._result)
+        if self._kind is _NpyRows:
+            return np.load(self._folder.output, mmap_mode="r")
         return require_zarr().open_array(self._folder.output, mode="r")
-
-    def close(self) -> None:
-        """Let go of the file and the folder."""
-        if isinstance(self._rows, NpyRows):
-            self._rows.close()
-        super().close()
 
 
 @final
@@ -370,26 +296,18 @@ class SparseFile(_OnDisk):
         for task in plan.tasks:
             self.done[task.number] &= self._piece(task).exists()
 
-    def put(self, task: RowTask, rows: Rows) -> None:
-        """Write the piece, then note that it is there."""
+    def _write(self, task: RowTask, rows: Rows) -> None:
         assert isinstance(rows, csr_array)  # for the type checker
-        path = self._piece(task)
-        with writing(path), path.open("wb") as file:
-            save_npz(file, rows, compressed=False)
-            file.flush()
-            os.fsync(file.fileno())
-        self._folder.mark(task.number)
+        with replacing(self._piece(task)) as path:
+            save_npz(path, rows, compressed=False)
 
     def finish(self) -> csr_array:
         """Return the csr_array."""
         pieces = [csr_array(load_npz(self._piece(task))) for task in self.plan.tasks]
         matrix = _assembled(pieces, self.plan)
-        path = self._folder.folder / "matrix.npz"
-        with writing(path), path.open("wb") as file:
-            save_npz(file, matrix)
-            file.flush()
-            os.fsync(file.fileno())
-        self._folder.deliver(path)
+        with replacing(self._folder.folder / "matrix.npz") as path:
+            save_npz(path, matrix)
+        self._folder.deliver(self._folder.folder / "matrix.npz")
         return matrix
 
     def _piece(self, task: RowTask) -> Path:

@@ -6,46 +6,27 @@ A folder ``NAME.partial`` holds the rows so far, a record of the request, and wh
 import json
 import os
 import shutil
-from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
+from collections.abc import Mapping
 from pathlib import Path
-from typing import IO, Any
+from typing import IO
 
 import numpy as np
 
+from geodesic_toolkit.core.atomic import replacing, writing
 from geodesic_toolkit.core.types import BoolArray
 from geodesic_toolkit.errors import InvalidOptionError, WriteError
 
-__all__ = ["Unfinished", "writing"]
-
-SUFFIX = ".partial"
+__all__ = ["Unfinished"]
 
 RECORD = "request.json"
 
-NEW_RECORD = RECORD + ".new"
-
 DONE = "done"
-"""A file of one byte a task: 1 where its rows are on disk."""
+"""A file of one byte a task: 1 where its rows are on disk. Without it no task is done."""
 
 LOCK = "lock"
 
 LONGEST = 100
 """Characters of a value shown where requests differ."""
-
-
-@contextmanager
-def writing(path: Path) -> Iterator[None]:
-    """Turn what the system says of a full disk or a missing permission into a `WriteError`."""
-    try:
-        yield
-    except WriteError:
-        raise
-    except OSError as error:
-        raise WriteError(f"{path} cannot be written: {error.strerror or error}") from error
-
-
-def _folder(output: Path) -> Path:
-    return output.with_name(output.name + SUFFIX)
 
 
 class Unfinished:
@@ -79,28 +60,28 @@ class Unfinished:
         self, output: Path, request: Mapping[str, str], n_tasks: int, *, resume: bool
     ) -> None:
         self.output = output
-        self.folder = _folder(output)
-        self.done: BoolArray = np.zeros(n_tasks, dtype=bool)
+        self.folder = output.with_name(f"{output.name}.partial")
         with writing(self.folder):
             found = self._is_there()
             self.folder.mkdir(exist_ok=True)
             self._lock = _locked(self.folder)
             try:
                 if found and resume:
-                    self._go_on(request)
+                    self._check(request)
                 else:
-                    self._begin(request)
-                self._marks = (self.folder / DONE).open("r+b")
+                    self._clear()
+                    with replacing(self.folder / RECORD) as record:
+                        record.write_text(json.dumps(dict(request), indent=2), encoding="utf-8")
+                self.done = self._marks(n_tasks)
             except BaseException:  # Ctrl-C too must not leave the lock; it goes on at once
-                self._lock.close()
+                self.close()
                 raise
 
     def mark(self, task: int) -> None:
         """Note that the rows of a task are on disk."""
-        with writing(self.folder):
-            self._marks.seek(task)
-            self._marks.write(b"\1")
-            self._marks.flush()
+        with (self.folder / DONE).open("r+b") as marks:
+            marks.seek(task)
+            marks.write(b"\1")
         self.done[task] = True
 
     def deliver(self, item: Path) -> None:
@@ -115,28 +96,22 @@ class Unfinished:
                 if aside.exists():
                     aside.replace(self.output)
                 raise
-            self._remove_rest()
-
-    def _remove_rest(self) -> None:
-        self.close()
-        self._empty()
-        for name in (RECORD, LOCK):  # the record last of all that matters: with it goes the claim
-            (self.folder / name).unlink()
-        self.folder.rmdir()
-
-    def _empty(self) -> None:
-        for item in self.folder.iterdir():
-            if item.name in (RECORD, LOCK):
-                continue
-            if item.is_dir():
-                shutil.rmtree(item)
-            else:
-                item.unlink()
+            self.close()
+            self._clear()
+            shutil.rmtree(self.folder)
 
     def close(self) -> None:
         """Let go of the folder, and leave it for the next run."""
-        self._marks.close()
         self._lock.close()
+
+    def _clear(self) -> None:
+        """Remove the marks, then what they speak of; the claim to the folder stays."""
+        (self.folder / DONE).unlink(missing_ok=True)
+        for item in self.folder.iterdir():
+            if item.is_dir():
+                shutil.rmtree(item)
+            elif item.name not in (RECORD, LOCK):
+                item.unlink()
 
     def _is_there(self) -> bool:
         """Whether there is something to go on with; raises where it is not ours."""
@@ -146,46 +121,41 @@ class Unfinished:
             raise WriteError(f"{self.folder} is in the way: it is not a folder; remove it")
         if (self.folder / RECORD).exists():
             return True
-        if any(item.name not in (DONE, LOCK, NEW_RECORD) for item in self.folder.iterdir()):
+        # A run that ended before its record was in place leaves the lock and a hidden file.
+        if any(item.name != LOCK and item.name[0] != "." for item in self.folder.iterdir()):
             raise WriteError(
                 f"{self.folder} is in the way: it is not an unfinished matrix; move it elsewhere"
             )
         return False
 
-    def _begin(self, request: Mapping[str, str]) -> None:
-        (self.folder / RECORD).unlink(missing_ok=True)
-        self._empty()
-        (self.folder / DONE).write_bytes(bytes(len(self.done)))
-        # Last, and in one step: where it is, all else is there.
-        temporary = self.folder / NEW_RECORD
-        temporary.write_text(json.dumps(dict(request), indent=2), encoding="utf-8")
-        temporary.replace(self.folder / RECORD)
-
-    def _go_on(self, request: Mapping[str, str]) -> None:
-        then = self._record()
-        names = [name for name in {**then, **request} if then.get(name) != request.get(name)]
-        if names:
-            differences = "; ".join(
-                f"{name} was {_short(then.get(name))}, now {_short(request.get(name))}"
-                for name in names
-            )
-            raise InvalidOptionError(
-                f"{self.folder} holds an unfinished matrix of another request: {differences}. "
-                "Finish that one with the same request, or begin anew with resume=False (--restart)"
-            )
-        marks = np.frombuffer((self.folder / DONE).read_bytes(), dtype=np.uint8)
-        if len(marks) != len(self.done):
-            raise self._broken(f"{len(marks)} tasks, not {len(self.done)}")
-        self.done = marks == 1
-
-    def _record(self) -> dict[str, Any]:
+    def _check(self, request: Mapping[str, str]) -> None:
         try:
-            record = json.loads((self.folder / RECORD).read_text(encoding="utf-8"))
+            then = json.loads((self.folder / RECORD).read_text(encoding="utf-8"))
         except ValueError as error:
             raise self._broken(f"its {RECORD} cannot be read") from error
-        if not isinstance(record, dict):
+        if not isinstance(then, dict):
             raise self._broken(f"its {RECORD} holds no record")
-        return record
+        differences = [
+            f"{name} was {_short(then.get(name))}, now {_short(request.get(name))}"
+            for name in {**then, **request}
+            if then.get(name) != request.get(name)
+        ]
+        if differences:
+            raise InvalidOptionError(
+                f"{self.folder} holds an unfinished matrix of another request: "
+                f"{'; '.join(differences)}. Finish that one with the same request, or begin anew "
+                "with resume=False (--restart)"
+            )
+
+    def _marks(self, n_tasks: int) -> BoolArray:
+        path = self.folder / DONE
+        if not path.exists():
+            with replacing(path) as new:
+                new.write_bytes(bytes(n_tasks))
+        marks = np.frombuffer(path.read_bytes(), dtype=np.uint8)
+        if len(marks) != n_tasks:
+            raise self._broken(f"{len(marks)} tasks, not {n_tasks}")
+        return np.asarray(marks == 1)
 
     def _broken(self, what: str) -> WriteError:
         return WriteError(

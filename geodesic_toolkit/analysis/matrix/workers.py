@@ -1,84 +1,172 @@
-"""What runs in a worker: a solver that is unpickled and factorised once a process, and kept.
-
-It lives in a module that a worker imports by its name. A cache in ``__main__`` would be a new one
-with each task that arrives, and each task would factorise again.
-"""
+"""Tasks through any `concurrent.futures.Executor`, whose workers get the solver once."""
 
 import os
 import pickle
 import threading
 import uuid
-import warnings
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from collections import deque
+from collections.abc import Iterator, Sequence
+from concurrent.futures import FIRST_COMPLETED, BrokenExecutor, Executor, Future, wait
 from dataclasses import dataclass
 from typing import Any
 from weakref import WeakKeyDictionary
 
 from geodesic_toolkit.analysis.matrix.tasks import Rows, RowTask
-from geodesic_toolkit.core.warning import warn
-from geodesic_toolkit.errors import GeodesicWarning, InvalidOptionError
+from geodesic_toolkit.core.warning import Collected, collected_warnings, warn
+from geodesic_toolkit.errors import GeodesicWarning, InvalidOptionError, SolverError
 from geodesic_toolkit.heat.method import HeatMethod
 from geodesic_toolkit.solver.solver import GeodesicSolver
 
-__all__ = ["Answer", "Token", "at_home", "compute", "pickled"]
+__all__ = ["Parcel", "check_executor", "compute", "computed", "pickled"]
+
+WAITING_BYTES = 1e9
+"""Of results that may be on their way at once: many workers are busy, and memory is not filled."""
 
 
-@dataclass(frozen=True)
-class Token:
-    """The name of a solver, by which workers know whether they have it.
+def check_executor(executor: object) -> None:
+    """Raise an `InvalidOptionError` for what is not an executor."""
+    if executor is not None and not isinstance(executor, Executor):
+        raise InvalidOptionError(
+            "executor must be a concurrent.futures.Executor (a process pool, loky's, "
+            "dask's Client(...).get_executor(), mpi4py's), not a "
+            f"{type(executor).__name__}"
+        )
+
+
+def computed(
+    solver: GeodesicSolver, tasks: Sequence[RowTask], executor: Executor | None
+) -> Iterator[tuple[RowTask, Rows]]:
+    """Yield each task with its rows, as they come.
+
+    Parameters
+    ----------
+    solver : GeodesicSolver
+    tasks : sequence of RowTask
+    executor : Executor, optional
+        Stays open. What was submitted and has not begun is cancelled where the caller stops early.
+
+    Raises
+    ------
+    InvalidOptionError
+        The solver cannot be pickled, and the executor's workers are other processes.
+    SolverError
+        A worker died.
+    Exception
+        What a task or the executor raises.
+    """
+    if executor is None:
+        for task in tasks:
+            yield task, task.compute(solver)
+        return
+    under_way: dict[Future[tuple[Rows, Collected] | None], tuple[RowTask, bool]] = {}
+    try:
+        yield from _dispatched(solver, tasks, executor, under_way)
+    except BrokenExecutor as error:
+        raise SolverError(
+            f"executor: a worker ended abruptly ({error}); its memory may have been too small "
+            "for the solver: use fewer of them"
+        ) from error
+    finally:
+        for future in under_way:
+            future.cancel()
+
+
+def _dispatched(
+    solver: GeodesicSolver,
+    tasks: Sequence[RowTask],
+    executor: Executor,
+    under_way: dict[Future[tuple[Rows, Collected] | None], tuple[RowTask, bool]],
+) -> Iterator[tuple[RowTask, Rows]]:
+    """Yield as `computed`; `under_way` holds each task that is out, and whether with the solver.
+
+    A task goes out without the solver. A worker that lacks it refuses at once, and the task goes
+    out again with it. Few go so at a time, and one more with each that is done: the queue does not
+    fill with copies, many workers are soon served, and the rest ask again.
+    """
+    name = _names.setdefault(solver.method, uuid.uuid4().hex)
+    without, with_solver = Parcel(name, solver), None
+    waiting, refused = deque(tasks), deque[RowTask]()
+    largest = max((task.stop - task.start for task in tasks), default=1)
+    fitting = int(WAITING_BYTES / (8 * solver.domain.n_vertices * largest))
+    most, most_with_solver = max(2 * (os.cpu_count() or 1), fitting), 2
+    while waiting or refused or under_way:
+        while refused and sum(sent for _, sent in under_way.values()) < most_with_solver:
+            with_solver = with_solver or Parcel(name, solver, pickled(solver))
+            task = refused.popleft()
+            under_way[executor.submit(compute, with_solver, task)] = task, True
+        # Those refused count: else all tasks would ask in vain while the first ones compute.
+        while waiting and len(under_way) + len(refused) < most:
+            task = waiting.popleft()
+            under_way[executor.submit(compute, without, task)] = task, False
+        done, _ = wait(under_way, return_when=FIRST_COMPLETED)
+        # Refused ones first: a worker that has computed with the solver has it for them, too.
+        for future in sorted(done, key=lambda future: under_way[future][1]):
+            task, sent = under_way.pop(future)
+            answer = future.result()
+            if answer is None:
+                refused.append(task)
+                continue
+            if sent:
+                most_with_solver += 1
+                waiting.extendleft(reversed(refused))
+                refused.clear()
+            rows, collected = answer
+            for text, category in collected:
+                warn(text, category)
+            yield task, rows
+
+
+# -- what travels to a worker, and stays there -----------------------------------------------------
+
+_names: WeakKeyDictionary[HeatMethod, str] = WeakKeyDictionary()
+"""Names unique in the world, by what copies of a solver share."""
+
+_kept: tuple[str, GeodesicSolver] | None = None
+"""In a worker: the last solver, as two might not fit into memory.
+
+Workers import this module by its name; in ``__main__`` each task would find another cache.
+"""
+
+_lock = threading.Lock()
+
+
+@dataclass(frozen=True, eq=False)
+class Parcel:
+    """The name of a solver; for threads of this process the solver, too.
 
     Parameters
     ----------
     name : str
-        Unique in the world, and always the same for one solver and its copies in one process.
-    home : int
-        The process that the solver comes from.
+    solver : GeodesicSolver, optional
+        Is left behind where the parcel is pickled.
+    content : bytes, optional
+        What another process makes the solver from.
     """
 
     name: str
-    home: int
+    solver: GeodesicSolver | None = None
+    content: bytes | None = None
 
+    def __reduce__(self) -> tuple[Any, ...]:
+        return Parcel, (self.name, None, self.content)
 
-@dataclass(frozen=True, eq=False)
-class Answer:
-    """What a worker sends back.
-
-    Parameters
-    ----------
-    rows : ndarray or csr_array, optional
-        None where the worker does not have the solver and was not sent it.
-    warnings : tuple of (str, type)
-        What was warned of on the way, where nobody is there to see it.
-    """
-
-    rows: Rows | None
-    warnings: tuple[tuple[str, type[Warning]], ...] = ()
-
-    def repeat_warnings(self) -> None:
-        """Warn here of what the worker was warned of."""
-        for text, category in self.warnings:
-            warn(text, category)
-
-
-_tokens: WeakKeyDictionary[HeatMethod, Token] = WeakKeyDictionary()
-"""By what copies of a solver share."""
-
-_at_home: dict[str, GeodesicSolver] = {}
-_visiting: tuple[str, GeodesicSolver] | None = None
-_lock = threading.Lock()
-_heard = threading.local()
-
-
-@contextmanager
-def at_home(solver: GeodesicSolver) -> Iterator[Token]:
-    """Give the token of a solver; threads of this process find the solver itself by it."""
-    token = _tokens.setdefault(solver.method, Token(uuid.uuid4().hex, os.getpid()))
-    _at_home[token.name] = solver
-    try:
-        yield token
-    finally:
-        _at_home.pop(token.name, None)
+    def opened(self) -> GeodesicSolver | None:
+        """Return the solver, factorised; None where it is neither here nor in the parcel."""
+        global _kept  # noqa: PLW0603 - a cache for the life of the process
+        if self.solver is not None:
+            return self.solver
+        kept = _kept
+        if kept is not None and kept[0] == self.name:
+            return kept[1]
+        if self.content is None:
+            return None
+        with _lock:  # of the threads of one worker, one factorises
+            if _kept is None or _kept[0] != self.name:
+                _kept = None
+                solver = pickle.loads(self.content)  # noqa: S301 - our own
+                solver.method.prepare()
+                _kept = self.name, solver
+            return _kept[1]
 
 
 def pickled(solver: GeodesicSolver) -> bytes:
@@ -98,79 +186,11 @@ def pickled(solver: GeodesicSolver) -> bytes:
         ) from error
 
 
-def compute(token: Token, payload: bytes | None, task: RowTask) -> Answer:
-    """Compute a task with the solver of that name; made from `payload` where it is not known."""
-    solver = _known(token.name)
-    if solver is None and payload is None:
-        return Answer(None)
-    with _listening(token) as heard:
+def compute(parcel: Parcel, task: RowTask) -> tuple[Rows, Collected] | None:
+    """Compute a task; return its rows and warnings, or None where the solver is missing."""
+    with collected_warnings(GeodesicWarning) as collected:
+        solver = parcel.opened()
         if solver is None:
-            assert payload is not None  # for the type checker
-            solver = _unpacked(token.name, payload)
+            return None
         rows = task.compute(solver)
-    return Answer(rows, tuple(dict.fromkeys(heard)))
-
-
-def _known(name: str) -> GeodesicSolver | None:
-    visiting = _visiting
-    if visiting is not None and visiting[0] == name:
-        return visiting[1]
-    return _at_home.get(name)
-
-
-def _unpacked(name: str, payload: bytes) -> GeodesicSolver:
-    """Return the solver, factorised; the last one stays, as two might not fit into memory."""
-    global _visiting  # noqa: PLW0603 - a cache for the life of the process is what this module is
-    with _lock:  # of the threads of one worker, one factorises
-        solver = _known(name)
-        if solver is None:
-            _visiting = None
-            solver = pickle.loads(payload)  # noqa: S301 - our own, from the process we work for
-            solver.method.prepare()
-            _visiting = (name, solver)
-        return solver
-
-
-# -- warnings, which nobody would see there --------------------------------------------------------
-
-
-@contextmanager
-def _listening(token: Token) -> Iterator[list[tuple[str, type[Warning]]]]:
-    """Collect this package's warnings of this thread; at home they go their usual way."""
-    heard: list[tuple[str, type[Warning]]] = []
-    if os.getpid() == token.home:
-        yield heard
-        return
-    _listen()
-    _heard.warnings = heard
-    try:
-        yield heard
-    finally:
-        _heard.warnings = None
-
-
-def _listen() -> None:
-    """Hand this package's warnings to the thread that collects them; once a process.
-
-    `warnings.catch_warnings` would not do: it is not for workers of several threads.
-    """
-    with _lock:
-        if not isinstance(warnings.showwarning, _Collector):
-            warnings.showwarning = _Collector(warnings.showwarning)
-            warnings.simplefilter("always", GeodesicWarning)
-
-
-class _Collector:
-    """Shows warnings as before, but for those of this package on threads that collect them."""
-
-    def __init__(self, usual: Callable[..., None]) -> None:
-        self._usual = usual
-
-    def __call__(
-        self, message: Warning | str, category: type[Warning], *rest: Any, **more: Any
-    ) -> None:
-        heard = getattr(_heard, "warnings", None)
-        if heard is not None and issubclass(category, GeodesicWarning):
-            heard.append((str(message), category))
-        else:
-            self._usual(message, category, *rest, **more)
+    return rows, list(dict.fromkeys(collected))

@@ -6,6 +6,7 @@ from functools import cached_property
 import numpy as np
 
 from geodesic_toolkit.analysis.paths.fronts import first_to_arrive, refined_distance
+from geodesic_toolkit.analysis.paths.polyline import Polyline, without_repeats
 from geodesic_toolkit.analysis.paths.reach import path_within_reach
 from geodesic_toolkit.analysis.paths.star_ways import path_down
 from geodesic_toolkit.core.types import FloatArray, IntArray
@@ -16,12 +17,9 @@ from geodesic_toolkit.sources.points import SourcePoints
 
 __all__ = ["CloudPath", "path_on_cloud"]
 
-SAME = 1e-12
-"""Share of the size of the cloud within which two points are one."""
 
-
-@dataclass(frozen=True, eq=False)
-class CloudPath:
+@dataclass(frozen=True, eq=False, repr=False)
+class CloudPath(Polyline):
     """A polyline through the local triangles of a point cloud, from source to target.
 
     Attributes
@@ -52,20 +50,8 @@ class CloudPath:
     @cached_property
     def points(self) -> FloatArray:
         """The (P, 3) positions of the points; ``Curve`` of them is a source."""
-        positions: FloatArray = np.einsum("pc,pcd->pd", self.weights, self._places)
-        return positions
-
-    @property
-    def _places(self) -> FloatArray:
-        return self.cloud.points[self.corners]
-
-    @property
-    def length(self) -> float:
-        """Length of the polyline, in the unit of the cloud."""
-        return float(np.linalg.norm(np.diff(self.points, axis=0), axis=1).sum())
-
-    def __repr__(self) -> str:
-        return f"CloudPath({len(self.corners)} points, length {self.length:.6g})"
+        places = self.cloud.points[self.corners]
+        return np.asarray(np.einsum("pc,pcd->pd", self.weights, places))
 
 
 def path_on_cloud(solver: GeodesicSolver, sources: SourcePoints, goal: SourcePoints) -> CloudPath:
@@ -109,16 +95,7 @@ def path_on_cloud(solver: GeodesicSolver, sources: SourcePoints, goal: SourcePoi
             f"no triangle of the cloud connects point {start} with a source; one of them is "
             "masked, or they lie in different parts of the cloud"
         )
-    return _without_repeats(CloudPath(cloud, *path))
-
-
-def _without_repeats(path: CloudPath) -> CloudPath:
-    """Leave out points that are where the one before them is; the ends stay as they are."""
-    places = path.points
-    near = SAME * float(np.ptp(places, axis=0).max())
-    kept = [0]
-    for index in range(1, len(places)):
-        if np.linalg.norm(places[index] - places[kept[-1]]) > near:
-            kept.append(index)
-    kept[-1] = len(places) - 1 if len(kept) > 1 else 0
-    return CloudPath(path.cloud, path.corners[kept], path.weights[kept])
+    corners, weights = path
+    places = CloudPath(cloud, corners, weights).points
+    kept = without_repeats(places, places)
+    return CloudPath(cloud, corners[kept], weights[kept])

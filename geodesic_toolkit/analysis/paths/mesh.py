@@ -12,6 +12,7 @@ from geodesic_toolkit.analysis.paths.cloud import CloudPath, path_on_cloud
 from geodesic_toolkit.analysis.paths.edges import EdgePath, path_along_edges
 from geodesic_toolkit.analysis.paths.fronts import first_to_arrive, refined_distance
 from geodesic_toolkit.analysis.paths.insertion import Insertion, insert_points
+from geodesic_toolkit.analysis.paths.polyline import Polyline, without_repeats
 from geodesic_toolkit.core.types import FloatArray, IntArray
 from geodesic_toolkit.discretization.data import Discretization
 from geodesic_toolkit.discretization.element_gradient import ElementGradient
@@ -27,12 +28,9 @@ from geodesic_toolkit.sources.surface_point import SurfacePoint
 
 __all__ = ["GeodesicPath", "geodesic_path"]
 
-SAME = 1e-12
-"""Share of the size of the mesh within which two points are one."""
 
-
-@dataclass(frozen=True, eq=False)
-class GeodesicPath:
+@dataclass(frozen=True, eq=False, repr=False)
+class GeodesicPath(Polyline):
     """A polyline on a triangle mesh, from source to target.
 
     Between two of its points it runs straight through one face.
@@ -65,14 +63,6 @@ class GeodesicPath:
         corners = self.mesh.vertices[self.mesh.faces[faces]]
         positions: FloatArray = np.einsum("pc,pcd->pd", weights, corners)
         return positions
-
-    @property
-    def length(self) -> float:
-        """Length of the polyline, in the unit of the mesh."""
-        return float(np.linalg.norm(np.diff(self.points, axis=0), axis=1).sum())
-
-    def __repr__(self) -> str:
-        return f"GeodesicPath({len(self.surface_points)} points, length {self.length:.6g})"
 
 
 def geodesic_path(
@@ -196,8 +186,9 @@ def _path_on_mesh(
     if way is None:
         return None
     passed = zip(way.faces[::-1].tolist(), way.ends[::-1].tolist(), way.weights[::-1], strict=True)
-    points = [_surface_point(mesh, original, split, at) for at in passed]
-    return GeodesicPath(mesh, tuple(_without_repeats(mesh, points)))
+    path = GeodesicPath(mesh, tuple(_surface_point(mesh, original, split, at) for at in passed))
+    kept = without_repeats(path.points, mesh.vertices[mesh.used])
+    return GeodesicPath(mesh, tuple(path.surface_points[index] for index in kept))
 
 
 def _with_triangles(solver: GeodesicSolver) -> Discretization:
@@ -227,15 +218,3 @@ def _surface_point(
         weights += share * split.weights_on(mesh.faces[whole], vertex)
     a, b, c = weights.tolist()
     return SurfacePoint(whole, (a, b, c))
-
-
-def _without_repeats(mesh: TriangleMesh, points: list[SurfacePoint]) -> list[SurfacePoint]:
-    """Leave out points that are where the one before them is; the ends stay as they are."""
-    places = GeodesicPath(mesh, tuple(points)).points
-    near = SAME * float(np.ptp(mesh.vertices[mesh.used], axis=0).max())
-    kept = [0]
-    for index in range(1, len(points)):
-        if np.linalg.norm(places[index] - places[kept[-1]]) > near:
-            kept.append(index)
-    kept[-1] = len(points) - 1 if len(kept) > 1 else 0
-    return [points[index] for index in kept]

@@ -1,18 +1,27 @@
-"""`read_vertices`: vertex indices from a table."""
+"""`read_vertices` and `read_mask`: vertices that a table or a file of neuroimaging names."""
 
 import os
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
+from typing import Any
 
-from geodesic_toolkit.core.types import IntArray
-from geodesic_toolkit.errors import ReadError
+import numpy as np
+from numpy.typing import NDArray
+
+from geodesic_toolkit.core.types import BoolArray, IntArray
+from geodesic_toolkit.errors import InvalidOptionError, ReadError
 from geodesic_toolkit.io.common import array_of, floats, whole_numbers
 from geodesic_toolkit.io.reading import check_file, named_errors, unpacked
 from geodesic_toolkit.io.tables.regions import REGION_SUFFIXES, check_no_region, read_region
 from geodesic_toolkit.io.tables.rows import read_table
 
-__all__ = ["VERTEX_SUFFIXES", "read_vertices"]
+__all__ = ["read_mask", "read_vertices"]
 
-VERTEX_SUFFIXES = (".npy", ".txt", ".csv", *REGION_SUFFIXES)
+SUFFIXES = (".npy", ".txt", ".csv", *REGION_SUFFIXES)
+
+WORDS = {b"true": True, b"false": False}
+"""What programs write for booleans beside 1 and 0, in lower case."""
 
 
 def read_vertices(path: str | os.PathLike[str], *, region: str | None = None) -> IntArray:
@@ -52,29 +61,118 @@ def read_vertices(path: str | os.PathLike[str], *, region: str | None = None) ->
     ...     read_vertices(file)
     array([ 500, 2000])
     """
+    with _opened(Path(path), "vertices are", "the list of vertices") as plain:
+        if plain.suffix.lower() in REGION_SUFFIXES:
+            return read_region(plain, region)[0]
+        check_no_region(plain, region)
+        if plain.suffix.lower() == ".npy":
+            return whole_numbers(_array(plain, "iuf", "vertices are an array of"), "vertex indices")
+        numbers = floats(read_table(plain).values("vertex"), "vertex indices")
+        return whole_numbers(numbers, "vertex indices")
+
+
+def read_mask(
+    path: str | os.PathLike[str], n_vertices: int, *, region: str | None = None
+) -> BoolArray:
+    r"""Read a mask of vertices from a file: a boolean for each, or the indices of the masked ones.
+
+    Parameters
+    ----------
+    path : str or path-like
+        An .npy array with one dimension, or a .txt or .csv of values separated by blanks, commas,
+        semicolons or line ends. Booleans, or more than two numbers that are all 0 or 1, say for
+        each vertex whether it is masked; other numbers are the indices, from 0, of those that are.
+        Or a file of neuroimaging that marks vertices: a FreeSurfer .label; an .annot or GIFTI
+        .label.gii, of which `region` is masked; a GIFTI .gii of zeros and ones. Each may be
+        compressed (.gz).
+    n_vertices : int
+        Number N of vertices of the shape.
+    region : str, optional
+        The name of the region of an .annot or .label.gii.
+
+    Returns
+    -------
+    ndarray of shape (N,), bool
+        True at the masked vertices.
+
+    Raises
+    ------
+    ReadError
+        No such file, another suffix, or contents that are not whole numbers; the message names the
+        file and what is wrong.
+    NotEnoughMemoryError
+        The file announces more than fits.
+    InvalidOptionError
+        Booleans or regions that are not one for each vertex, an index of no vertex, a region that
+        the file has not.
+
+    Examples
+    --------
+    >>> import pathlib, tempfile
+    >>> from geodesic_toolkit.io import read_mask
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     file = pathlib.Path(folder, "wall.txt")
+    ...     _ = file.write_text("0 3\n4\n")
+    ...     read_mask(file, 5)
+    array([ True, False, False,  True,  True])
+    """
     file = Path(path)
+    what = "booleans"
+    with _opened(file, "a mask is", "the mask") as plain:
+        if plain.suffix.lower() in REGION_SUFFIXES:
+            what = "regions"
+            values, expected = read_region(plain, region)
+        else:
+            check_no_region(plain, region)
+            values = _flags_or_indices(plain)
+            flags = values.dtype.kind == "b" or _no_indices(values, n_vertices)
+            expected = len(values) if flags else None
+            values = np.flatnonzero(values) if flags else values
+    if expected not in {None, n_vertices}:
+        raise InvalidOptionError(
+            f"{file}: {expected} {what}, where the shape has {n_vertices} vertices"
+        )
+    outside = values[(values < 0) | (values >= n_vertices)]
+    if len(outside):
+        raise InvalidOptionError(
+            f"{file}: the shape has {n_vertices} vertices, counted from 0, and none is {outside[0]}"
+        )
+    mask = np.zeros(n_vertices, dtype=np.bool_)
+    mask[values] = True
+    return mask
+
+
+@contextmanager
+def _opened(file: Path, are: str, what: str) -> Iterator[Path]:
+    """Give the path of a file, unpacked, with errors that name it."""
     check_file(file)
     with unpacked(file) as plain:
-        suffix = plain.suffix.lower()
-        if suffix not in VERTEX_SUFFIXES:
-            raise ReadError(f"{file}: vertices are read from {', '.join(VERTEX_SUFFIXES)}")
-        with named_errors(file, "the list of vertices"):
-            if suffix in REGION_SUFFIXES:
-                return read_region(plain, region)[0]
-            check_no_region(plain, region)
-            return _array(plain) if suffix == ".npy" else _text(plain)
+        if plain.suffix.lower() not in SUFFIXES:
+            raise ReadError(f"{file}: {are} read from {', '.join(SUFFIXES)}")
+        with named_errors(file, what):
+            yield plain
 
 
-def _array(file: Path) -> IntArray:
+def _flags_or_indices(file: Path) -> NDArray[Any]:
+    if file.suffix.lower() == ".npy":
+        table = _array(file, "biuf", "a mask is an array of booleans or of vertex")
+        return table if table.dtype.kind == "b" else whole_numbers(table, "vertex indices")
+    tokens = read_table(file).values("vertex")
+    words = [WORDS.get(token.lower()) for token in tokens]
+    if None not in words:
+        return np.array(words, dtype=np.bool_)
+    return whole_numbers(floats(tokens, "booleans or vertex indices"), "vertex indices")
+
+
+def _no_indices(values: NDArray[Any], n_vertices: int) -> bool:
+    """Return whether whole numbers are booleans: a list of two indices would name each once."""
+    return bool(np.isin(values, (0, 1)).all() and (len(values) > 2 or len(values) == n_vertices))
+
+
+def _array(file: Path, kinds: str, expected: str) -> NDArray[Any]:
     table = array_of(file)
-    if table.ndim != 1 or table.dtype.kind not in "iuf" or not len(table):
+    if table.ndim != 1 or table.dtype.kind not in kinds or not (len(table) or "b" in kinds):
         raise ReadError(
-            "vertices are an array of indices with one dimension, not "
-            f"{table.dtype} of shape {table.shape}"
+            f"{expected} indices with one dimension, not {table.dtype} of shape {table.shape}"
         )
-    return whole_numbers(table, "vertex indices")
-
-
-def _text(file: Path) -> IntArray:
-    numbers = floats(read_table(file).values("vertex"), "vertex indices")
-    return whole_numbers(numbers, "vertex indices")
+    return table

@@ -7,18 +7,16 @@ from functools import partial
 from typing import Any, TypeVar
 
 import numpy as np
-from scipy.sparse import coo_array, csr_array
-from scipy.sparse.csgraph import dijkstra
 
 from geodesic_toolkit.core.types import FloatArray
 from geodesic_toolkit.domains import Graph, PointCloud
 from geodesic_toolkit.errors import UnsupportedDomainError
-from geodesic_toolkit.geometry.triangles import edges_of_faces, proper_faces
+from geodesic_toolkit.geometry.along_edges import AlongEdges
 from geodesic_toolkit.laplacians.cotan import CotanLaplacian
 from geodesic_toolkit.solver.solver import GeodesicSolver
 from geodesic_toolkit_study.subject import Subject
 
-__all__ = ["REFINED", "Beyond", "edge_graph", "study_beyond"]
+__all__ = ["REFINED", "Beyond", "study_beyond"]
 
 T = TypeVar("T")
 
@@ -76,14 +74,6 @@ def study_beyond(subject: Subject) -> Beyond:
     return found
 
 
-def edge_graph(subject: Subject) -> Graph:
-    """Return the graph of the edges of the mesh, with their lengths."""
-    mesh = subject.mesh
-    edges, _ = edges_of_faces(mesh.faces[proper_faces(mesh.faces)], mesh.n_vertices)
-    lengths = np.linalg.norm(mesh.vertices[edges[:, 0]] - mesh.vertices[edges[:, 1]], axis=1)
-    return Graph(mesh.n_vertices, edges[lengths > 0], lengths[lengths > 0])
-
-
 def _methods(subject: Subject) -> dict[str, Callable[[], Distance]]:
     """Return what makes each method ready, by its name."""
     mesh = subject.mesh
@@ -99,16 +89,16 @@ def _methods(subject: Subject) -> dict[str, Callable[[], Distance]]:
         REFINED: heat(mesh, operator=cotan, refine=True),
         "point cloud": heat(cloud),
         "point cloud, refined": heat(cloud, refine=True),
-        "graph of the edges": heat(edge_graph(subject)),
-        "shortest path along edges": lambda: _along_edges(edge_graph(subject)),
+        "graph of the edges": heat(mesh.as_graph()),
+        "shortest path along edges": lambda: _along_edges(mesh.as_graph()),
     }
 
 
 def _along_edges(graph: Graph) -> Distance:
     """Return Dijkstra's distance along the edges, for comparison."""
-    shape = (graph.n_vertices, graph.n_vertices)
-    lengths = csr_array(coo_array((graph.lengths, tuple(graph.edges.T)), shape=shape))
-    return lambda source: np.asarray(dijkstra(lengths, directed=False, indices=[source])[0])
+    along = AlongEdges(graph.n_vertices, graph.edges, graph.lengths)
+    both, zero = np.array([0, 1]), np.zeros(1)
+    return lambda source: along.distances(both, np.array([source]), zero)[0]
 
 
 def _timed(work: Callable[[], T]) -> tuple[float, T]:

@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from geodesic_toolkit.core.atomic import replacing
-from geodesic_toolkit.viz.extras import require
+from geodesic_toolkit.core.optional import require
 from geodesic_toolkit_study.results import Results
 
 __all__ = ["draw_charts"]
@@ -35,8 +35,8 @@ class _Sheet:
     """Two charts side by side."""
 
     def __init__(self) -> None:
-        figures = require("matplotlib.figure", "viz", "Pictures")
-        canvases = require("matplotlib.backends.backend_agg", "viz", "Pictures")
+        figures = require("matplotlib.figure", "viz", "Pictures need")
+        canvases = require("matplotlib.backends.backend_agg", "viz", "Pictures need")
         self.figure = figures.Figure(figsize=(11.0, 4.4), dpi=140, facecolor="white")
         canvases.FigureCanvasAgg(self.figure)
         self.left, self.right = self.figure.subplots(1, 2)
@@ -302,7 +302,7 @@ def _sizes(results: Results, sheet: _Sheet) -> None:
 
 def _plain_numbers(*axes: Any) -> None:
     """Write 0.5 and 20 on logarithmic axes, rather than powers of ten."""
-    ticker = require("matplotlib.ticker", "viz", "Pictures")
+    ticker = require("matplotlib.ticker", "viz", "Pictures need")
     for axis in axes:
         axis.set_major_formatter(ticker.FormatStrFormatter("%g"))
         axis.set_minor_locator(ticker.LogLocator(subs=(2.0, 5.0)))

@@ -8,11 +8,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from geodesic_toolkit.core.atomic import replacing
+from geodesic_toolkit.core.optional import require
 from geodesic_toolkit.core.types import FloatArray
 from geodesic_toolkit.domains import TriangleMesh
 from geodesic_toolkit.viz import plot
 from geodesic_toolkit.viz.colours import INK
-from geodesic_toolkit.viz.extras import require
 from geodesic_toolkit_study.beyond import REFINED
 from geodesic_toolkit_study.charts import worst_source
 from geodesic_toolkit_study.noise import LEVELS
@@ -78,8 +78,8 @@ def _sheet(rows: list[list[_Cell]]) -> NDArray[np.uint8]:
     """Return the pictures in rows, each below its title, on white."""
     width, height = CELL[0], CELL[1] + TITLE
     page = np.full((height * len(rows), width * max(map(len, rows)), 3), 255, dtype=np.uint8)
-    figures = require("matplotlib.figure", "viz", "Pictures")
-    canvases = require("matplotlib.backends.backend_agg", "viz", "Pictures")
+    figures = require("matplotlib.figure", "viz", "Pictures need")
+    canvases = require("matplotlib.backends.backend_agg", "viz", "Pictures need")
     figure = figures.Figure(figsize=(page.shape[1] / 100, page.shape[0] / 100), dpi=100)
     canvas = canvases.FigureCanvasAgg(figure)
     for i, row in enumerate(rows):

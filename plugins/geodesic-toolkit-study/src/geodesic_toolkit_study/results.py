@@ -1,10 +1,9 @@
 """Everything that the experiments found, and its machine-readable form."""
 
-import math
-from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
+from geodesic_toolkit.cli.output import plain
 from geodesic_toolkit_study.beyond import Beyond
 from geodesic_toolkit_study.discretizations import Discretizations
 from geodesic_toolkit_study.noise import Noise
@@ -38,7 +37,7 @@ class Results:
     def figures(self) -> dict[str, Any]:
         """All numbers in the types of JSON; lengths in the unit of the mesh, errors in %."""
         subject = self.subject
-        plain: dict[str, Any] = _plain(
+        figures: dict[str, Any] = plain(
             {
                 "schema_version": SCHEMA_VERSION,
                 "name": subject.name,
@@ -62,15 +61,4 @@ class Results:
                 "sizes": self.sizes,
             }
         )
-        return plain
-
-
-def _plain(value: Any) -> Any:
-    """Return `value` without NumPy's types, and with None for what is not finite."""
-    if hasattr(value, "tolist"):
-        value = value.tolist()
-    if isinstance(value, Mapping):
-        return {key: _plain(item) for key, item in value.items()}
-    if isinstance(value, list | tuple):
-        return [_plain(item) for item in value]
-    return None if isinstance(value, float) and not math.isfinite(value) else value
+        return figures

@@ -10,13 +10,13 @@ from pathlib import Path
 from typing import Any, TypeAlias
 
 from geodesic_toolkit.core.atomic import make_folder, replacing
+from geodesic_toolkit.core.optional import require
 from geodesic_toolkit.domains import Domain, TriangleMesh
 from geodesic_toolkit.errors import (
     CoarseMeshWarning,
     NonPositiveHeatWarning,
     UnsupportedDomainError,
 )
-from geodesic_toolkit.viz.extras import require
 from geodesic_toolkit.viz.opengl import check_opengl, quiet
 from geodesic_toolkit_study.beyond import study_beyond
 from geodesic_toolkit_study.charts import draw_charts
@@ -92,7 +92,7 @@ def run_study(
             f"the study is about triangle meshes, not a {type(mesh).__name__}; "
             "its experiments need faces"
         )
-    require("pyvista", "viz", "Pictures")
+    require("pyvista", "viz", "Pictures need")
     with quiet():
         check_opengl()
     chosen = choose_sources(mesh, sources)

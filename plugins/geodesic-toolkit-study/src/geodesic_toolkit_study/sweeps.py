@@ -9,7 +9,7 @@ import numpy as np
 from geodesic_toolkit.core.types import FloatArray
 from geodesic_toolkit.discretization.element_gradient import ElementGradient
 from geodesic_toolkit.domains import TriangleMesh
-from geodesic_toolkit.geometry.triangles import edges_of_faces, proper_faces
+from geodesic_toolkit.geometry.triangles import edges_and_lengths, edges_of_faces, proper_faces
 from geodesic_toolkit.solver.solver import GeodesicSolver
 from geodesic_toolkit_study.subject import Subject, error_of
 
@@ -204,6 +204,5 @@ def _slope_error(subject: Subject, distance: FloatArray) -> float:
 
 def _edge_lengths(mesh: TriangleMesh) -> tuple[float, float]:
     """Return the mean and the greatest edge length."""
-    edges, _ = edges_of_faces(mesh.faces[proper_faces(mesh.faces)], mesh.n_vertices)
-    lengths = np.linalg.norm(mesh.vertices[edges[:, 0]] - mesh.vertices[edges[:, 1]], axis=1)
+    _, lengths = edges_and_lengths(mesh.vertices, mesh.faces)
     return float(lengths.mean()), float(lengths.max())
