@@ -48,7 +48,7 @@ class Bounds:
         distances: Numbers,
         n_threads: int = 1,
     ) -> None:
-        """Hold distances (K, N) between the straight line and the way along edges, in place.
+        """Hold distances (K, N) between the straight line and the path along edges, in place.
 
         The places of set k are ``begins[k] <= p < begins[k + 1]``, and ``starts`` is read at them.
         Infinite distances stay.

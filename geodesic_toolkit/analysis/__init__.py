@@ -1,1 +1,1 @@
-"""What can be said about distances once they are there: paths, residuals, comparisons."""
+"""Analysis of distances: paths, matrices, sampling, residuals, comparisons."""

@@ -27,13 +27,13 @@ __all__ = ["Comparison", "Row", "compare"]
 AFFORDABLE_FACES = 60_000
 """Faces up to which the exact algorithm is the reference: half a minute."""
 
-PROBES = 6
+N_SYMMETRY_PROBES = 6
 """Vertices between which symmetry is measured."""
 
 
 @dataclass(frozen=True, eq=False)
 class Row:
-    """What one variant gave.
+    """The result of one variant.
 
     Attributes
     ----------
@@ -224,7 +224,7 @@ def _reference(domain: Domain, sources: IntArray, affordable: int) -> tuple[str,
         ways = solver.method.metric.along_edges
         if ways is not None:
             ends, late = np.array([0, len(sources)]), np.zeros(len(sources))
-            return "shortest way along edges", ways.distances(ends, sources, late)[0]
+            return "shortest path along edges", ways.distances(ends, sources, late)[0]
         name = "refined distance" if solver.method.refine else "the default"
         return name, solver.distance(sources)
 
@@ -232,7 +232,7 @@ def _reference(domain: Domain, sources: IntArray, affordable: int) -> tuple[str,
 def _probes(reference: FloatArray) -> IntArray:
     """Return vertices that a source reaches, spread over their numbers."""
     reached = np.flatnonzero(np.isfinite(reference))
-    positions = np.linspace(0, len(reached) - 1, min(PROBES, len(reached))).round()
+    positions = np.linspace(0, len(reached) - 1, min(N_SYMMETRY_PROBES, len(reached))).round()
     return reached[np.unique(positions.astype(np.int64))]
 
 

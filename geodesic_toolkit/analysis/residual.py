@@ -1,4 +1,4 @@
-"""How far a distance is from having slope 1: a sign of where to trust it less.
+"""The eikonal residual: the deviation of the slope of a distance from 1, an indicator of its error.
 
 It needs no exact distance to compare with. The true distance satisfies the eikonal equation
 ``|∇φ| = 1`` almost everywhere. Where a computed one does not, on an element or along an edge, it is

@@ -26,10 +26,10 @@ if TYPE_CHECKING:
 
 __all__ = ["Thinned", "thin"]
 
-FINEST = 2.0**-40
+MIN_RELATIVE_SPACING = 2.0**-40
 """Share of a cloud's size below which a spacing is in another unit."""
 
-BATCH = 1_000_000
+POINTS_PER_BATCH = 1_000_000
 """Points that are looked up at once."""
 
 
@@ -179,7 +179,7 @@ def thin(cloud: Any, spacing: float, *, keep: ArrayLike | None = None) -> Thinne
 
     A cloud that is denser than the distances need takes its time and memory for nothing: half the
     spacing is four times the points. Sheets of a shape that are closer than the spacing, or two,
-    cannot be told apart any more.
+    cannot be distinguished any more.
 
     Parameters
     ----------
@@ -249,7 +249,7 @@ def _checked(spacing: object, points: FloatArray) -> float:
     if not (np.isfinite(step) and step > 0):
         raise InvalidOptionError(f"spacing must be positive and finite, not {step}")
     size = float((points.max(axis=0) - points.min(axis=0)).max())
-    if size > 0 and not FINEST * size < step < size:
+    if size > 0 and not MIN_RELATIVE_SPACING * size < step < size:
         raise InvalidOptionError(
             f"spacing {step:g} of a cloud whose size is {size:g} leaves "
             f"{'nothing of its shape' if step >= size else 'all points'}; are the units the same?"
@@ -293,8 +293,8 @@ def _disks(points: FloatArray, spacing: float, stay: IntArray) -> IntArray:
 def _free(points: FloatArray, rows: IntArray, taken: "cKDTree", spacing: float) -> IntArray:
     """Return the positions of the rows whose points have none of `taken` within the spacing."""
     found = []
-    for start in range(0, len(rows), BATCH):
-        some = points[rows[start : start + BATCH]]
+    for start in range(0, len(rows), POINTS_PER_BATCH):
+        some = points[rows[start : start + POINTS_PER_BATCH]]
         far = np.isinf(taken.query(some, distance_upper_bound=spacing)[0])
         found.append(start + np.flatnonzero(far))
     return np.concatenate(found)

@@ -1,4 +1,4 @@
-"""What there is to compare on a shape: operators, time steps, diffusions, boundaries, solvers."""
+"""Variants to compare on a shape: operators, time steps, diffusions, boundaries, solvers."""
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
@@ -25,7 +25,7 @@ they are refined."""
 
 @dataclass(frozen=True)
 class Variant:
-    """One way to compute distances.
+    """A variant of computing distances, with its name and options.
 
     Attributes
     ----------

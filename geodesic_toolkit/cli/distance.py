@@ -216,7 +216,7 @@ def distance(
 
 @dataclass(frozen=True)
 class Result:
-    """What the command found, for people and for programs."""
+    """The result of the command, as text and as JSON."""
 
     path: Path
     shape: Welded
@@ -238,7 +238,7 @@ class Result:
 
     @property
     def reached(self) -> int:
-        """How many these are."""
+        """The number of reached vertices."""
         return len(self.finite)
 
     def as_dict(self) -> dict[str, Any]:

@@ -1,4 +1,4 @@
-"""What went wrong, as an exit status and a line on stderr."""
+"""Exit statuses, and the line on stderr that explains a failure."""
 
 import os
 import traceback

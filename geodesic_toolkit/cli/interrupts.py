@@ -13,7 +13,7 @@ from geodesic_toolkit.cli.exits import INTERRUPTED
 
 __all__ = ["last_words", "leave_soon", "prompt_interrupts"]
 
-GRACE = 1.0
+GRACE_PERIOD = 1.0
 """Seconds for Python's own KeyboardInterrupt to come through and clean up."""
 
 _last_words: list[str] = []
@@ -46,7 +46,7 @@ def prompt_interrupts() -> Iterator[None]:
 
     def watch() -> None:
         while signals := ours.recv(16):
-            if signal.SIGINT in signals and not left.wait(GRACE):
+            if signal.SIGINT in signals and not left.wait(GRACE_PERIOD):
                 _leave()
 
     watcher = threading.Thread(target=watch, daemon=True)
@@ -69,7 +69,7 @@ def leave_soon() -> None:
     """
 
     def leave() -> None:
-        time.sleep(GRACE)
+        time.sleep(GRACE_PERIOD)
         os._exit(INTERRUPTED)
 
     threading.Thread(target=leave, daemon=True).start()

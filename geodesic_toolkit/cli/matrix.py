@@ -36,15 +36,15 @@ if TYPE_CHECKING:  # importing NumPy takes longer than all of --help
 
 __all__ = ["matrix"]
 
-NAMED = 8
+MAX_LISTED_SOURCES = 8
 """Sources that a person is shown; --json has all of them."""
 
-PATIENCE = 0.5
+SHUTDOWN_TIMEOUT = 0.5
 """Seconds for the thread of a pool to see that its processes are gone."""
 
 
 class SymmetrizeChoice(StrEnum):
-    """What becomes of two entries that should be one."""
+    """The treatment of two entries that should be equal."""
 
     mean = "mean"
     min = "min"
@@ -231,7 +231,7 @@ def _processes(count: int) -> Iterator["Executor | None"]:
                 target=pool.shutdown, kwargs={"cancel_futures": True}, daemon=True
             )
             closing.start()
-            closing.join(PATIENCE)
+            closing.join(SHUTDOWN_TIMEOUT)
         raise
     pool.shutdown()
 
@@ -278,7 +278,7 @@ def _deaf_children() -> Iterator[None]:
 
 @dataclass(frozen=True)
 class Result:
-    """What the command made, for people and for programs."""
+    """The result of the command, as text and as JSON."""
 
     path: Path
     shape: Welded
@@ -334,6 +334,6 @@ class Result:
 def _named(sources: "IntArray | None") -> str:
     if sources is None:
         return "every vertex"
-    names = ", ".join(map(str, sources[:NAMED].tolist()))
-    more = len(sources) - NAMED
+    names = ", ".join(map(str, sources[:MAX_LISTED_SOURCES].tolist()))
+    more = len(sources) - MAX_LISTED_SOURCES
     return f"vertices {names}" + (f" and {more} more (--json lists them)" if more > 0 else "")

@@ -25,7 +25,7 @@ __all__ = [
 SCHEMA_VERSION = 1
 """Of every object that ``--json`` prints; raised when a key changes its meaning or goes."""
 
-LONGEST = 600
+MAX_LENGTH_OF_MESSAGE = 600
 """Characters of a message shown: a third party's may hold a whole log."""
 
 
@@ -48,7 +48,7 @@ def show_json(content: Mapping[str, Any]) -> None:
 def one_line(message: object) -> str:
     """Return a message on one line, and not an endless one."""
     text = " ".join(str(message).split())
-    return text if len(text) <= LONGEST else text[: LONGEST - 1] + "…"
+    return text if len(text) <= MAX_LENGTH_OF_MESSAGE else text[: MAX_LENGTH_OF_MESSAGE - 1] + "…"
 
 
 def aligned(rows: Iterable[Sequence[str]]) -> list[str]:

@@ -1,4 +1,4 @@
-"""Whether heavy packages work here, tried in a process of its own: some take theirs down."""
+"""Probes of heavy packages, each in a process of its own, because some crash theirs."""
 
 import re
 import subprocess
@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 __all__ = ["Probe", "probe_all"]
 
-PATIENCE = 120
+PROBE_TIMEOUT = 120
 """Seconds; importing Open3D on a cold disk has been seen to take thirty."""
 
 PROGRAMS = {
@@ -48,7 +48,7 @@ DEBIAN_PACKAGES: Mapping[str, str] = {
 
 @dataclass(frozen=True)
 class Probe:
-    """What came of trying something.
+    """The outcome of a probe.
 
     Attributes
     ----------
@@ -74,11 +74,11 @@ def _probe(program: str) -> Probe:
             capture_output=True,
             text=True,
             errors="replace",
-            timeout=PATIENCE,
+            timeout=PROBE_TIMEOUT,
             check=False,
         )
     except subprocess.TimeoutExpired:
-        return Probe(False, f"no answer in {PATIENCE} s")
+        return Probe(False, f"no answer in {PROBE_TIMEOUT} s")
     if done.returncode == 0:
         return Probe(True, _last_line(done.stdout))
     if done.returncode < 0:

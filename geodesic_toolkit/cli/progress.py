@@ -14,22 +14,22 @@ from geodesic_toolkit.cli.output import say
 
 __all__ = ["Progress"]
 
-SILENCE = 2.0
+DELAY_OF_FIRST_MESSAGE = 2.0
 """Seconds without a word: most work is done by then."""
 
 FIRST_PLAIN_LINE = 5.0
 """Seconds before the first line where there is no terminal; the next come after twice as long."""
 
-BAR = 24
+BAR_WIDTH = 24
 """Characters of a bar."""
 
-SURE = 10
+DELAY_OF_FORECAST = 10
 """Seconds of counting before it is said how long the rest will take."""
 
 
 @dataclass(frozen=True)
 class _Count:
-    """How far a step has come, and where it began: a resumed one in the middle."""
+    """The progress of a step, and where it began: a resumed step begins in the middle."""
 
     done: int
     total: int
@@ -39,9 +39,9 @@ class _Count:
 
     @property
     def rest(self) -> str:
-        """How long the rest will take, in words; nothing while it is not clear."""
+        """The forecast of the remaining time in words, empty while there is none."""
         spent, made = self.at - self.began_at, self.done - self.began_with
-        if spent < SURE or made <= 0 or self.done >= self.total:
+        if spent < DELAY_OF_FORECAST or made <= 0 or self.done >= self.total:
             return ""
         seconds = spent * (self.total - self.done) / made
         return (
@@ -52,7 +52,7 @@ class _Count:
 
 
 class Progress:
-    """What is going on, on stderr, for as long as the context lasts.
+    """A context that shows the progress of its steps on stderr.
 
     On a terminal a line that renews itself and goes without a trace; elsewhere a plain line now
     and then. A thread of its own shows it, so it goes on while a library computes.
@@ -122,13 +122,13 @@ class Progress:
         counted = self._counted
         if counted is None or not counted.total:
             return self._line
-        full = int(BAR * counted.done / counted.total)
-        return f"{'━' * full}{'─' * (BAR - full)} {self._line}"
+        full = int(BAR_WIDTH * counted.done / counted.total)
+        return f"{'━' * full}{'─' * (BAR_WIDTH - full)} {self._line}"
 
     def _watch(self) -> None:
         terminal = sys.stderr is not None and sys.stderr.isatty()
         if terminal and os.environ.get("TERM") != "dumb":
-            if not self._done.wait(SILENCE):
+            if not self._done.wait(DELAY_OF_FIRST_MESSAGE):
                 self._animate()
             return
         pause = FIRST_PLAIN_LINE

@@ -1,4 +1,4 @@
-"""One run of a command: its steps, its warnings, and a stdout that only results reach."""
+"""The run of a command: its steps, its warnings, and a stdout that only results reach."""
 
 import os
 import sys
@@ -40,7 +40,7 @@ class Run:
 
     @property
     def took(self) -> str:
-        """The same for people."""
+        """The elapsed time as text."""
         return ", ".join(f"{name} {seconds:.2f} s" for name, seconds in self.timings.items())
 
     def warn(self, message: object) -> None:

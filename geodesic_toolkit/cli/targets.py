@@ -17,7 +17,7 @@ __all__ = ["Targets"]
 
 @dataclass(frozen=True, kw_only=True)
 class Targets:
-    """Where distances go.
+    """The targets of distances.
 
     Parameters
     ----------
@@ -44,7 +44,7 @@ class Targets:
 
     @property
     def drawn(self) -> bool:
-        """Whether there is something to draw."""
+        """True if there is a picture to draw."""
         return len(self.paths) > len(self.tables)
 
     def check(self, *inputs: Path) -> None:

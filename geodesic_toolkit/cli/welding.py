@@ -90,7 +90,7 @@ class Welded:
 
     @property
     def rows(self) -> list[tuple[str, str]]:
-        """What to tell a person of it, in a table of names and values."""
+        """Rows of names and values for a table."""
         if self.new is None:
             return []
         return [("welded", f"{self.file.n_vertices} vertices are {self.domain.n_vertices}")]

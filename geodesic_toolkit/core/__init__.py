@@ -1,4 +1,4 @@
-"""What every layer uses: types, frozen arrays, checks, warnings, files that are whole or not there.
+"""Helpers of every layer: types, frozen arrays, checks, warnings, atomic files.
 
 Imports nothing of the package but ``errors`` and the compiled kernels.
 """

@@ -1,4 +1,4 @@
-"""What the way from a mesh to its distances asks of NumPy, at less cost.
+"""Cheaper forms of the NumPy functions that the path from a mesh to its distances calls.
 
 Arrays in memory that kernels use again, where NumPy would ask the system for fresh pages; and the
 different numbers of an array without masked arrays, which take a tenth of a build to import.

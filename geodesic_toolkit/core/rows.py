@@ -105,7 +105,7 @@ class CompressedRows(FrozenArrays):
 
     @cached_property
     def diagonal_places(self) -> IntArray:
-        """Where the entries of the diagonal are, row by row."""
+        """The positions of the diagonal entries, row by row."""
         return _native.diagonal_places(self.indptr, self.indices)
 
     def with_data(self, data: FloatArray) -> CompressedRows:

@@ -1,4 +1,4 @@
-"""What a back end assembles: mass, stiffness, and the gradient that they come from."""
+"""The data that a back end assembles: mass, stiffness, and the gradient."""
 
 from __future__ import annotations
 
@@ -60,7 +60,7 @@ class Discretization(FrozenArrays):
         The triangles of the surface, where the gradient's elements are others: those are what
         fronts cross and distances are measured on.
     along_edges : AlongEdges, optional
-        The shortest ways along the edges of a graph, which no distance exceeds, and which
+        The shortest paths along the edges of a graph, which no distance exceeds, and which
         refinement takes.
     across_edges : AcrossEdges, optional
         The same graph for fronts that cross its corners.

@@ -9,7 +9,7 @@ import numpy as np
 
 from geodesic_toolkit.core.checks import check_finite, check_range, coerce
 from geodesic_toolkit.core.types import FloatArray, IntArray
-from geodesic_toolkit.discretization.gradient import ROUNDING, Gradient, as_columns
+from geodesic_toolkit.discretization.gradient import MIN_RELATIVE_SLOPE, Gradient, as_columns
 from geodesic_toolkit.discretization.graph_laplacian import graph_laplacian
 from geodesic_toolkit.errors import InvalidDiscretizationError
 
@@ -90,7 +90,7 @@ class EdgeGradient(Gradient):
         start, end = self.edges.T
         with np.errstate(invalid="ignore"):
             slope = log_heat[end] - log_heat[start]
-        slope[~np.isfinite(slope) | (np.abs(slope) < ROUNDING)] = 0.0
+        slope[~np.isfinite(slope) | (np.abs(slope) < MIN_RELATIVE_SLOPE)] = 0.0
         length = self._length(slope)
         pooled = (length[start] + length[end]) / 2
         direction: FloatArray = np.zeros_like(slope)

@@ -12,7 +12,7 @@ from geodesic_toolkit import _native
 from geodesic_toolkit.core.checks import check_finite, check_range, coerce
 from geodesic_toolkit.core.frozen import freeze
 from geodesic_toolkit.core.types import FloatArray, IntArray
-from geodesic_toolkit.discretization.gradient import ROUNDING, Gradient, as_columns
+from geodesic_toolkit.discretization.gradient import MIN_RELATIVE_SLOPE, Gradient, as_columns
 from geodesic_toolkit.discretization.graph_laplacian import graph_laplacian
 from geodesic_toolkit.discretization.heat import Heat
 from geodesic_toolkit.discretization.triangle_sums import TriangleSums, sums_of_triangles
@@ -152,7 +152,7 @@ class ElementGradient(Gradient):
 
     @property
     def of_planes(self) -> bool:
-        """Whether the elements have three vertices and two dimensions, as triangles do."""
+        """True if the elements have three vertices and two dimensions, as triangles do."""
         return self.elements.shape[1] == 3 and self.dim == 2
 
     @cached_property
@@ -189,7 +189,7 @@ class ElementGradient(Gradient):
         corner_log -= largest
         scaled = np.exp(corner_log, out=corner_log)
         gradient = self._apply(scaled)
-        gradient *= (np.ptp(scaled, axis=1) >= ROUNDING)[:, None]
+        gradient *= (np.ptp(scaled, axis=1) >= MIN_RELATIVE_SLOPE)[:, None]
         length = np.sqrt(np.einsum("ed...,ed...->e...", gradient, gradient))[:, None]
         np.divide(gradient, length, out=gradient, where=length > 0)
         return gradient

@@ -1,4 +1,4 @@
-"""What a discrete gradient is."""
+"""The contract of a discrete gradient."""
 
 from __future__ import annotations
 
@@ -13,9 +13,9 @@ from geodesic_toolkit.discretization.heat import Heat
 if TYPE_CHECKING:
     from scipy.sparse import csr_array
 
-__all__ = ["ROUNDING", "Gradient", "as_columns"]
+__all__ = ["MIN_RELATIVE_SLOPE", "Gradient", "as_columns"]
 
-ROUNDING = 1e-11
+MIN_RELATIVE_SLOPE = 1e-11
 """Share of itself by which heat must differ to have a direction; poisson_load.cpp says why."""
 
 

@@ -19,13 +19,13 @@ if TYPE_CHECKING:
 
 __all__ = ["has_wrong_signs", "obtuse_excess", "positive_part"]
 
-RINGS = 4
+N_RINGS_AVERAGED = 4
 """Size of the neighbourhoods that :func:`obtuse_excess` averages over."""
 
-ROUNDING = 1e-12
+MIN_RELATIVE_ENTRY = 1e-12
 """Share of the largest entry of a stiffness below which one is 0."""
 
-LINK = 1e-3
+WEIGHT_OF_REVERSED_EDGES = 1e-3
 """What is left of an edge of the wrong sign: enough that no part comes off."""
 
 
@@ -43,13 +43,13 @@ def obtuse_excess(stiffness: CompressedRows, mass: FloatArray) -> FloatArray:
         What lies right of the diagonal is enough.
     mass : ndarray of shape (N,)
     """
-    return _native.obtuse_excess(*stiffness.arrays, mass, RINGS)
+    return _native.obtuse_excess(*stiffness.arrays, mass, N_RINGS_AVERAGED)
 
 
 def has_wrong_signs(stiffness: CompressedRows) -> bool:
     """Return whether off-diagonal entries of a stiffness are positive, but for rounding."""
     apart = stiffness.indices != stiffness.row_of_entry
-    rounding = ROUNDING * np.abs(stiffness.data).max(initial=0.0)
+    rounding = MIN_RELATIVE_ENTRY * np.abs(stiffness.data).max(initial=0.0)
     return bool((stiffness.data[apart] > rounding).any())
 
 
@@ -82,7 +82,7 @@ def positive_part(metric: Discretization) -> Discretization:
     tails = given.row_of_entry.astype(np.int64)
     heads = given.indices.astype(np.int64)
     upper, diagonal = heads > tails, heads == tails
-    weights = np.maximum(-given.data, LINK * np.abs(given.data))
+    weights = np.maximum(-given.data, WEIGHT_OF_REVERSED_EDGES * np.abs(given.data))
     edges = np.column_stack([tails[upper], heads[upper]])
     gradient = EdgeGradient(edges, weights[upper], metric.mass, copy=False)
     if np.count_nonzero(diagonal) == count:  # the pattern stays, and its analysis serves

@@ -1,4 +1,4 @@
-"""What triangles add up to, as far as it has been asked for: edges first, and the stiffness."""
+"""Sums over triangles, computed on first use: edge weights first, then the stiffness."""
 
 from dataclasses import dataclass
 

@@ -82,7 +82,7 @@ class TriangleMesh(Domain):
 
     @property
     def used(self) -> BoolArray:
-        """Which vertices faces refer to, of shape (N,); others have a distance of ``inf``."""
+        """A mask, (N,), of the vertices that belong to faces; others have a distance of ``inf``."""
         used = np.zeros(self.n_vertices, dtype=np.bool_)
         used[self.faces] = True
         return used

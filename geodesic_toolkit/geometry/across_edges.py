@@ -4,7 +4,7 @@ A corner is two edges of a vertex whose ends are known to be how far apart: a tr
 or a quadrangle that it leaves empty, which is laid out in the plane so that its area is the
 largest. A rectangle of voxels is that as well, and what is parallel or at right angles in a lattice
 follows from its rectangles. Vertices are settled from the nearest to the farthest, as in Dijkstra's
-algorithm; each reads the shortest of the ways along its edges and of those that a front takes
+algorithm; each reads the shortest of the paths along its edges and of those that a front takes
 straight across its corners.
 
 Where noise lengthens the edges between samples of a surface, that is taken off for the most part,
@@ -25,14 +25,14 @@ from geodesic_toolkit.core.types import FloatArray, IntArray
 from geodesic_toolkit.geometry.noise import squared_noise
 from geodesic_toolkit.geometry.threads import threads_for
 
-__all__ = ["OF_TRIANGLES", "SOLID", "AcrossEdges"]
+__all__ = ["MIN_GROWTH_OF_SOLIDS", "OF_TRIANGLES", "AcrossEdges"]
 
 OF_TRIANGLES = 0.5
 """Share of the edges that triangles surround above which most corners are of overlapping triangles.
 Neighbour graphs have 0.8 and more; lattices have 0, and meshes of triangles their rim, 0 to 0.3.
 """
 
-SOLID = 3.5
+MIN_GROWTH_OF_SOLIDS = 3.5
 """Vertices within two edges for each neighbour, above which a graph samples a solid. Neighbour
 graphs of squares, rolls and spheres have 2.8 to 3.4, edges of meshes 3.1 to 3.4; neighbour graphs
 of cubes 3.6 to 4.4, tetrahedra 4.7 to 5.5.
@@ -46,7 +46,7 @@ distances in ten dimensions: mean errors are 0 to 6 %. With 0.93 and 0.98, or 0.
 are up to 2 % larger.
 """
 
-SHORTEST = 0.5
+MIN_SHARE_OF_LENGTH = 0.5
 """Part of its length that an edge keeps."""
 
 
@@ -90,19 +90,26 @@ class AcrossEdges(FrozenArrays):
 
     @property
     def noise(self) -> float:
-        """What is taken off the squared lengths of edges, as a part of their median."""
+        """The correction that is subtracted from squared edge lengths, relative to their median."""
         return self._corners_and_noise[1]
 
     @cached_property
     def _corners_and_noise(self) -> tuple[_native.GraphCorners, float]:
         corners = _native.GraphCorners(self.n_vertices, self.edges, self.lengths)
         taken = float(np.clip((DENSE - corners.closed) / (DENSE - THIN), 0, 1))
-        if corners.lattice or corners.growth > SOLID or not taken or corners.closed < OF_TRIANGLES:
+        if (
+            corners.lattice
+            or corners.growth > MIN_GROWTH_OF_SOLIDS
+            or not taken
+            or corners.closed < OF_TRIANGLES
+        ):
             return corners, 0.0
         off = taken * squared_noise(self.n_vertices, self.edges, self.lengths)
         if not off:
             return corners, 0.0
-        shorter = np.sqrt(np.maximum(self.lengths**2 - off, (SHORTEST * self.lengths) ** 2))
+        shorter = np.sqrt(
+            np.maximum(self.lengths**2 - off, (MIN_SHARE_OF_LENGTH * self.lengths) ** 2)
+        )
         noise = off / float(np.median(self.lengths**2))
         return _native.GraphCorners(self.n_vertices, self.edges, shorter), noise
 

@@ -1,4 +1,4 @@
-"""The shortest way along the edges of a graph."""
+"""The shortest path along the edges of a graph."""
 
 from __future__ import annotations
 
@@ -57,7 +57,7 @@ class AlongEdges(FrozenArrays):
         return csr_array(coo_array((np.tile(self.lengths, 2), tuple(ends)), shape=shape))
 
     def distances(self, begins: IntArray, vertices: IntArray, starts: FloatArray) -> FloatArray:
-        """Return the length of the shortest way from each of K sets of vertices.
+        """Return the length of the shortest path from each of K sets of vertices.
 
         Parameters
         ----------
@@ -85,7 +85,7 @@ class AlongEdges(FrozenArrays):
         first[1:] = (owner[1:] != owner[:-1]) | (place[1:] != place[:-1])
         inner = self.matrix
         ends = np.cumsum(np.bincount(owner[first], minlength=len(sets)))
-        graph = csr_array(  # one vertex more for each set, with ways to its members only
+        graph = csr_array(  # one vertex more for each set, with paths to its members only
             (
                 np.concatenate([inner.data, late[first]]),
                 np.concatenate([inner.indices, place[first].astype(inner.indices.dtype)]),
@@ -93,8 +93,8 @@ class AlongEdges(FrozenArrays):
             ),
             shape=(count + len(sets), count + len(sets)),
         )
-        ways = dijkstra(graph, directed=True, indices=count + np.arange(len(sets)))
-        return np.asarray(ways[:, :count] + offset[:, None])
+        paths = dijkstra(graph, directed=True, indices=count + np.arange(len(sets)))
+        return np.asarray(paths[:, :count] + offset[:, None])
 
     def __getstate__(self) -> dict[str, Any]:
         return {name: value for name, value in self.__dict__.items() if name != "matrix"}

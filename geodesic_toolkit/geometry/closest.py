@@ -7,7 +7,7 @@ from geodesic_toolkit.core.types import FloatArray, IntArray
 __all__ = ["TriangleTree"]
 
 
-MANY = 1000
+MIN_POINTS_TO_SORT = 1000
 """Points that are worth putting in order."""
 
 
@@ -53,7 +53,7 @@ class TriangleTree:
         places = np.clip((points - self._middle) / self._scale, -1e9, 1e9)
         # Neighbours one after the other find their boxes in the processor's cache: of 800,000
         # triangles, 100,000 scattered points took 0.9 s of CPU that way, and 4.8 s as they came.
-        order = _by_place(places) if len(places) >= MANY else np.arange(len(places))
+        order = _by_place(places) if len(places) >= MIN_POINTS_TO_SORT else np.arange(len(places))
         _, found, feet = self._tree.squared_distance(self._vertices, self._faces, places[order])
         face, foot = np.empty_like(found), np.empty_like(feet)
         face[order], foot[order] = found, feet

@@ -16,18 +16,18 @@ from geodesic_toolkit.core.types import BoolArray, FloatArray, IntArray
 
 __all__ = ["correct_fans"]
 
-BLOCK = 1 << 18
+POLYGONS_PER_BLOCK = 1 << 18
 """Polygons that are looked at in one go, for the sake of memory."""
 
-ROUNDING = 16 * np.finfo(np.float64).eps
+CROSS_PRODUCT_ROUNDING = 16 * np.finfo(np.float64).eps
 """Bound for rounding in a cross product, in units of the coordinates times the polygon's size."""
 
-FLAT = 1e-3
+MAX_RELATIVE_HEIGHT_OF_PLANES = 1e-3
 """Height over extent up to which a polygon is plane, and so crosses itself where it seems to: edges
 of others pass each other in space. Single precision leaves 1e-7; a twisted sliver of a control
 mesh, whose two triangles are as good as any, has 9e-3."""
 
-PAIRS = 1 << 20
+PAIRS_PER_BLOCK = 1 << 20
 """Pairs of edges that are tried for crossings in one go."""
 
 
@@ -46,7 +46,7 @@ class _Corners:
         places = positions - np.repeat(positions[starts], sizes, axis=0)
         reach = np.maximum.reduceat(np.abs(places).max(axis=1), starts)
         magnitude = np.maximum.reduceat(np.abs(positions).max(axis=1), starts)
-        return cls(places, starts, sizes, ROUNDING * reach * (magnitude + reach))
+        return cls(places, starts, sizes, CROSS_PRODUCT_ROUNDING * reach * (magnitude + reach))
 
     def fans(self) -> tuple[IntArray, FloatArray, FloatArray]:
         """Return the triangles of the fans: the polygon, and two edges from its first corner.
@@ -116,7 +116,7 @@ def correct_fans(
     usable = np.asarray(np.isfinite(vertices).all(axis=1))
     crossing: list[int] = []
     several = np.flatnonzero(sizes > 3)
-    for some in np.split(several, np.arange(BLOCK, len(several), BLOCK)):
+    for some in np.split(several, np.arange(POLYGONS_PER_BLOCK, len(several), POLYGONS_PER_BLOCK)):
         rows = np.repeat(starts[some], sizes[some]) + _counted(sizes[some])
         known = corners[rows]
         good = (known >= 0) & (known < len(vertices))
@@ -154,7 +154,10 @@ def _split(polygon: FloatArray) -> tuple[IntArray, bool]:
     n = len(polygon)
     corners = _Corners.of(polygon, np.array([n]))
     normal = corners.normals()[0]
-    plane = np.ptp(corners.places @ normal) <= FLAT * np.ptp(corners.places, axis=0).max()
+    plane = (
+        np.ptp(corners.places @ normal)
+        <= MAX_RELATIVE_HEIGHT_OF_PLANES * np.ptp(corners.places, axis=0).max()
+    )
     if n == 4:
         turned = _Corners.of(np.roll(polygon, -1, axis=0), np.array([4]))
         if turned.fan_fits()[0]:
@@ -191,7 +194,7 @@ def _crosses_itself(ring: FloatArray, noise: float) -> bool:
     following = np.searchsorted(low, high, side="right") - np.arange(len(low)) - 1
     edge = 0
     while edge < len(low):
-        stop = edge + max(1, int(np.searchsorted(np.cumsum(following[edge:]), PAIRS)))
+        stop = edge + max(1, int(np.searchsorted(np.cumsum(following[edge:]), PAIRS_PER_BLOCK)))
         sizes = following[edge:stop]
         one = np.repeat(np.arange(edge, edge + len(sizes)), sizes)
         other = one + 1 + _counted(sizes)

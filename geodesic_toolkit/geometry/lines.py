@@ -1,4 +1,4 @@
-"""Whether a graph is made of lines, and how wide it is."""
+"""Tests of whether a graph consists of lines, and its width."""
 
 import numpy as np
 
@@ -8,7 +8,7 @@ from geodesic_toolkit.geometry.components import connected_by_edges
 
 __all__ = [
     "FEW_LENGTHS",
-    "LIKE",
+    "LENGTH_TOLERANCE",
     "NEARLY_EVERYWHERE",
     "is_network",
     "share_of_meshes",
@@ -21,7 +21,7 @@ a bend each have none; square grids with every tenth edge missing have 0.8, thre
 """
 
 
-LIKE = 1e-6
+LENGTH_TOLERANCE = 1e-6
 """Relative difference up to which two lengths are the same."""
 
 
@@ -59,7 +59,7 @@ SMALLER_JUNCTIONS = 0.05
 """Least share of vertices with fewer than four neighbours in a network of streets. A closed mesh of
 quadrangles has next to none, and a raster of 80 x 80 places has so many at its margin."""
 
-TRIANGLES = 0.1
+MAX_SHARE_OF_TRIANGLES = 0.1
 """Share of edges that may be sides of triangles in a network of streets. Plans have 1 to 5 %, and
 meshes and neighbour graphs nearly 100."""
 
@@ -94,11 +94,11 @@ def is_network(n_vertices: int, edges: IntArray, lengths: FloatArray) -> bool:
     known = degree[degree > 0]
     if known.mean() > 4 or np.mean(known < 4) < SMALLER_JUNCTIONS:
         return False
-    if len(np.unique(np.round(np.log(lengths) / LIKE))) <= FEW_LENGTHS:
+    if len(np.unique(np.round(np.log(lengths) / LENGTH_TOLERANCE))) <= FEW_LENGTHS:
         return False
     adjacency = AlongEdges(n_vertices, edges, np.ones(len(edges))).matrix
     in_triangles = (adjacency @ adjacency).multiply(adjacency)
-    return bool(in_triangles.nnz <= TRIANGLES * adjacency.nnz)
+    return bool(in_triangles.nnz <= MAX_SHARE_OF_TRIANGLES * adjacency.nnz)
 
 
 def _dead_ends(n_vertices: int, edges: IntArray) -> BoolArray:

@@ -1,4 +1,4 @@
-"""How much noise lengthens the edges between neighbouring samples of a surface.
+"""An estimate of how much noise lengthens the edges between samples of a surface.
 
 Noise in many dimensions adds about the same to the square of every distance, however short. Four
 neighbours that are all connected then span a tetrahedron, where those of a surface would lie in a
@@ -14,12 +14,12 @@ from geodesic_toolkit.core.types import FloatArray, IntArray
 __all__ = ["squared_noise"]
 
 TRIES, TAKEN, FEWEST = 160_000, 4000, 100
-"""Fours of vertices that are drawn, connected ones that are taken, and what is too few to tell."""
+"""Numbers of quadruples that are drawn, of connected ones that are used, and their least number."""
 
-FAT = 0.3
+MIN_VARIANCE_RATIO_OF_PLANES = 0.3
 """Second over first variance of four vertices, below which they are a line rather than a plane."""
 
-DETECTED = 0.004
+MIN_DETECTED_NOISE = 0.004
 """Part of the squared length below which it is none: without noise 0.000 to 0.002 are found, with a
 standard deviation of 0.05 mean distances in each of ten dimensions 0.011 to 0.03.
 """
@@ -54,7 +54,7 @@ def squared_noise(n_vertices: int, edges: IntArray, lengths: FloatArray) -> floa
     if len(squared) < FEWEST:
         return 0.0
     first, second, third = _variances(squared).T
-    fat = second > FAT * first
+    fat = second > MIN_VARIANCE_RATIO_OF_PLANES * first
     if np.count_nonzero(fat) < FEWEST:
         return 0.0
     size, height = squared[fat].mean(axis=1), third[fat]
@@ -62,7 +62,7 @@ def squared_noise(n_vertices: int, edges: IntArray, lengths: FloatArray) -> floa
     weights = 1 / (size + size.mean())  # heights spread as sizes do
     (constant, _), *_ = np.linalg.lstsq(terms * weights[:, None], height * weights, rcond=None)
     noise = 2 * float(constant)
-    return noise if noise > DETECTED * float(np.median(lengths**2)) else 0.0
+    return noise if noise > MIN_DETECTED_NOISE * float(np.median(lengths**2)) else 0.0
 
 
 def _connected_fours(n_vertices: int, edges: IntArray, lengths: FloatArray) -> FloatArray:

@@ -1,4 +1,4 @@
-"""What the connected parts of a mesh are like: how long their edges are."""
+"""Statistics of the connected components of a mesh: their edge lengths."""
 
 import numpy as np
 

@@ -9,7 +9,7 @@ from geodesic_toolkit.core.types import FloatArray, IntArray
 
 __all__ = ["split_polygons", "strip_triangles", "unpadded_polygons"]
 
-NAMED = 5
+MAX_LISTED_POLYGONS = 5
 """Polygons that a remark names."""
 
 
@@ -72,11 +72,15 @@ def _fans(sizes: IntArray, corners: IntArray) -> IntArray:
 
 
 def _crossing_remark(crossing: list[int]) -> str:
-    named = ", ".join(map(str, crossing[:NAMED]))
+    named = ", ".join(map(str, crossing[:MAX_LISTED_POLYGONS]))
     if len(crossing) == 1:
         who = f"polygon {named} crosses itself: its"
     else:
-        more = f" and {len(crossing) - NAMED} more" if len(crossing) > NAMED else ""
+        more = (
+            f" and {len(crossing) - MAX_LISTED_POLYGONS} more"
+            if len(crossing) > MAX_LISTED_POLYGONS
+            else ""
+        )
         who = f"polygons {named}{more} cross themselves: their"
     return (
         f"{who} triangles overlap, and distances there are not those of the shape; correct the "

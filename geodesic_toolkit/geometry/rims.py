@@ -25,7 +25,7 @@ from geodesic_toolkit.geometry.triangles import measured_by_lengths
 
 __all__ = ["Trapezoids", "mirrored_at_rims", "rim_cotangents", "rim_edges"]
 
-ROUNDING = 1e-10
+COTANGENT_TOLERANCE = 1e-10
 """Cotangent below zero from which on an angle is obtuse: no rounding must make it so."""
 
 
@@ -166,7 +166,7 @@ def _openings(
     sides = found.tail_sides + along * rise + up * run
     facing = (found.tail_sides + found.head_sides) / found.widths  # cotangent seen from an image
     excess = _cotangents(edge, along, up) + facing
-    opens &= (excess < -ROUNDING) & (feet > 0) & (feet < found.widths)
+    opens &= (excess < -COTANGENT_TOLERANCE) & (feet > 0) & (feet < found.widths)
     order = np.lexsort((np.where(opens, excess, np.inf), faces))
     later = np.zeros(len(order), dtype=np.bool_)
     later[order[1:]] = faces[order[1:]] == faces[order[:-1]]

@@ -1,4 +1,4 @@
-"""Where a surface is cut: edges of its boundary that lie upon each other."""
+"""Seams of a surface: boundary edges that coincide."""
 
 from dataclasses import dataclass
 
@@ -16,9 +16,9 @@ from geodesic_toolkit.geometry.welding import (
     rounding_of,
 )
 
-__all__ = ["NEAR", "Seams", "find_seams"]
+__all__ = ["COINCIDENCE_TOLERANCE", "Seams", "find_seams"]
 
-NEAR = 3e-5
+COINCIDENCE_TOLERANCE = 3e-5
 """How far apart the sides of a seam may lie, over the diagonal of the bounding box: six significant
 digits, as many programs write numbers, leave up to 1.7e-5.
 
@@ -26,22 +26,22 @@ Measured on the facets of nine shapes, each corner rounded to six digits or move
 diagonal: all nine are whole again from 1e-5 to 3e-4, eight with 1e-3, not all of them with 3e-6. Up
 to 3e-4 none of 22 models and scans is warned of, with 1e-3 one."""
 
-MOST = 0.5
+MIN_SHARE_OF_SEAM = 0.5
 """Share of a loop of the boundary, or of all of it, that lies upon other edges where it is a seam
 that has come open by so much. Of 22 models and scans one, a truck of sheets put together by hand,
 has such edges without being cut apart there: 22 of a loop of 139 and 16 of one of 91."""
 
-SHORT = 8
+MAX_EDGES_OF_SHORT_LOOP = 8
 """Edges of a loop up to which it does not tell by itself: that truck has panels of four that lie
 upon other ones."""
 
-SOUP = 2.0
+MAX_FACES_PER_COMPONENT_OF_SOUP = 2.0
 """Faces of a connected part, in the mean, up to which a mesh is a soup that nothing connects."""
 
 
 @dataclass(frozen=True)
 class Seams:
-    """Where a surface is cut.
+    """The seams of a surface.
 
     Attributes
     ----------
@@ -59,7 +59,7 @@ class Seams:
 
     @property
     def finding(self) -> str:
-        """What was found, in words."""
+        """The finding as a sentence."""
         return (
             f"{self.edges} of the {self.boundary} edges of the boundary lie upon others: the "
             "surface is cut there, and no path crosses"
@@ -67,7 +67,7 @@ class Seams:
 
     @property
     def cure(self) -> str:
-        """What to do about it."""
+        """The advice as a sentence."""
         return (
             "merge what lies together: mesh, new = geodesic_toolkit.merge_vertices(mesh, "
             f"tolerance={self.tolerance:g}), on the command line --weld {self.tolerance:g}"
@@ -97,12 +97,12 @@ def find_seams(vertices: FloatArray, faces: IntArray, boundary: BoolArray) -> Se
     extent = _extent(vertices, faces)
     if rim.is_soup:
         joined = rim.best_joined(extent)
-        if joined.upon.sum() > MOST * len(rim.edges):
+        if joined.upon.sum() > MIN_SHARE_OF_SEAM * len(rim.edges):
             return rim.seams(joined)
-    near = rim.joined(NEAR * extent)
+    near = rim.joined(COINCIDENCE_TOLERANCE * extent)
     loops, upon = np.bincount(rim.loops), np.bincount(rim.loops, near.upon)
-    cut = (upon > MOST * loops) & (loops > SHORT)
-    if near.upon.sum() > MOST * len(rim.edges) or cut.any():
+    cut = (upon > MIN_SHARE_OF_SEAM * loops) & (loops > MAX_EDGES_OF_SHORT_LOOP)
+    if near.upon.sum() > MIN_SHARE_OF_SEAM * len(rim.edges) or cut.any():
         return rim.seams(near)
     same = rim.joined(rounding_of(rim.points))
     return rim.seams(same) if same.upon.any() else None
@@ -153,11 +153,11 @@ class _Rim:
 
     @property
     def is_soup(self) -> bool:
-        """Whether hardly any face is connected with another one."""
+        """Return whether hardly any face is connected to another face."""
         if not self._all:
             return False
         parts = connected_by_faces(self._faces, self._n_used)
-        return len(self._faces) <= SOUP * (int(parts.max()) + 1)
+        return len(self._faces) <= MAX_FACES_PER_COMPONENT_OF_SOUP * (int(parts.max()) + 1)
 
     def joined(self, tolerance: float) -> _Joined:
         """Return the boundary with vertices made one that are no farther apart."""

@@ -1,16 +1,16 @@
-"""How many threads a kernel over the points of a cloud is given."""
+"""The number of threads of kernels over the points of a cloud."""
 
 import os
 
 __all__ = ["threads_for"]
 
-WORTHWHILE = 2000
+POINTS_PER_THREAD = 2000
 """Points for which one more thread is worth starting."""
 
 
 def threads_for(n_points: int) -> int:
     """Return the number of threads for so many points: results are the same for any."""
-    return max(1, min(_processors(), n_points // WORTHWHILE))
+    return max(1, min(_processors(), n_points // POINTS_PER_THREAD))
 
 
 def _processors() -> int:

@@ -32,7 +32,7 @@ __all__ = [
 ]
 
 
-SLACK = 1e-5
+MIN_SLACK_OF_TRIANGLE_INEQUALITY = 1e-5
 """What a triangle inequality must hold with, in edge lengths, for angles to have digits."""
 
 
@@ -92,7 +92,7 @@ def measured_triangles(
     inverse, areas, total, slack = _native.measure_triangles(vertices, faces)
     if total == 0:
         return faces[:0], inverse[:0], areas[:0], 0.0
-    if slack < SLACK:
+    if slack < MIN_SLACK_OF_TRIANGLE_INEQUALITY:
         return faces, *_mollified(vertices, faces, face_edge_lengths(vertices, faces))
     return faces, inverse, areas, 0.0
 
@@ -217,7 +217,10 @@ def mean_squared_edges(lengths: FloatArray) -> FloatArray:
 
 
 def mollified_lengths(
-    lengths: FloatArray, part: IntArray | None = None, *, slack: float = SLACK
+    lengths: FloatArray,
+    part: IntArray | None = None,
+    *,
+    slack: float = MIN_SLACK_OF_TRIANGLE_INEQUALITY,
 ) -> tuple[FloatArray, FloatArray]:
     """Return edge lengths that form proper triangles, and what was added to those of each face.
 

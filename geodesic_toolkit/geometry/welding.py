@@ -14,7 +14,7 @@ __all__ = [
     "same_places",
 ]
 
-CAP = 0.25
+MAX_SHARE_OF_SHORTEST_EDGE = 0.25
 """Share of the shortest edge at a vertex that it may be moved by. Below a half no two corners of a
 face become one: each would have to move by half of their edge. So a quarter keeps faces apart."""
 
@@ -22,7 +22,7 @@ FEW_ULPS = 4
 """Units in the last place, of single precision, that two computations of one place may differ by:
 half a unit each where one is rounded, and as much again in each coordinate."""
 
-DIRECTION = np.array([0.61803399, 0.56984029, 0.54159265])
+SORTING_DIRECTION = np.array([0.61803399, 0.56984029, 0.54159265])
 """In which places are put in order: not one that shapes are made along."""
 
 
@@ -102,7 +102,7 @@ def _near_pairs(points: FloatArray, reach: FloatArray) -> tuple[IntArray, IntArr
     """
     rows = np.flatnonzero(np.isfinite(points).all(axis=1))
     points, reach = points[rows] - points[rows[:1]], reach[rows]
-    along = points @ (DIRECTION / np.linalg.norm(DIRECTION))
+    along = points @ (SORTING_DIRECTION / np.linalg.norm(SORTING_DIRECTION))
     order = np.argsort(along, kind="stable")
     points, reach, along, rows = points[order], reach[order], along[order], rows[order]
     rounding = 1e-15 * float(np.abs(along).max(initial=0.0))
@@ -149,7 +149,7 @@ def movable_by(points: FloatArray, edges: IntArray, rounding: float) -> FloatArr
     shortest = np.full(len(points), np.inf)
     np.minimum.at(shortest, edges[:, 0], length)
     np.minimum.at(shortest, edges[:, 1], length)
-    return CAP * shortest
+    return MAX_SHARE_OF_SHORTEST_EDGE * shortest
 
 
 def edges_and_counts(faces: IntArray) -> tuple[IntArray, IntArray]:

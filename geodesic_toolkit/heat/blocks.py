@@ -10,7 +10,7 @@ from geodesic_toolkit.sources.points import SourcePoints
 
 __all__ = ["PROCESSORS", "WORTH_A_THREAD", "in_blocks", "side_by_side"]
 
-BLOCK = 16
+SOURCE_SETS_PER_BLOCK = 16
 """Source sets solved at once: they share the reading of a factor, and stay in cache."""
 
 PROCESSORS = os.cpu_count() or 1
@@ -42,10 +42,10 @@ def in_blocks(
     """
 
     def one(start: int) -> tuple[int, Report]:
-        block = points[start : start + BLOCK]
+        block = points[start : start + SOURCE_SETS_PER_BLOCK]
         return len(block), solve(block, distances[start : start + len(block)])
 
-    starts = range(0, len(points), BLOCK)
+    starts = range(0, len(points), SOURCE_SETS_PER_BLOCK)
     if len(starts) == 1 or distances.shape[1] < WORTH_A_THREAD or not threads:
         yield from map(one, starts)
         return

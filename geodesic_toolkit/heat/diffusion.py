@@ -25,13 +25,13 @@ Boundary: TypeAlias = Literal["neumann", "dirichlet", "average"]
 HARMFUL_SHARE = 0.01
 """Share of reached vertices with non-positive heat from which on it does harm."""
 
-ROWS = 16
+ROWS_PER_BLOCK = 16
 """Rows of a table that are read as one."""
 
 
 @dataclass(frozen=True)
 class HeatReport:
-    """What the heat of one source set was like.
+    """A report on the heat of one source set.
 
     Attributes
     ----------
@@ -49,7 +49,7 @@ class HeatReport:
 
     @property
     def harmful(self) -> bool:
-        """Whether there are so many of them that distances suffer: over a hundredth."""
+        """True if there are so many of them (over 1 %) that distances suffer."""
         return self.non_positive > HARMFUL_SHARE * self.reached
 
 
@@ -130,7 +130,7 @@ class HeatFlow:
 
     @cached_property
     def _cold(self) -> BoolArray:
-        """Whether the (N,) vertices or neighbours of theirs are on the boundary."""
+        """Return a mask, (N,), of vertices that are on the boundary or next to it."""
         held, rows = self.diffusion.boundary, self.diffusion.rows
         cold = held.copy()
         cold[rows.row_of_entry[held[rows.indices]]] = True
@@ -138,7 +138,7 @@ class HeatFlow:
 
     @cached_property
     def _free(self) -> "HeatFlow":
-        """The same flow without a condition at the boundary."""
+        """Return the same diffusion without a condition at the boundary."""
         return HeatFlow(self.diffusion, self.times, "neumann", self.solver, analysis=self._analysis)
 
     def _heat(self, block: Sequence[SourcePoints]) -> FloatArray:
@@ -350,10 +350,10 @@ def _lowest(table: FloatArray) -> FloatArray:
     if table.shape[1] == 1 or not table.flags.c_contiguous:
         return np.asarray(table.min(axis=0))
     count, width = table.shape
-    whole = count - count % ROWS
-    rows = table[:whole].reshape(-1, ROWS * width).min(axis=0, initial=np.inf)
+    whole = count - count % ROWS_PER_BLOCK
+    rows = table[:whole].reshape(-1, ROWS_PER_BLOCK * width).min(axis=0, initial=np.inf)
     rest = table[whole:].min(axis=0, initial=np.inf)
-    return np.asarray(np.minimum(rows.reshape(ROWS, width).min(axis=0), rest))
+    return np.asarray(np.minimum(rows.reshape(ROWS_PER_BLOCK, width).min(axis=0), rest))
 
 
 def _merged(log_heat: FloatArray, owners: IntArray) -> FloatArray:

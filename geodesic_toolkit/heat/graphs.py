@@ -1,4 +1,4 @@
-"""What is different on graphs: ways along edges or across them, and the scale of heat."""
+"""The heat method on graphs: paths along edges or across corners, and the scale of heat."""
 
 import threading
 from collections.abc import Callable, Sequence
@@ -19,25 +19,25 @@ __all__ = ["ScaledGradient", "hold_to_edges", "instead_of_heat"]
 def instead_of_heat(
     metric: Discretization, across: bool, block: Sequence[SourcePoints], distances: FloatArray
 ) -> None:
-    """Write the shortest ways along the edges of a graph, or across them, (K, N)."""
-    ways = metric.across_edges if across else metric.along_edges
-    assert ways is not None  # for the type checker; the heat method has asked
+    """Write the shortest paths along the edges of a graph, or across them, (K, N)."""
+    paths = metric.across_edges if across else metric.along_edges
+    assert paths is not None  # for the type checker; the heat method has asked
     begins = np.cumsum([0, *(len(points.vertices) for points in block)])
     known = [points.distances + points.starts[points.rows] for points in block]
     vertices = np.concatenate([points.vertices for points in block])
-    distances[:] = ways.distances(begins, vertices, np.concatenate(known))
+    distances[:] = paths.distances(begins, vertices, np.concatenate(known))
 
 
 def hold_to_edges(
     metric: Discretization, block: Sequence[SourcePoints], distances: FloatArray
 ) -> None:
-    """Lower distances (K, N) in place to the ways along edges, of all vertices at a place."""
+    """Lower distances (K, N) in place to the paths along edges, of all vertices at a place."""
     if len(metric.representatives):
         distances[:] = distances[:, metric.representatives]
     if metric.along_edges is not None:
-        ways = np.empty_like(distances)
-        instead_of_heat(metric, False, block, ways)
-        np.minimum(distances, ways, out=distances, where=np.isfinite(distances))
+        paths = np.empty_like(distances)
+        instead_of_heat(metric, False, block, paths)
+        np.minimum(distances, paths, out=distances, where=np.isfinite(distances))
 
 
 class ScaledGradient:

@@ -2,11 +2,11 @@
 
 A potential such as a distance from far away rises along an edge by at most the length of the edge,
 and by just that where the edge points its way. How much too steep potentials are is therefore the
-greatest rise for the way along edges, over pairs of vertices near by and potentials from many
-sides. On the axes of a square grid, or of a bar of voxels, ways along edges are straight, and the
-greatest rise is there; where ways along edges are straight in no direction, as among neighbours of
-random samples, the greatest rise is luck as well, and the mean rise along shortest ways, which
-would give back the way along edges, has a say.
+greatest rise for the path along edges, over pairs of vertices near by and potentials from many
+sides. On the axes of a square grid, or of a bar of voxels, paths along edges are straight, and the
+greatest rise is there; where paths along edges are straight in no direction, as among neighbours of
+random samples, the greatest rise is luck as well, and the mean rise along shortest paths, which
+would give back the path along edges, has a say.
 """
 
 from __future__ import annotations
@@ -22,66 +22,66 @@ from geodesic_toolkit.geometry.along_edges import AlongEdges
 
 __all__ = ["rises"]
 
-FIELDS = 16
+N_POTENTIALS = 16
 """Potentials, each from one vertex of every part; twice as many in solids with few directions.
 
 The mean error on a cube of 12³ voxels is 7.5 % with 16 and 6.6 % with 32, of which 4.7 % are the
 method's own; in the plane 16 do.
 """
 
-SOLID = 2.2
+MIN_DIMENSION_OF_SOLIDS = 2.2
 """Dimension from which on that is so; grids in the plane are found to have 1.7 to 2.1."""
 
-NEAR = 3
+N_NEIGHBOURHOODS_COMPARED = 3
 """Neighbourhoods that are looked at together where directions are few."""
 
-ALIKE = 0.1
+DEGREE_TOLERANCE = 0.1
 """Part by which the mean degrees of neighbourhoods of one kind differ at most."""
 
-USUAL = 0.8
+QUANTILE_OF_RISE = 0.8
 """Share of the neighbourhoods of one kind that rise less than is usual."""
 
-TRACED = 8
-"""Fields whose own shortest ways are followed; their mean needs no more."""
+N_TRACED_POTENTIALS = 8
+"""Fields whose own shortest paths are followed; their mean needs no more."""
 
-NEIGHBOURHOODS = 64
+MAX_NEIGHBOURHOODS = 64
 """Neighbourhoods in a part, at most; from 64 to 128 errors change by less than 0.5 %."""
 
-SPARSE = 20
+VERTICES_PER_NEIGHBOURHOOD = 20
 """Vertices for each neighbourhood of a small part."""
 
-BALL = 300
+VERTICES_OF_NEIGHBOURHOOD = 300
 """Vertices of a neighbourhood: 150, 300 and 600 give the same to 1 %."""
 
-HOPS = 8
+MAX_RADIUS_IN_EDGES = 8
 """Edges from its middle to its rim at most, where a graph is thin."""
 
-MEMBERS = 16
+N_MEMBERS_AVERAGED = 16
 """Vertices of a neighbourhood from which its rises are taken and averaged."""
 
-STRAIGHT = 0.98
-"""Part of the way between two vertices by which a shortest way that leads past both differs."""
+MIN_RATIO_OF_STRAIGHT_PATHS = 0.98
+"""Part of the way between two vertices by which a shortest path that leads past both differs."""
 
 TAXICAB, RANDOM = 0.82, 0.9
-"""Mean over greatest rise, below and above which ways along edges are straight in some directions
+"""Mean over greatest rise, below and above which paths along edges are straight in some directions
 only, or equally in all. Lattices with neighbours along their axes have 0.5 to 0.76, with a jitter
 of 0.3 up to 0.86; all neighbour graphs of two-dimensional samples 0.86 to 0.95.
 """
 
-SAY = 0.4
-"""Weight of the mean rise where ways are equally straight in all directions."""
+WEIGHT_OF_MEAN_RISE = 0.4
+"""Weight of the mean rise where paths are equally straight in all directions."""
 
-PARTS = 256
+MAX_COMPONENTS_EXAMINED = 256
 """Parts of a graph that are looked at, the largest first; the others take the median."""
 
 
 @dataclass(frozen=True)
 class _Ball:
-    """A neighbourhood: its vertices, some of its members, and the ways from those, (m, n)."""
+    """A neighbourhood: its vertices, some of its members, and the paths from those, (m, n)."""
 
     vertices: IntArray
     members: IntArray
-    ways: FloatArray
+    paths: FloatArray
     pairs: BoolArray
 
 
@@ -113,52 +113,55 @@ def rises(
     order = np.argsort(part, kind="stable")
     begins = np.concatenate([[0], np.cumsum(sizes)])[:-1]
     some = np.flatnonzero(sizes > 1)
-    some = some[np.argsort(-sizes[some], kind="stable")][:PARTS]
+    some = some[np.argsort(-sizes[some], kind="stable")][:MAX_COMPONENTS_EXAMINED]
     if not len(some):
         return np.ones(len(part))
-    sides = np.random.default_rng(0).random(2 * FIELDS)
+    sides = np.random.default_rng(0).random(2 * N_POTENTIALS)
     sources = np.stack(
         [order[begins[some] + (side * sizes[some]).astype(np.int64)] for side in sides]
     )
     centres = np.unique(
         np.concatenate([order[begins[one] + _spread(int(sizes[one]))] for one in some])
     )
-    limit = np.clip(sizes[part[centres]] // 4, 12, BALL)
+    limit = np.clip(sizes[part[centres]] // 4, 12, VERTICES_OF_NEIGHBOURHOOD)
     balls = [_ball(graph.matrix, int(c), int(n)) for c, n in zip(centres, limit, strict=True)]
     used = np.unique(np.concatenate([ball.vertices for ball in balls]))
-    traced = sources[:TRACED]
-    ways = graph.distances(
-        np.arange(TRACED + 1) * traced.shape[1], traced.ravel(), np.zeros(traced.size)
+    traced = sources[:N_TRACED_POTENTIALS]
+    paths = graph.distances(
+        np.arange(N_TRACED_POTENTIALS + 1) * traced.shape[1], traced.ravel(), np.zeros(traced.size)
     )[:, used]
     cells, near = _cells(graph, centres)
     heights = np.zeros((0, len(used)))
-    for fields in (sources[:FIELDS], sources[FIELDS:]):
+    for fields in (sources[:N_POTENTIALS], sources[N_POTENTIALS:]):
         heights = np.concatenate([heights, potentials(list(fields))[:, used]])
         asked = sources[: len(heights)]
-        greatest, mean = np.array([_rise(ball, used, heights, ways, asked) for ball in balls]).T
+        greatest, mean = np.array([_rise(ball, used, heights, paths, asked) for ball in balls]).T
         if not _solid(greatest, mean, dimension):
             break
     degrees = np.diff(graph.matrix.indptr)
     edges = np.array([degrees[ball.vertices].mean() for ball in balls])
-    alike = np.abs(edges - edges[:, None]) <= ALIKE * edges
+    alike = np.abs(edges - edges[:, None]) <= DEGREE_TOLERANCE * edges
     alike &= part[centres] == part[centres][:, None]
     values = _weighed(greatest, mean, near, alike)
     return _spread_out(graph.matrix, cells, values)
 
 
 def _solid(greatest: FloatArray, mean: FloatArray, dimension: int) -> bool:
-    """Return whether ways are straight in few directions, and there are more than two dimensions.
+    """Return whether paths are straight in few directions, and there are more than two dimensions.
 
-    Then more fields are needed, of which some come from just there, and a factor is dear anyway.
+    More potentials are then needed, because few come from those directions; a factor is expensive
+    anyway.
     """
     known = greatest > 0
     crooked = known & (mean < TAXICAB * greatest)
-    return bool(np.any(crooked) and np.median(greatest[crooked]) ** 2 * dimension > SOLID)
+    return bool(
+        np.any(crooked) and np.median(greatest[crooked]) ** 2 * dimension > MIN_DIMENSION_OF_SOLIDS
+    )
 
 
 def _spread(size: int) -> IntArray:
     """Return the places of neighbourhoods among so many vertices, one at random in each stretch."""
-    count = min(max(size // SPARSE, 1), NEIGHBOURHOODS)
+    count = min(max(size // VERTICES_PER_NEIGHBOURHOOD, 1), MAX_NEIGHBOURHOODS)
     return np.asarray(
         (np.arange(count) + np.random.default_rng(0).random(count)) * size / count, dtype=np.int64
     )
@@ -169,20 +172,22 @@ def _ball(matrix: Any, centre: int, limit: int) -> _Ball:
     from scipy.sparse.csgraph import dijkstra
 
     vertices = np.array([centre])
-    for _ in range(HOPS):
+    for _ in range(MAX_RADIUS_IN_EDGES):
         wider = np.union1d(vertices, matrix[vertices].indices)
         if len(wider) == len(vertices) or len(vertices) > 2 * limit:
             break
         vertices = wider
     inner = matrix[vertices][:, vertices]
-    ways = dijkstra(inner, directed=False, indices=[int(np.searchsorted(vertices, centre))])[0]
+    paths = dijkstra(inner, directed=False, indices=[int(np.searchsorted(vertices, centre))])[0]
     if len(vertices) > limit:
-        near = ways < np.partition(ways, limit)[limit]
+        near = paths < np.partition(paths, limit)[limit]
         if np.count_nonzero(near) > limit // 4:  # not all on one sphere
-            vertices, ways, inner = vertices[near], ways[near], inner[near][:, near]
-    half = ways.max() / 2
-    within = np.flatnonzero(ways <= half)
-    members = within[np.unique(np.linspace(0, len(within) - 1, MEMBERS).astype(np.int64))]
+            vertices, paths, inner = vertices[near], paths[near], inner[near][:, near]
+    half = paths.max() / 2
+    within = np.flatnonzero(paths <= half)
+    members = within[
+        np.unique(np.linspace(0, len(within) - 1, N_MEMBERS_AVERAGED).astype(np.int64))
+    ]
     between = dijkstra(inner, directed=False, indices=members)
     pairs = np.isfinite(between) & (between >= half) & (between > 0)
     some = pairs.any(axis=1)
@@ -190,9 +195,9 @@ def _ball(matrix: Any, centre: int, limit: int) -> _Ball:
 
 
 def _rise(
-    ball: _Ball, used: IntArray, heights: FloatArray, ways: FloatArray, sources: IntArray
+    ball: _Ball, used: IntArray, heights: FloatArray, paths: FloatArray, sources: IntArray
 ) -> tuple[float, float]:
-    """Return the greatest rise of potentials in a neighbourhood, and the mean along shortest ways.
+    """Return the greatest rise of potentials in a neighbourhood, and the mean along shortest paths.
 
     The greatest over fields of a mean over members; NaN where there is nothing to compare.
     """
@@ -202,12 +207,12 @@ def _rise(
     outside = ~np.isin(sources, ball.vertices).any(axis=1)  # near its source a field has a kink
     fields = np.flatnonzero(outside) if outside.any() else np.arange(len(sources))
     local = heights[np.ix_(fields, here)]
-    length = np.where(ball.pairs, ball.ways, np.inf)
+    length = np.where(ball.pairs, ball.paths, np.inf)
     rise = np.abs(local[:, None, :] - local[:, ball.members, None]) / length
     greatest = float(rise.max(axis=2).mean(axis=1).max())
-    passed = ways[np.ix_(fields[fields < TRACED], here)]
+    passed = paths[np.ix_(fields[fields < N_TRACED_POTENTIALS], here)]
     gone = np.abs(passed[:, None, :] - passed[:, ball.members, None])
-    led = gone >= STRAIGHT * length
+    led = gone >= MIN_RATIO_OF_STRAIGHT_PATHS * length
     if not led.any():
         return greatest, greatest
     return greatest, min(float(rise[: len(passed)][led].mean()), greatest)
@@ -233,7 +238,7 @@ def _cells(graph: AlongEdges, centres: IntArray) -> tuple[IntArray, BoolArray]:
     for one, other in ((0, 1), (1, 0)):
         np.minimum.at(between, (ends[border, one], ends[border, other]), length)
     np.fill_diagonal(between, 0.0)
-    last = np.sort(between, axis=1)[:, min(NEAR, len(centres)) - 1]
+    last = np.sort(between, axis=1)[:, min(N_NEIGHBOURHOODS_COMPARED, len(centres)) - 1]
     return cells, np.isfinite(between) & (between <= last[:, None])
 
 
@@ -242,9 +247,9 @@ def _weighed(
 ) -> FloatArray:
     """Return the rises that count, NaN for neighbourhoods with nothing to compare.
 
-    Where ways along edges are straight in some directions only, few fields come from just there: in
-    a vessel that runs askew, none. The greatest of the neighbours counts as well, and what most
-    neighbourhoods reach that have about as many edges.
+    If paths along edges are straight in some directions only, few potentials come from there, and
+    none in a vessel that runs askew. The greatest rise of the neighbours counts as well, and the rise
+    that most neighbourhoods with about as many edges reach.
     """
     known = greatest > 0
     straight = np.divide(mean, greatest, out=np.ones_like(mean), where=known)
@@ -254,9 +259,9 @@ def _weighed(
     kind = np.where(alike & crooked[:, None] & crooked, greatest, np.nan)
     usual = np.zeros_like(greatest)
     if some:
-        usual[crooked] = np.nanquantile(kind[crooked], USUAL, axis=1)
+        usual[crooked] = np.nanquantile(kind[crooked], QUANTILE_OF_RISE, axis=1)
     greatest = np.where(known, np.maximum(np.maximum(greatest, others.max(axis=1)), usual), np.nan)
-    weight = SAY * np.clip((straight - TAXICAB) / (RANDOM - TAXICAB), 0, 1)
+    weight = WEIGHT_OF_MEAN_RISE * np.clip((straight - TAXICAB) / (RANDOM - TAXICAB), 0, 1)
     return np.asarray(greatest * (1 - weight) + mean * weight)
 
 

@@ -13,10 +13,10 @@ from geodesic_toolkit.linear.base import Factor
 
 __all__ = ["fill_from_neighbours", "log_solve", "settled_above"]
 
-SETTLED = 1e-260
+MIN_FINAL_VALUE = 1e-260
 """Smallest scaled value taken as it is; the 1e-48 below it still resolve what it is a sum of."""
 
-ROWS = 4096
+ROWS_PER_BLOCK = 4096
 """Rows worked on at once: what comes in between stays in cache, and takes no fresh memory."""
 
 
@@ -26,7 +26,7 @@ def settled_above(diagonal: FloatArray) -> float:
     What a solve adds up are values times entries of the factor, as large as the roots of the
     diagonal; where these are small, products are the first to underflow.
     """
-    return SETTLED / float(np.sqrt(diagonal.min(initial=1.0)))
+    return MIN_FINAL_VALUE / float(np.sqrt(diagonal.min(initial=1.0)))
 
 
 def log_solve(
@@ -113,8 +113,8 @@ def _settle(
     """
     progress = np.zeros(len(columns), dtype=np.bool_)
     done = np.ones(len(columns), dtype=np.bool_)
-    for start in range(0, len(scaled), ROWS):
-        rows = slice(start, start + ROWS)
+    for start in range(0, len(scaled), ROWS_PER_BLOCK):
+        rows = slice(start, start + ROWS_PER_BLOCK)
         part, before, logs = scaled[rows], settled[rows, columns], log_solution[rows, columns]
         new = ~before & (np.abs(part) > least)
         with np.errstate(divide="ignore", invalid="ignore"):

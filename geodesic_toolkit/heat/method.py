@@ -65,7 +65,7 @@ class HeatMethod:
         Instead of steps 2 and 3, sweep wavefronts over the triangles in the order of the heat
         (``WavefrontSweeper``): several times more accurate, exact at the sources, and no
         Poisson system is factorised. For metrics made of triangles. On a graph, whose metric knows
-        the ways along its edges, take the shortest of those instead, without any heat.
+        the paths along its edges, take the shortest of those instead, without any heat.
     across : bool
         On a graph whose metric knows its corners: let fronts cross those, without any heat.
     bounds : DistanceBounds, optional
@@ -147,9 +147,9 @@ class HeatMethod:
                 "fronts cross the corners of graphs, where distances are not refined otherwise"
             )
         self.bounds, self.small_parts = bounds, small_parts
-        ways = metric.along_edges
-        if ways is not None and ways.instead_of_heat and not (self.refine or across):
-            raise UnsupportedDomainError(f"{ways.instead_of_heat}; use refine=True")
+        paths = metric.along_edges
+        if paths is not None and paths.instead_of_heat and not (self.refine or across):
+            raise UnsupportedDomainError(f"{paths.instead_of_heat}; use refine=True")
         self._set_up()
 
     # -- the three steps -----------------------------------------------------------------------
@@ -302,7 +302,7 @@ class HeatMethod:
 
     @property
     def flows(self) -> bool:
-        """Whether distances come from heat, if only from its order."""
+        """True if distances come from heat, or from the order in which heat decreases."""
         return not (self.across or (self.refine and self.metric.along_edges is not None))
 
     def _settled(self, block: Sequence[SourcePoints]) -> Sequence[SourcePoints]:

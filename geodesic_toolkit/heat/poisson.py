@@ -16,7 +16,7 @@ from geodesic_toolkit.sources.points import SourcePoints
 
 __all__ = ["PoissonStep"]
 
-FEW = 16
+MAX_PINNED_BY_SCHUR_COMPLEMENT = 16
 """Pinned vertices up to which the factor at hand is used once for each of them.
 
 For more, the matrix without them is factorised, which takes as long as 12 to 16 solves on meshes of
@@ -67,7 +67,7 @@ class PoissonStep:
 
     @cached_property
     def _ground(self) -> FloatArray:
-        """What holds one vertex of each component at 0: an addition to the (N,) diagonal of L."""
+        """Return what to add to the (N,) diagonal of L to ground one vertex of each component."""
         grounded = np.zeros(1, dtype=np.int64)
         if self.metric.components.any():
             _, grounded = np.unique(self.metric.components, return_index=True)
@@ -112,7 +112,7 @@ class PoissonStep:
 
     @cached_property
     def _in_one_piece(self) -> bool:
-        """Whether every vertex hears of every other."""
+        """Return whether the domain is connected."""
         return not (self.metric.components.any() or self.diffusion.components.any())
 
     # -- several sources in a component --------------------------------------------------------
@@ -147,10 +147,12 @@ class PoissonStep:
         It is 0 in components in which nothing is held.
         """
         rows, rim = self.metric.rows, np.flatnonzero(held)
-        if len(rim) > FEW:  # what lies within a region is cut off by its rim
+        if (
+            len(rim) > MAX_PINNED_BY_SCHUR_COMPLEMENT
+        ):  # what lies within a region is cut off by its rim
             across = held[rows.row_of_entry] & ~held[rows.indices] & (rows.data != 0)
             rim = distinct(rows.row_of_entry[across])
-        if len(rim) <= FEW:
+        if len(rim) <= MAX_PINNED_BY_SCHUR_COMPLEMENT:
             return self._by_schur_complement(rim, gap)
         apart = held[rows.row_of_entry] | held[rows.indices]
         diagonal = rows.diagonal()

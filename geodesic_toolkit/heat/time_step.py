@@ -1,4 +1,4 @@
-"""How long heat flows: the time step t of the heat method, in squared length.
+"""The time step t of the heat method, in squared length.
 
 The shorter it is, the closer the heat follows distance, down to the length of an edge, where it
 would follow edges instead: t = h² is the paper's choice.
@@ -15,7 +15,7 @@ from geodesic_toolkit.errors import InvalidOptionError
 
 __all__ = ["time_steps"]
 
-LONGEST = 1e12
+MAX_RELATIVE_TIME_STEP = 1e12
 """Time step, in squared mean edge lengths, from which on it drowns the mass in rounding. Measured:
 distances are right up to 1e14, and 0 everywhere from 1e16 on."""
 
@@ -54,7 +54,7 @@ def time_steps(
         raise InvalidOptionError("give time or time_factor, not both")
     least = float(metric.scales.min())
     longest = time_factor if time is None else float(time) / least**2
-    if not longest <= LONGEST:
+    if not longest <= MAX_RELATIVE_TIME_STEP:
         raise InvalidOptionError(
             f"the time step is {longest:.3g} squared mean edge lengths: so long that heat is the "
             "same everywhere; 1 to 100 of them are usual"

@@ -1,4 +1,4 @@
-"""Why something is not a shape, and what to give instead."""
+"""Errors for objects that are not a shape, with advice on what to give instead."""
 
 import os
 from collections.abc import Mapping, Sequence
@@ -10,7 +10,7 @@ from geodesic_toolkit.errors import UnsupportedDomainError
 
 __all__ = ["OF_GRIDS", "described", "refusal", "several"]
 
-GRID = ("dimensions", "n_cells", "extract_surface")
+GRID_ATTRIBUTES = ("dimensions", "n_cells", "extract_surface")
 """Attributes that PyVista's structured grids have, and its other shapes have not."""
 
 OF_GRIDS = (
@@ -22,7 +22,7 @@ OF_GRIDS = (
 )
 """What to give instead of a grid."""
 
-LISTED = 5
+MAX_LISTED_NAMES = 5
 """Names that a message lists."""
 
 
@@ -51,7 +51,7 @@ def refusal(obj: Any, taken: str) -> str:
         why = f"{str(obj)[:80]!r} is not a shape (to read a file: geodesic_toolkit.read)"
     elif isinstance(obj, Mapping):
         why = f"{who} is not a shape; give its vertices and faces as a pair, {_by_keys(obj)}"
-    elif not isinstance(obj, type) and all(hasattr(obj, name) for name in GRID):
+    elif not isinstance(obj, type) and all(hasattr(obj, name) for name in GRID_ATTRIBUTES):
         why = f"{who}: a structured grid is not a surface; {OF_GRIDS}"
     elif (table := _table(obj)) is not None:
         why = _of_table(table)
@@ -127,5 +127,5 @@ def several(
 
 
 def _listed(names: Sequence[Any]) -> str:
-    more = ", ..." if len(names) > LISTED else ""
-    return ", ".join(map(repr, names[:LISTED])) + more
+    more = ", ..." if len(names) > MAX_LISTED_NAMES else ""
+    return ", ".join(map(repr, names[:MAX_LISTED_NAMES])) + more

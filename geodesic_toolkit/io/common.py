@@ -1,4 +1,4 @@
-"""What the readers share: numbers from text, triangles of polygons, optional packages."""
+"""Helpers of the readers: numbers from text, triangles of polygons, optional packages."""
 
 import codecs
 import warnings

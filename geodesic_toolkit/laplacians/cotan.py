@@ -43,13 +43,13 @@ Measured: sheared grids (0.13 and more) have errors of 7-60 % without flips; sca
 halves its error and a CAD model (0.15) goes from 15 % to 3 %.
 """
 
-SMALLEST = 1e-75
+MIN_WIDTH_OF_MESH = 1e-75
 """Width of a mesh from which on the fourth power of a length is a number."""
 
-ROUNDING = 1e-9
+MIN_OBTUSE_EXCESS = 1e-9
 """The `obtuse_excess` below which there is none."""
 
-SLIVER = 1.0
+MIN_COTANGENT_OF_SLIVERS = 1.0
 """Cotangent below zero, of an angle opposite an edge of one face, from which on
 ``intrinsic_delaunay="auto"`` flips edges: 135 degrees. Such angles leave `obtuse_excess` small, as
 their triangles are, and yet let heat run along the rim.
@@ -65,7 +65,7 @@ _TRIANGULATION = {
     (True, True): "intrinsic Delaunay",
 }
 
-SMALL = 500
+MAX_FACES_OF_SMALL_COMPONENTS = 500
 """Faces of a component up to which ``intrinsic_delaunay="auto"`` flips edges wherever one can be
 flipped: it costs nothing there. Measured on 24 parts of a truck, of 10 to 152 vertices: mean error
 18.2 without, 9.1 % with flips; of the worst part 64 and 7 %.
@@ -223,14 +223,16 @@ class CotanLaplacian(LaplaceOperator):
         if self.intrinsic_delaunay != "auto":
             return np.full(len(faces), bool(self.intrinsic_delaunay))
         if not labels.any():  # one component, as most meshes are
-            limit = ROUNDING if len(faces) <= SMALL else DELAUNAY_LIMIT
+            limit = (
+                MIN_OBTUSE_EXCESS if len(faces) <= MAX_FACES_OF_SMALL_COMPONENTS else DELAUNAY_LIMIT
+            )
             return np.full(len(faces), len(slivers) > 0 or excess.max() > limit)
         worst = np.zeros(labels.max() + 1)
         np.maximum.at(worst, labels, excess)
         worst[labels[faces[slivers // 3, 0]]] = np.inf
         component = labels[faces[:, 0]]
-        small = np.bincount(component, minlength=len(worst)) <= SMALL
-        wanted = worst > np.where(small, ROUNDING, DELAUNAY_LIMIT)
+        small = np.bincount(component, minlength=len(worst)) <= MAX_FACES_OF_SMALL_COMPONENTS
+        wanted = worst > np.where(small, MIN_OBTUSE_EXCESS, DELAUNAY_LIMIT)
         return np.asarray(wanted[component])
 
     def _mass(self, gradient: ElementGradient, lumped_mass: FloatArray) -> FloatArray:
@@ -245,9 +247,9 @@ class CotanLaplacian(LaplaceOperator):
 def _check_extent(mesh: TriangleMesh) -> None:
     """Raise where squares of the lengths in a mesh are not numbers."""
     extent = _widest(mesh.vertices)
-    if not extent <= 1 / SMALLEST:  # NaN too: vertices that no face uses may be anything
+    if not extent <= 1 / MIN_WIDTH_OF_MESH:  # NaN too: vertices that no face uses may be anything
         extent = _widest(mesh.vertices[mesh.used])
-    if extent and not SMALLEST <= extent <= 1 / SMALLEST:
+    if extent and not MIN_WIDTH_OF_MESH <= extent <= 1 / MIN_WIDTH_OF_MESH:
         raise UnsupportedDomainError(
             f"the mesh is {extent:.3g} wide: squares of such lengths leave double precision; "
             "take another unit of length"
@@ -262,7 +264,7 @@ def _widest(points: FloatArray) -> float:
 
 def _does_harm(lengths: FloatArray, rims: IntArray) -> BoolArray:
     """Return whether the angles opposite half-edges of rims are too obtuse to be left so."""
-    return np.asarray(rim_cotangents(lengths, rims) < -SLIVER)
+    return np.asarray(rim_cotangents(lengths, rims) < -MIN_COTANGENT_OF_SLIVERS)
 
 
 def _flipped(

@@ -21,13 +21,13 @@ from geodesic_toolkit.laplacians.base import LaplaceOperator
 
 __all__ = ["UniformLaplacian"]
 
-FARTHEST = 1e6
+MAX_RATIO_OF_LENGTHS = 1e6
 """Ratio of two edge lengths in a connected part up to which weights ``1/ℓ²`` leave the factors
 digits. Measured on paths, trees and random graphs with edges of two lengths: the error does not
 depend on the ratio up to 1e6, reaches 800 % at 1e7, and from 1e8 on factors are noise or singular.
 """
 
-LARGEST = 1e100
+MAX_LENGTH = 1e100
 """Length whose square, and its inverse, are well within double precision."""
 
 
@@ -45,7 +45,7 @@ class UniformLaplacian(LaplaceOperator):
     dim : int or "auto"
         Dimension of what the graph samples: 1 for a path, 2 for a surface, 3 for a solid. "auto"
         takes 2 on a mesh. On a graph it leaves the scale to the neighbourhood of each vertex, about
-        which potentials are made to rise by the length of the way along edges in some direction.
+        which potentials are made to rise by the length of the path along edges in some direction.
     mass : {"metric", "identity"}
         "metric" as above; "identity" is ``w = 1`` and ``m = 1``, for use as the *diffusion* of
         another discretization: it knows nothing of lengths.
@@ -112,12 +112,12 @@ class UniformLaplacian(LaplaceOperator):
             part = connected_by_edges(edges, count)
             gradient = EdgeGradient(edges, np.ones(len(edges)), np.ones(count), copy=False)
             return _discretization(gradient, lengths, part, boundary)
-        ways = AlongEdges(count, edges, lengths) if isinstance(domain, Graph) else None
+        paths = AlongEdges(count, edges, lengths) if isinstance(domain, Graph) else None
         edges, lengths, representatives = _contracted(edges, lengths, count)
         _check_lengths(lengths)
         part = connected_by_edges(edges, count)
         fault = _instead_of_heat(edges, lengths, part[edges[:, 0]])
-        if fault and ways is None:
+        if fault and paths is None:
             raise UnsupportedDomainError(
                 f"{fault}; merge vertices that are as good as at one place"
             )
@@ -129,9 +129,9 @@ class UniformLaplacian(LaplaceOperator):
             lengths,
             part,
             boundary,
-            along_edges=None if ways is None else replace(ways, instead_of_heat=fault),
+            along_edges=None if paths is None else replace(paths, instead_of_heat=fault),
             across_edges=(
-                None if ways is None else AcrossEdges(count, edges, lengths, representatives)
+                None if paths is None else AcrossEdges(count, edges, lengths, representatives)
             ),
             representatives=representatives,
             local_scale=local,
@@ -185,7 +185,7 @@ def _scales(edges: IntArray, lengths: FloatArray, part: IntArray, spacing: float
 def _check_lengths(lengths: FloatArray) -> None:
     """Raise where lengths are so large or so small that their squares are not numbers."""
     for length in (lengths.min(initial=1.0), lengths.max(initial=1.0)):
-        if not 1 / LARGEST <= length <= LARGEST:
+        if not 1 / MAX_LENGTH <= length <= MAX_LENGTH:
             raise UnsupportedDomainError(
                 f"an edge is {length:.4g} long, and its square leaves double precision; take "
                 "another unit of length"
@@ -197,21 +197,21 @@ def _instead_of_heat(edges: IntArray, lengths: FloatArray, part: IntArray) -> st
 
     `part` is the connected part of each edge.
     """
-    if not len(edges) or lengths.max() <= FARTHEST * lengths.min():
+    if not len(edges) or lengths.max() <= MAX_RATIO_OF_LENGTHS * lengths.min():
         return ""
     order = np.lexsort((lengths, part))  # part by part, from the shortest to the longest
     first = np.flatnonzero(np.concatenate([[True], part[order][1:] != part[order][:-1]]))
     last = np.append(first[1:], len(order)) - 1
     ratios = lengths[order[last]] / lengths[order[first]]
     worst = int(ratios.argmax())
-    if ratios[worst] <= FARTHEST:
+    if ratios[worst] <= MAX_RATIO_OF_LENGTHS:
         return ""
     short, long = order[first[worst]], order[last[worst]]
     return (
         f"the edge from vertex {edges[short, 0]} to {edges[short, 1]} is {lengths[short]:.4g} "
         f"long, and that from {edges[long, 0]} to {edges[long, 1]}, connected to it, "
-        f"{lengths[long]:.4g}: more than {FARTHEST:.0e} times as long, too far apart for "
-        "double precision"
+        f"{lengths[long]:.4g}: more than {MAX_RATIO_OF_LENGTHS:.0e} times as long, "
+        "too far apart for double precision"
     )
 
 
@@ -225,7 +225,7 @@ def _contracted(
     positive = lengths > 0
     part = connected_by_edges(edges, n_vertices)[edges[:, 0]]
     typical = _medians(lengths[positive], part[positive], n_vertices)
-    short = lengths < typical[part] / FARTHEST
+    short = lengths < typical[part] / MAX_RATIO_OF_LENGTHS
     short |= ~positive
     if not short.any():
         return edges, lengths, np.zeros(0, dtype=np.int64)

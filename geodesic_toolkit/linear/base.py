@@ -41,8 +41,8 @@ class Factor(abc.ABC):
     def solve_over(self, right_hand_side: FloatArray) -> FloatArray:
         """Return x as `solve` does, in the memory of the right-hand side where that can be.
 
-        For right-hand sides that nobody needs any more: large arrays are dear to come by. A solver
-        that has nothing to gain need not override it.
+        For right-hand sides that are not needed afterwards, because allocating large arrays is slow. A
+        solver that has nothing to gain need not override it.
 
         Parameters
         ----------

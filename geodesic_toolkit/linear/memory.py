@@ -1,4 +1,4 @@
-"""How much memory work would take, and whether there is that much."""
+"""Estimates of the memory that work takes, compared with the memory that is available."""
 
 import math
 import os
@@ -12,7 +12,7 @@ __all__ = ["array_bytes", "available_memory", "factor_bytes", "require_memory"]
 
 MEMINFO = Path("/proc/meminfo")
 
-FILL = 2.0
+FILL_PER_UNKNOWN = 2.0
 """Entries of L and U for one unknown and each power of two of their number, on surfaces.
 
 Measured with a minimum-degree ordering: 2.8 to 3.4 on square grids of 2,500 to 160,000 vertices, 3
@@ -20,13 +20,13 @@ to 12 on scans of 3,000 to 134,000, 2.8 to 4.8 on clouds. An estimate must refus
 so it takes less than the least.
 """
 
-THIN = 4
+MAX_ENTRIES_PER_ROW_OF_TREES = 4
 """Entries a row up to which a matrix is that of a path or a tree, which fill in hardly at all."""
 
-CARELESS = 1e8
+MIN_BYTES_CHECKED = 1e8
 """Bytes below which nobody asks whether they are there."""
 
-BYTES = 12
+BYTES_PER_ENTRY = 12
 """Of an entry: its value and a row index."""
 
 
@@ -42,9 +42,9 @@ def factor_bytes(unknowns: int, entries: int) -> float:
     >>> round(factor_bytes(1_000_000, 7_000_000) / 1e6)  # megabytes
     478
     """
-    if entries <= THIN * unknowns:
-        return float(BYTES * entries)
-    return BYTES * FILL * unknowns * math.log2(max(unknowns, 2))
+    if entries <= MAX_ENTRIES_PER_ROW_OF_TREES * unknowns:
+        return float(BYTES_PER_ENTRY * entries)
+    return BYTES_PER_ENTRY * FILL_PER_UNKNOWN * unknowns * math.log2(max(unknowns, 2))
 
 
 def available_memory() -> float:
@@ -94,7 +94,7 @@ def require_memory(needed: float, work: str) -> None:
     NotEnoughMemoryError
         The message says how much it needs, and how much there is.
     """
-    there = math.inf if needed < CARELESS else available_memory()
+    there = math.inf if needed < MIN_BYTES_CHECKED else available_memory()
     if needed > there:
         raise NotEnoughMemoryError(
             f"{work} needs about {needed / 1e9:.3g} GB of memory, and {there / 1e9:.3g} GB are "

@@ -88,7 +88,7 @@ class SharedAnalysis(Analysis):
         return self._analysis.factorize(given)
 
     def expected_bytes(self, n_factors: int | None = None) -> float:
-        """Return the bytes that making the factors takes, all of them unless told how many.
+        """Return the bytes that making the factors takes, all of them unless given how many.
 
         Known from their pattern alone, once that is analysed; 0 before, and where the solver does
         not foresee it.

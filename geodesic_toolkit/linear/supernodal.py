@@ -37,7 +37,7 @@ OF_LU = 1 / 3
 The analysis knows how many there are; this is to refuse at once what is hopeless.
 """
 
-TOLERANCE = 1e-4
+MAX_ERROR_OF_COMPACT_FACTOR = 1e-4
 """Error from which on a compact factor is not used. Measured on meshes and grids of up to 560,000
 vertices: 1e-6 to 7e-6."""
 
@@ -244,7 +244,7 @@ def _is_accurate(factor: SupernodalFactor, matrix: CompressedRows) -> bool:
         error = np.abs(factor.solve_over(row_sums) - 1).max(initial=0.0)
     except SolverError:  # the sums overflow, which is for the full factor to report
         return False
-    return bool(error <= TOLERANCE)
+    return bool(error <= MAX_ERROR_OF_COMPACT_FACTOR)
 
 
 def _require_finite(matrix: CompressedRows) -> None:

@@ -1,4 +1,4 @@
-"""What no distance along a surface can be: less than the straight line, more than along edges."""
+"""Bounds of distances along a surface: the straight line below, the path along edges above."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -26,7 +26,7 @@ class DistanceBounds:
     vertices : ndarray of shape (N, 3), float64
         NaN where no triangle is.
     indptr, indices : ndarray of int32
-        Edges that are ways along the surface, as a symmetric pattern in compressed rows with sorted
+        Edges that run along the surface, as a symmetric pattern in compressed rows with sorted
         columns; none where that is not certain.
     """
 
@@ -39,7 +39,7 @@ class DistanceBounds:
     ) -> None:
         """Raise and lower distances (K, N) in place, one row for each of K source sets.
 
-        None stays below the straight line to the nearest source, and none above the shortest way
+        None stays below the straight line to the nearest source, and none above the shortest path
         along edges. Infinite ones stay.
         """
         begins, places, starts = [0], [], []

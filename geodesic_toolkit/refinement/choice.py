@@ -1,4 +1,4 @@
-"""How distances are refined where the caller leaves it open, and why."""
+"""The choice of how distances are refined by default, with its reason."""
 
 from typing import Literal
 
@@ -6,11 +6,11 @@ import numpy as np
 
 from geodesic_toolkit.discretization.data import Discretization
 from geodesic_toolkit.discretization.edge_gradient import EdgeGradient
-from geodesic_toolkit.geometry.across_edges import OF_TRIANGLES, SOLID
+from geodesic_toolkit.geometry.across_edges import MIN_GROWTH_OF_SOLIDS, OF_TRIANGLES
 from geodesic_toolkit.geometry.along_edges import AlongEdges
 from geodesic_toolkit.geometry.lines import (
     FEW_LENGTHS,
-    LIKE,
+    LENGTH_TOLERANCE,
     NEARLY_EVERYWHERE,
     is_network,
     share_of_meshes,
@@ -20,8 +20,8 @@ from geodesic_toolkit.refinement.wavefronts import made_of_triangles
 
 __all__ = ["refinement_of"]
 
-DEAR = 3e5
-"""Cube of the width of a graph, for each vertex, from which on a factor is too dear.
+MAX_CUBED_WIDTH_PER_VERTEX = 3e5
+"""Cube of the width of a graph, for each vertex, from which on a factor is too expensive.
 
 The width is that of the widest level of a breadth-first search, and a factor takes about a dozen
 times its cube in multiplications: at most a millisecond for each vertex. In a square of n vertices
@@ -73,39 +73,42 @@ def refinement_of(
 
 
 def _on_graph(
-    ways: AlongEdges, metric: Discretization, heat_is_meant: bool
+    paths: AlongEdges, metric: Discretization, heat_is_meant: bool
 ) -> tuple[bool | Literal["across"], str]:
-    if ways.instead_of_heat:
-        return True, f"the way along edges: {ways.instead_of_heat}"
+    if paths.instead_of_heat:
+        return True, f"the path along edges: {paths.instead_of_heat}"
     assert isinstance(metric.gradient, EdgeGradient)  # for the type checker
     edges = metric.gradient.edges  # without those of length 0
-    share = share_of_meshes(ways.n_vertices, edges)
+    share = share_of_meshes(paths.n_vertices, edges)
     if share <= NEARLY_EVERYWHERE:
         return True, (
-            f"the way along edges: the graph is one-dimensional but for {share:.1%} of its vertices"
+            f"the path along edges: the graph is one-dimensional except at {share:.1%} of its "
+            "vertices"
         )
-    proper = ways.lengths > 0
-    if metric.local_scale and is_network(ways.n_vertices, ways.edges[proper], ways.lengths[proper]):
+    proper = paths.lengths > 0
+    if metric.local_scale and is_network(
+        paths.n_vertices, paths.edges[proper], paths.lengths[proper]
+    ):
         return True, (
-            "the way along edges: junctions have up to four neighbours, and edges all kinds of "
+            "the path along edges: junctions have up to four neighbours, and edges all kinds of "
             "lengths, as in a street network; refine=False, or a dim, takes it for samples"
         )
-    return _on_samples(ways, metric, heat_is_meant)
+    return _on_samples(paths, metric, heat_is_meant)
 
 
 def _on_samples(
-    ways: AlongEdges, metric: Discretization, heat_is_meant: bool
+    paths: AlongEdges, metric: Discretization, heat_is_meant: bool
 ) -> tuple[bool | Literal["across"], str]:
     """Return how to measure a graph whose vertices are samples."""
     assert isinstance(metric.gradient, EdgeGradient)  # for the type checker
     across = metric.local_scale and not heat_is_meant
-    gaps = _gaps(metric) if across and _like_lattice(ways) else "unknown"
+    gaps = _gaps(metric) if across and _like_lattice(paths) else "unknown"
     if not gaps:
         return "across", "fronts can cross the corners of the lattice"
-    width = widest_level(ways.n_vertices, metric.gradient.edges)
-    if float(width) ** 3 > DEAR * ways.n_vertices:
+    width = widest_level(paths.n_vertices, metric.gradient.edges)
+    if float(width) ** 3 > MAX_CUBED_WIDTH_PER_VERTEX * paths.n_vertices:
         return True, (
-            f"the way along edges: a front from one vertex is {width} vertices wide, and a factor "
+            f"the path along edges: a front from one vertex is {width} vertices wide, and a factor "
             "would take too long; refine=False insists on it"
         )
     if not across:
@@ -116,19 +119,19 @@ def _on_samples(
     return False, f"heat, across the edges, 5 to 15 % off: {gaps}; more neighbours would do"
 
 
-def _like_lattice(ways: AlongEdges) -> bool:
+def _like_lattice(paths: AlongEdges) -> bool:
     """Return whether edges are as those of a lattice, of which a front may be of any width."""
-    if np.bincount(ways.edges.ravel(), minlength=1).max() > AROUND_A_VOXEL:
+    if np.bincount(paths.edges.ravel(), minlength=1).max() > AROUND_A_VOXEL:
         return False
-    proper = ways.lengths[ways.lengths > 0]
-    return len(np.unique(np.round(np.log(proper) / LIKE))) <= FEW_LENGTHS
+    proper = paths.lengths[paths.lengths > 0]
+    return len(np.unique(np.round(np.log(proper) / LENGTH_TOLERANCE))) <= FEW_LENGTHS
 
 
 def _gaps(metric: Discretization) -> str:
     """Return which gaps corners leave between the edges of a graph, "" where next to none."""
     assert metric.across_edges is not None  # graphs have both
     corners = metric.across_edges.corners
-    if corners.growth > SOLID and OF_TRIANGLES < corners.closed < OPEN_SOLID:
+    if corners.growth > MIN_GROWTH_OF_SOLIDS and OF_TRIANGLES < corners.closed < OPEN_SOLID:
         return f"in a solid, triangles surround {corners.closed:.0%} of the edges only"
     if corners.covered < (WHOLE_LATTICE if corners.lattice else WHOLE):
         return f"there are gaps between the edges at {1 - corners.covered:.0%} of the junctions"

@@ -30,7 +30,7 @@ from geodesic_toolkit.sources.points import SourcePoints
 
 __all__ = ["WavefrontSweeper", "made_of_triangles"]
 
-TOLERANCE = 1e-6
+SWEEP_TOLERANCE = 1e-6
 """Improvement, in mean edge lengths, below which a vertex is left as it is.
 
 With 3e-4 sweeps take 1 % less time (87.7 instead of 89.0 ms of CPU a source at 557,000 vertices),
@@ -42,7 +42,7 @@ MAX_SWEEPS = 100
 """Sweeps after which improvement stops, unless some vertex has not been reached; two are the rule,
 of which the second finds nothing to do."""
 
-RETURNS = 8
+MAX_RETURNS_PER_VERTEX = 8
 """Times, for each vertex, that a sweep may go back in its order; it does 0.01 to 0.1 times, and
 then one sweep is enough. Heat that says nothing about distance must not make it endless.
 
@@ -60,7 +60,7 @@ sensors and of surfaces, three sources each. Mean errors of 48 sources on eight 
 0.002 percentage points for anything from 0 to 8.
 """
 
-LARGE = 1_000
+MIN_VERTICES_OF_EARLY_RETURNS = 1_000
 """Vertices from which on the first sweep goes back too; on smaller meshes it keeps to the order of
 the heat, as there is no time to gain.
 
@@ -69,12 +69,12 @@ matters: its mesh reads 0.44 % with such a first sweep and 0.52 % without, where
 make no difference. Seven meshes, of 20 to 60 sources each: 0.2225 and 0.2224 %.
 """
 
-COARSE = 0.3
+CURVATURE_OF_HALF_WEIGHT = 0.3
 """Curvature of a vertex, K h², at which it counts for half.
 
 A vertex is not a sample of a smooth surface where its angle defect is of the order of 1; there the
-front splits instead of bending. K is damped to ``K / (1 + |K| h² / COARSE)``, which on smooth
-surfaces vanishes with h².
+front splits instead of bending. K is damped to ``K / (1 + |K| h² / CURVATURE_OF_HALF_WEIGHT)``; on
+smooth surfaces the damping vanishes with h².
 """
 
 COARSE_STARS = 0.1
@@ -82,7 +82,7 @@ COARSE_STARS = 0.1
 samples of five meshes is 0.95 % with it, 1.08 % with 0.3 and 0.74 % without curvature; over clouds
 of the vertices of ten meshes 0.25, 0.26 and 0.45 %."""
 
-SHARP = 0.5
+MIN_DEFECT_OF_CORNERS = 0.5
 """Angle defect of a vertex, to either side, from which on its edges are not flipped.
 
 Over the battery of docs/accuracy.md the mean error is 0.172 % on the given triangles, 0.179 if all
@@ -90,7 +90,7 @@ are made Delaunay (that fox has vertices of 0.5 to 1.5, and goes from 0.44 to 0.
 0.3 and 0.7 give 0.162 and 0.166.
 """
 
-REFLEX = 0.8
+MIN_ANGLE_OF_REFLEX_CORNERS = 0.8
 """Angle beyond π at a vertex of the boundary from which on fronts that come to it along an edge
 turn about it: what lies behind sees nothing but that vertex. Plates with a notch read 0.42 instead
 of 0.55 %, a mesh with holes 0.53 instead of 0.64. From 0.1 on it is 0.51 there, but 0.45 instead of
@@ -171,9 +171,11 @@ class WavefrontSweeper:
             vertices,
             known,
             curvatures,
-            TOLERANCE * np.minimum.reduceat(self.metric.scales[vertices], begins[:-1]),
-            returns=int((RETURNS_AMONG_STARS if self._gradient.stars else RETURNS) * count),
-            steady=int(count < LARGE),
+            SWEEP_TOLERANCE * np.minimum.reduceat(self.metric.scales[vertices], begins[:-1]),
+            returns=int(
+                (RETURNS_AMONG_STARS if self._gradient.stars else MAX_RETURNS_PER_VERTEX) * count
+            ),
+            steady=int(count < MIN_VERTICES_OF_EARLY_RETURNS),
             most_sweeps=MAX_SWEEPS,
             distances=distances,
             n_threads=n_threads,
@@ -212,7 +214,7 @@ class WavefrontSweeper:
 
     @cached_property
     def _unheard(self) -> BoolArray:
-        """Which points are in the stars of fewer than 3 of 4 of those in theirs, of shape (N,).
+        """Return a mask, (N,), of points in the stars of fewer than 3 of 4 of their neighbours.
 
         Empty where none is.
         """
@@ -267,24 +269,24 @@ class WavefrontSweeper:
         if not coherent:
             return elements, inverse, areas
         faces, lengths = elements.copy(), _native.edge_lengths(inverse)
-        sharp = ~self.metric.boundary & (np.abs(self._defects) > SHARP)
+        sharp = ~self.metric.boundary & (np.abs(self._defects) > MIN_DEFECT_OF_CORNERS)
         if not _native.flip_edges(faces, lengths, twin, sharp):
             return elements, inverse, areas
         return faces, *_native.measure_lengths(lengths)
 
     @cached_property
     def _defects(self) -> FloatArray:
-        """What the (N,) angles about vertices lack of 2π, where the domain ends of π."""
+        """Return the angle defects, (N,): 2π, or π at the boundary, minus the total angles."""
         triangles = (self._gradient.elements, self._gradient.inverse_frames)
         return _native.angle_defects(*triangles, self.metric.boundary)
 
     @cached_property
     def _reflex(self) -> BoolArray:
-        """Whether the (N,) fronts that come along an edge turn about a corner of the boundary."""
+        """Return a mask, (N,), of reflex corners of the boundary, about which fronts turn."""
         boundary = self.metric.boundary
         if self._gradient.stars or not boundary.any():
             return np.zeros(len(boundary), dtype=np.bool_)
-        return np.asarray(boundary & (self._defects < -REFLEX))
+        return np.asarray(boundary & (self._defects < -MIN_ANGLE_OF_REFLEX_CORNERS))
 
     @property
     def _gradient(self) -> ElementGradient:
@@ -307,4 +309,4 @@ class WavefrontSweeper:
         if gradient.stars:
             return _native.star_curvatures(elements, frames, boundary, COARSE_STARS)
         triangles = (elements, areas, self._defects)
-        return _native.curvatures(*triangles, self._corners, boundary, COARSE)
+        return _native.curvatures(*triangles, self._corners, boundary, CURVATURE_OF_HALF_WEIGHT)

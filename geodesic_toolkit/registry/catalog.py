@@ -42,7 +42,7 @@ solvers: Registry[type[LinearSolver]] = Registry(
 readers: Registry[Any] = Registry("geodesic_toolkit.readers", "reader", _is_callable)
 """Functions from a path to a domain, by file suffix without its dot."""
 
-COMPACT = 20_000
+MIN_UNKNOWNS_OF_COMPACT_FACTOR = 20_000
 """Unknowns from which on a factor does not stay in the processor's cache, and half of it pays."""
 
 
@@ -118,7 +118,7 @@ def resolve_solvers(
     InvalidOptionError
         A dictionary with other keys.
     """
-    compact = bool(refine) or n_unknowns >= COMPACT
+    compact = bool(refine) or n_unknowns >= MIN_UNKNOWNS_OF_COMPACT_FACTOR
     if isinstance(choice, dict):
         unknown = set(choice) - {"heat", "poisson"}
         if unknown:

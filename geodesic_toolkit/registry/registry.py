@@ -26,7 +26,7 @@ LOCAL = "registered in this process"
 
 @dataclass(frozen=True)
 class PluginStatus:
-    """What a listing shows of one plugin.
+    """The status of one plugin, as listings show it.
 
     Attributes
     ----------
@@ -51,13 +51,13 @@ class PluginStatus:
 
     @property
     def usable(self) -> bool:
-        """Whether it loads."""
+        """True if the plugin loads."""
         return self.error is None
 
 
 @dataclass
 class _Entry:
-    """One registration, and what came of loading it."""
+    """A registration, and the outcome of loading it."""
 
     name: str
     distribution: str

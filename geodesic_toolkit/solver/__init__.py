@@ -1,4 +1,4 @@
-"""One shape, many sources: the solver that users hold, and what it tells of itself.
+"""The solver: one shape, many sources, and diagnosis.
 
 Imports everything below it, down to domains; nothing below imports it.
 """

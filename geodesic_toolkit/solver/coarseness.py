@@ -1,4 +1,4 @@
-"""Whether plain heat is to be trusted on a mesh: it is held against refined distances.
+"""A check of plain heat on a mesh against refined distances.
 
 No length and no count tells: rings of 64 vertices read 7 % too much, grids of 100 vertices 6 %, and
 cylinders of 128 can be right. The refined distance does, as its own error is several times smaller.
@@ -24,9 +24,9 @@ from geodesic_toolkit.refinement.polyhedra import SmallParts, small_parts_of
 from geodesic_toolkit.refinement.wavefronts import WavefrontSweeper
 from geodesic_toolkit.sources.points import SourcePoints
 
-__all__ = ["LARGEST", "LIMIT", "Judge", "coarse_components"]
+__all__ = ["MAX_MEAN_DIFFERENCE", "MAX_VERTICES_OF_COARSE_PARTS", "Judge", "coarse_components"]
 
-LIMIT = 0.04
+MAX_MEAN_DIFFERENCE = 0.04
 """Mean relative difference of plain heat and refined distance from which on a mesh is coarse.
 
 Measured against exact distances from 1,735 sources on grids, strips, cylinders, rings, capsules,
@@ -34,11 +34,11 @@ boxes, cones, tori, spheres, random triangulations and parts of a truck. Of 1,12
 than 5 % of error all are found by any limit from 1 to 4.5 %, and all but 14 by 5 %; of 31 with less
 than 1 % none is, by any of these. Half of the shapes were held out, and do not differ."""
 
-LARGEST = 2_000
+MAX_VERTICES_OF_COARSE_PARTS = 2_000
 """Vertices of a part up to which it may be coarse: of those shapes none of more than 802 is more
 than 5 % off, from one source in each part and with the options as they are unless given."""
 
-JUDGED = 4
+N_JUDGED_SOURCE_SETS = 4
 """Source sets on each part of a mesh by which plain heat is judged: from others its error is much
 the same, and to judge takes as long as to solve."""
 
@@ -72,7 +72,7 @@ class Judge:
 
         Not where heat is not positive: the warning of that knows the cause.
         """
-        left = JUDGED  # sets of several sources differ in what these do to each other
+        left = N_JUDGED_SOURCE_SETS  # sets of several sources differ in what these do to each other
         for places, plain in zip(sets, distances, strict=True):
             if self._is_trusted(places):
                 continue
@@ -82,7 +82,7 @@ class Judge:
             if several and left < 0:
                 continue
             error, part = self._several(places, plain) if several else self._single(places, plain)
-            if error > LIMIT:
+            if error > MAX_MEAN_DIFFERENCE:
                 if not self._method.heat_report(places).harmful:
                     self._warn(error, part, int(counts[parts == part].sum()))
                 return
@@ -90,7 +90,11 @@ class Judge:
     def _is_trusted(self, places: SourcePoints) -> bool:
         """Return whether there is but one source, on a large part: the usual case."""
         part = self._metric.components[places.vertices[0]]
-        return places.count == 1 and not self._unusual and bool(self._sizes[part] > LARGEST)
+        return (
+            places.count == 1
+            and not self._unusual
+            and bool(self._sizes[part] > MAX_VERTICES_OF_COARSE_PARTS)
+        )
 
     def _several(self, places: SourcePoints, plain: FloatArray) -> tuple[float, int]:
         found = self._found(places, plain)
@@ -99,9 +103,11 @@ class Judge:
     def _single(self, places: SourcePoints, plain: FloatArray) -> tuple[float, int]:
         parts = distinct(places.components(self._metric))
         own = self._sizes[parts]
-        parts = parts[(own > 1) & (bool(self._unusual) | (own <= LARGEST))].tolist()
+        parts = parts[
+            (own > 1) & (bool(self._unusual) | (own <= MAX_VERTICES_OF_COARSE_PARTS))
+        ].tolist()
         with self._lock:
-            if any(len(self._errors.get(part, ())) < JUDGED for part in parts):
+            if any(len(self._errors.get(part, ())) < N_JUDGED_SOURCE_SETS for part in parts):
                 found = self._found(places, plain)
                 for part in parts:
                     self._errors.setdefault(part, []).append(found.get(part, 0.0))
@@ -142,10 +148,13 @@ def _plain_heat_errors(
     -------
     dict of int to float
         By component, relative to the distance; without those that have no source, more than
-        `LARGEST` vertices, or but one.
+        `MAX_VERTICES_OF_COARSE_PARTS` vertices, or but one.
     """
     sizes = np.bincount(components)
-    small = sources[(sizes > 1)[components[sources]] & (sizes <= LARGEST)[components[sources]]]
+    small = sources[
+        (sizes > 1)[components[sources]]
+        & (sizes <= MAX_VERTICES_OF_COARSE_PARTS)[components[sources]]
+    ]
     if not len(small):
         return {}
     wanted = np.zeros(len(sizes), dtype=np.bool_)
@@ -205,4 +214,4 @@ def coarse_components(mesh: TriangleMesh, components: IntArray) -> int:
         probes = order[begins + (along * (sizes - 1)).astype(np.int64)]
         for part, error in _plain_heat_errors(mesh, components, probes).items():
             probed.setdefault(part, []).append(error)
-    return sum(float(np.mean(errors)) > LIMIT for errors in probed.values())
+    return sum(float(np.mean(errors)) > MAX_MEAN_DIFFERENCE for errors in probed.values())

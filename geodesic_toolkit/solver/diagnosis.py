@@ -1,4 +1,4 @@
-"""What a shape is like, and what was done about it."""
+"""The diagnosis of a shape: its properties, and their treatment."""
 
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass
@@ -22,7 +22,7 @@ __all__ = ["Diagnosis", "diagnose"]
 
 @dataclass(frozen=True)
 class Diagnosis:
-    """What a shape is like, and what was done about it.
+    """The diagnosis of a shape: its properties, and their treatment.
 
     Attributes
     ----------
@@ -49,7 +49,7 @@ class Diagnosis:
         Share of the off-diagonal entries of the diffusion's stiffness that are positive, where a
         Laplacian with a maximum principle has none.
     refined : bool
-        Whether distances are refined. On a graph refined ones are the shortest ways along edges.
+        Whether distances are refined. On a graph refined ones are the shortest paths along edges.
     across : bool
         Whether fronts cross the corners of a graph. Where neither is so, distances are plain
         heat's.

@@ -10,7 +10,7 @@ from geodesic_toolkit.domains import Domain
 from geodesic_toolkit.errors import InvalidSourceError
 from geodesic_toolkit.solver.assembly import Assembly
 from geodesic_toolkit.sources.locate import locate_sources
-from geodesic_toolkit.sources.points import LEFT, SourcePoints
+from geodesic_toolkit.sources.points import ADVICE_ON_MASKED_SOURCES, SourcePoints
 
 if TYPE_CHECKING:
     from geodesic_toolkit.sources.ground import Ground
@@ -114,7 +114,9 @@ class SourceLocator:
                 f"source sets must be a sequence of them, not {source_sets!r}; "
                 "for one set use distance"
             )
-        check_nothing_masked(source_sets, "source sets", InvalidSourceError, LEFT)
+        check_nothing_masked(
+            source_sets, "source sets", InvalidSourceError, ADVICE_ON_MASKED_SOURCES
+        )
         sets = list(source_sets)
         if not sets:
             raise InvalidSourceError("there are no source sets; give at least one")

@@ -47,7 +47,7 @@ class SurfaceSolver(SourceLocator, abc.ABC):
         linearly, within a few edges of a source after the straight line from it is taken off: the
         kink there comes out right. A face that touches a masked vertex is entered from its other
         corners, and not crossed. :meth:`interpolate` does this with distances that are at hand,
-        :meth:`nearest_source` tells sources apart.
+        :meth:`nearest_source` distinguishes sources.
 
         The tree that finds triangles is built by the first call and kept. Millions of points are
         worked on in batches, which change nothing but the memory that it takes: beside the tree,

@@ -23,17 +23,17 @@ from geodesic_toolkit.sources.points import SourcePoints
 
 __all__ = ["Surface", "as_points", "check_reach", "interpolate"]
 
-REACH = 2.0
-"""Mean edge lengths from the surface within which a point has a distance, unless told otherwise."""
+DEFAULT_REACH = 2.0
+"""Mean edge lengths from the surface within which a point has a distance, unless given."""
 
-NEAR = 2.0
+RADIUS_OF_STRAIGHT_LINES = 2.0
 """Mean edge lengths around a source in which the straight line is the better guide; it fades out
 over as many again."""
 
 ON_CORNER = 1e-9
 """Barycentric weight below which a corner does not count: a foot is found to so many digits."""
 
-BATCH = 100_000
+POINTS_PER_BATCH = 100_000
 """Points that are worked on at once: some 50 MB."""
 
 
@@ -66,8 +66,8 @@ def interpolate(
     points : array-like of shape (Q, 3) or (3,)
         In the unit of the domain.
     reach : float, optional
-        How far from its foot a point may lie, in that unit; by default :data:`REACH` times the
-        mean edge length.
+        How far from its foot a point may lie, in that unit; by default :data:`DEFAULT_REACH`
+        times the mean edge length.
     sources : SourcePoints, optional
         Where `distance` was measured from.
 
@@ -99,7 +99,7 @@ def interpolate(
 
 @dataclass(frozen=True)
 class _Feet:
-    """Where some points stand on the surface.
+    """Feet of points on the surface.
 
     Attributes
     ----------
@@ -271,7 +271,7 @@ class Surface:
         """Return the points at which values are less than the least so far, and these values."""
         least = values[feet.corners].min(axis=1)
         # Save by rounding, or where there is a kink, no value is below the least of its corners.
-        reached = 0.0 if kinks is None else 2 * NEAR * self._spacing
+        reached = 0.0 if kinks is None else 2 * RADIUS_OF_STRAIGHT_LINES * self._spacing
         limit = np.maximum((1 + 1e-12) * nearest[feet.rows], reached)
         some = feet.chosen(np.flatnonzero(least < limit))
         found = self._values(values, some, kinks)
@@ -282,7 +282,7 @@ class Surface:
         self, queries: NDArray[Any], reach: float | None, progress: Progress | None
     ) -> Iterator[_Feet]:
         """Yield the feet of the points that are within reach, batch by batch."""
-        limit = REACH * self._spacing if reach is None else float(reach)
+        limit = DEFAULT_REACH * self._spacing if reach is None else float(reach)
         if self._box is None:
             return
         low, high = self._box
@@ -320,7 +320,7 @@ class Surface:
         if kinks is not None:
             rings = found / self._spacing
             rings[beyond] = np.inf  # no linear function there
-            near = np.flatnonzero(rings < 2 * NEAR)
+            near = np.flatnonzero(rings < 2 * RADIUS_OF_STRAIGHT_LINES)
             missed = kinks.missed(feet.weights[near], self._positions[corners[near]], rings[near])
             found[near] = np.maximum(found[near] + missed, 0.0)
         return found
@@ -339,8 +339,10 @@ class Surface:
         on = np.flatnonzero(~within)
         if len(on):
             rows, faces = self._faces_around(corners[on], feet.weights[on] > ON_CORNER)
-            ways = entered(self._positions, values, self._faces[faces], places[on[rows]])
-            np.minimum.at(least, on[rows], ways)
+            entered_distances = entered(
+                self._positions, values, self._faces[faces], places[on[rows]]
+            )
+            np.minimum.at(least, on[rows], entered_distances)
         return least
 
     def _faces_around(self, corners: IntArray, held: BoolArray) -> tuple[IntArray, IntArray]:
@@ -364,7 +366,7 @@ class Surface:
 
 
 class _Kinks:
-    """What linear interpolation misses near sources, where distance is not a linear function.
+    """Corrections of linear interpolation near sources, where distance is not a linear function.
 
     Parameters
     ----------
@@ -385,7 +387,7 @@ class _Kinks:
         """
         straight = self._straight(np.einsum("qc,qcd->qd", weights, corners))
         missed = straight - _mean(weights, self._straight(corners))
-        fading = np.clip(2 - rings / NEAR, 0.0, 1.0)
+        fading = np.clip(2 - rings / RADIUS_OF_STRAIGHT_LINES, 0.0, 1.0)
         return np.asarray(missed * fading)
 
     def _straight(self, places: FloatArray) -> FloatArray:
@@ -422,8 +424,8 @@ def as_points(points: Any) -> NDArray[Any]:
 
 
 def _batches(count: int) -> Iterator[slice]:
-    for start in range(0, count, BATCH):
-        yield slice(start, min(start + BATCH, count))
+    for start in range(0, count, POINTS_PER_BATCH):
+        yield slice(start, min(start + POINTS_PER_BATCH, count))
 
 
 def check_reach(reach: float | None) -> None:

@@ -57,7 +57,7 @@ class GeodesicSolver(SurfaceSolver):
         True: sweep wavefronts over the triangles in the order of the heat, instead of solving the
         Poisson equation. That is several times more accurate on meshes and clouds, and exact at
         the sources. False: plain heat, the paper's own result, which is smooth. On a graph True is
-        the shortest way along its edges, and False the distance across them of what it samples,
+        the shortest path along its edges, and False the distance across them of what it samples,
         by heat. "across" measures the latter by fronts that cross the triangles and quadrangles of
         a graph. "auto" refines wherever the elements are triangles, and on graphs that are made of
         lines, as trees and streets, or whose factor would take too long; lets fronts cross graphs
@@ -147,7 +147,7 @@ class GeodesicSolver(SurfaceSolver):
             In the unit of the domain; ``inf`` where no source connects. Every source vertex reads
             exactly 0, or the offset that it starts with, and nothing less than the least of them.
             On a mesh refined distances are nowhere below the straight line to the nearest source,
-            nor above the shortest way along edges; on a cloud not below that line.
+            nor above the shortest path along edges; on a cloud not below that line.
 
         Raises
         ------
@@ -246,12 +246,12 @@ class GeodesicSolver(SurfaceSolver):
 
     @property
     def seams(self) -> Seams | None:
-        """Where a mesh is cut along edges of its boundary that lie upon each other, or None."""
+        """The seams of a mesh, where boundary edges coincide, or None."""
         return self._assembly.seams
 
     @property
     def diagnosis(self) -> "Diagnosis":
-        """What the shape is like and what was done about it; computed on first use."""
+        """The diagnosis of the shape; computed on first use."""
         from geodesic_toolkit.solver.diagnosis import diagnose
 
         with self._lock:

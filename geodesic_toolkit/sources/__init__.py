@@ -1,4 +1,4 @@
-"""From what a user says to columns of a right-hand side: kinds, places on the shape, weights.
+"""Sources: from what a user gives to columns of a right-hand side (kinds, positions, weights).
 
 Imports discretizations, geometry and domains.
 """

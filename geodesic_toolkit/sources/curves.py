@@ -6,14 +6,14 @@ from geodesic_toolkit.core.types import BoolArray, FloatArray, IntArray
 
 __all__ = ["bends_of_polyline", "distance_to_segments", "sample_polyline"]
 
-KINK = 0.5
+MIN_ANGLE_OF_KINKS = 0.5
 """Turn of a polyline, in radians, from which on it is a kink of the curve and no part of a bend: as
 much as a circle of the least radius that a mesh resolves, two edges, turns by along one. Within an
 edge's length all others must turn by less than that together, or else it is one of the steps of a
 staircase, or of a loop too small to have corners.
 """
 
-WINDOW = 4.0
+WINDOW_OF_CURVATURE = 4.0
 """Mean edge lengths over which a bend is averaged: steps from face to face are noise."""
 
 
@@ -104,7 +104,7 @@ def bends_of_polyline(
     """
     steps = np.diff(corners, axis=0)
     ends = np.concatenate([[0.0], np.cumsum(np.linalg.norm(steps, axis=1))])
-    half = min(WINDOW * spacing, ends[-1]) / 2
+    half = min(WINDOW_OF_CURVATURE * spacing, ends[-1]) / 2
     before, after = (
         part - np.einsum("pd,pd->p", part, normals)[:, None] * normals
         for part in (np.vstack([steps[-1:], steps]), np.vstack([steps, steps[:1]]))
@@ -140,4 +140,6 @@ def _are_kinks(turns: FloatArray, places: FloatArray, spacing: float, closed: bo
         turned[np.searchsorted(along, places + reach, side="right")]
         - turned[np.searchsorted(along, places - reach, side="left")]
     )
-    return np.asarray((np.abs(turns) > KINK) & (near - np.abs(turns) < KINK))
+    return np.asarray(
+        (np.abs(turns) > MIN_ANGLE_OF_KINKS) & (near - np.abs(turns) < MIN_ANGLE_OF_KINKS)
+    )

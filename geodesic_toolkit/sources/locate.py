@@ -14,18 +14,18 @@ from geodesic_toolkit.errors import FarSourceWarning, InvalidSourceError
 from geodesic_toolkit.geometry.triangles import face_edge_lengths
 from geodesic_toolkit.sources.ground import Ground, lies_in_triangles
 from geodesic_toolkit.sources.kinds import Curve, OffsetSources
-from geodesic_toolkit.sources.points import LEFT, SourcePoints, as_vertices
+from geodesic_toolkit.sources.points import ADVICE_ON_MASKED_SOURCES, SourcePoints, as_vertices
 from geodesic_toolkit.sources.surface_point import SurfacePoint
 
 __all__ = ["locate_sources"]
 
-SAMPLES = 4
+SAMPLES_PER_EDGE = 4
 """Samples of a curve to a mean edge length."""
 
-FEW = 8
+MIN_VERTICES_OF_LABELS = 8
 """Vertices of a shape from which on repeated sources, as many as there are vertices, are labels."""
 
-LEAST = 0.25
+MIN_SHARE_OF_FRONT = 0.25
 """Share of its length to which a front that leaves a curve may have shrunk at the next vertex: one
 that the curve bends about more closely than edges are long."""
 
@@ -78,7 +78,7 @@ def locate_sources(
         return replace(places, starts=sources.offsets, copy=False)
     if isinstance(sources, Curve):
         return _along(domain, ground or _ground(passable or domain, name), sources, name)
-    check_nothing_masked(sources, name, InvalidSourceError, LEFT)
+    check_nothing_masked(sources, name, InvalidSourceError, ADVICE_ON_MASKED_SOURCES)
     located = _as_located(domain, sources, name)
     if located is not None:
         return _between(domain, located)
@@ -172,7 +172,11 @@ def _check_one_meaning(array: Any, domain: Domain, name: str) -> None:
 
 def _check_no_labels(array: Any, n_vertices: int, name: str) -> None:
     """Raise where integers may be a label, or 0 and 1, for each vertex: sources do not repeat."""
-    if array.dtype.kind not in "iu" or array.shape != (n_vertices,) or n_vertices < FEW:
+    if (
+        array.dtype.kind not in "iu"
+        or array.shape != (n_vertices,)
+        or n_vertices < MIN_VERTICES_OF_LABELS
+    ):
         return
     values = np.unique(array)
     if 2 * len(values) <= n_vertices:
@@ -238,15 +242,15 @@ def _along(domain: Domain, ground: Ground, curve: Curve, name: str) -> SourcePoi
         corners = curve.points
     passable = ground.domain
     spacing = _spacing(passable)
-    step = spacing / SAMPLES
+    step = spacing / SAMPLES_PER_EDGE
     if curve.closed:
         corners = np.concatenate([corners, corners[:1]])
     corners = corners[np.append(True, (corners[1:] != corners[:-1]).any(axis=1))]
     length = np.linalg.norm(np.diff(corners, axis=0), axis=1).sum()
     if not length < MOST_SAMPLES * step:
         raise InvalidSourceError(
-            f"{name}: the curve is {length / (SAMPLES * step):.3g} times as long as the mean edge; "
-            "is it in the unit of the shape?"
+            f"{name}: the curve is {length / (SAMPLES_PER_EDGE * step):.3g} times as long as the mean "
+            "edge; is it in the unit of the shape?"
         )
     points, places = sample_polyline(corners, step)
     at = ground.closest(points)
@@ -336,7 +340,7 @@ def _fronts_beside(
     leaving = -side * bends[:, None]
     with np.errstate(divide="ignore"):
         curvatures = np.where(
-            beside, leaving / np.maximum(1 + leaving * distances, LEAST), 1 / distances
+            beside, leaving / np.maximum(1 + leaving * distances, MIN_SHARE_OF_FRONT), 1 / distances
         )
     return distances, curvatures
 

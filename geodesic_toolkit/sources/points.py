@@ -19,10 +19,12 @@ if TYPE_CHECKING:
 
 __all__ = ["SourcePoints", "as_vertices"]
 
-LEFT = "those that count are {}.compressed(), or of a table its rows that are whole"
+ADVICE_ON_MASKED_SOURCES = (
+    "those that count are {}.compressed(), or of a table its rows that are whole"
+)
 """What to give in the place of sources of which some are masked."""
 
-LAYER = 200.0
+LOG_RANGE_OF_LAYER = 200.0
 """Powers of e between the sources of one right-hand side; float64 has 700."""
 
 
@@ -148,12 +150,12 @@ class SourcePoints(FrozenArrays):
 
     @cached_property
     def delayed(self) -> bool:
-        """Whether any of the points starts at something else than 0."""
+        """True if any of the points starts at a value other than 0."""
         return bool(self.starts.any())
 
     @property
     def radial(self) -> bool:
-        """Whether distance grows from 0 in circles about the points: no curve, no head starts."""
+        """True if distance grows from 0 in circles about the points: not a curve, no offsets."""
         return bool((self.curvatures > 0).all() and not self.delayed)
 
     def first_to_start(self, components: IntArray) -> BoolArray:
@@ -208,13 +210,15 @@ class SourcePoints(FrozenArrays):
         least = np.full(components.max() + 1, np.inf)
         np.minimum.at(least, components, self.starts)
         delay = (self.starts - least[components]) * decay
-        layers = np.floor(delay / LAYER)
+        layers = np.floor(delay / LOG_RANGE_OF_LAYER)
         loads = []
         for layer in np.unique(layers):
             strength = np.where(
-                layers == layer, np.exp(np.minimum(layer * LAYER - delay, 0.0)), 0.0
+                layers == layer, np.exp(np.minimum(layer * LOG_RANGE_OF_LAYER - delay, 0.0)), 0.0
             )
-            loads.append((vertices, weights * strength[self.rows], -float(layer) * LAYER))
+            loads.append(
+                (vertices, weights * strength[self.rows], -float(layer) * LOG_RANGE_OF_LAYER)
+            )
         return loads
 
     def components(self, discretization: Discretization) -> IntArray:
@@ -252,7 +256,7 @@ def as_vertices(sources: Any, n_vertices: int, name: str = "sources") -> IntArra
     """
     if isinstance(sources, int) and not isinstance(sources, bool) and 0 <= sources < n_vertices:
         return np.array([sources], dtype=np.int64)  # by far the most frequent
-    check_nothing_masked(sources, name, InvalidSourceError, LEFT)
+    check_nothing_masked(sources, name, InvalidSourceError, ADVICE_ON_MASKED_SOURCES)
     try:
         array = np.atleast_1d(np.asarray(sources))
     except (ValueError, TypeError) as error:

@@ -13,7 +13,7 @@ __all__ = ["Check", "ConformanceReport", "Measured", "Outcome", "as_checks", "ru
 
 
 class Measured(NamedTuple):
-    """One measurement of a law: it holds where ``figure <= bound``.
+    """A measurement of a law, which holds if ``figure <= bound``.
 
     Attributes
     ----------
@@ -31,7 +31,7 @@ class Measured(NamedTuple):
 
     @property
     def holds(self) -> bool:
-        """Whether the figure keeps within the bound."""
+        """True if the figure is within the bound."""
         return self.figure <= self.bound
 
 
@@ -50,7 +50,7 @@ def worst(measurements: Iterable[Measured]) -> Measured | None:
 
 @dataclass(frozen=True)
 class Outcome:
-    """What came of one check.
+    """The outcome of one check.
 
     Attributes
     ----------
@@ -79,12 +79,12 @@ class Outcome:
 
     @property
     def applies(self) -> bool:
-        """Whether the law has anything to say about the subject."""
+        """Return whether the law applies to the subject."""
         return self.figure is not None or not self.held
 
     @property
     def ok(self) -> bool:
-        """Whether the law held, or failed as declared; an unexpected success is not ok."""
+        """True if the law held, or failed as declared; an unexpected success is not ok."""
         return self.held == (self.expected_failure is None)
 
     def __str__(self) -> str:
@@ -103,7 +103,7 @@ class Outcome:
 
 @dataclass(frozen=True)
 class Check:
-    """One law about one subject: call it as a test, or :meth:`run` it for its figures.
+    """A check of one law on one subject: call it as a test, or :meth:`run` it for its figures.
 
     Attributes
     ----------
@@ -175,7 +175,7 @@ class ConformanceReport:
 
     @property
     def ok(self) -> bool:
-        """Whether every law held or failed as declared."""
+        """True if every law held or failed as declared."""
         return all(outcome.ok for outcome in self.outcomes)
 
     @property

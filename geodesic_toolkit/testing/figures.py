@@ -1,4 +1,4 @@
-"""How far two things are apart: the figures that several laws measure."""
+"""Differences that several laws measure."""
 
 import numpy as np
 from scipy.sparse import csr_array

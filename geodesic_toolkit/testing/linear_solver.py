@@ -236,7 +236,7 @@ def factor_tells_its_size(subject: SolverSubject) -> Iterable[Measured]:
 
 
 def tiny_entries_are_resolved(subject: SolverSubject) -> Iterable[Measured]:
-    """Where `componentwise`, entries down to 1e-270 are right relative to themselves."""
+    """Entries down to 1e-270 have a small relative error if the solver is `componentwise`."""
     if not subject.recipe.componentwise:
         return
     for n, time in ((640, 1.0), (100, 100.0), (130, 0.01)):

@@ -65,7 +65,7 @@ class Sample:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class DomainSamples(Generic[Kind]):
-    """What the checks need to know of one kind of domain.
+    """The samples of one kind of domain that the checks need.
 
     The core has them for meshes, clouds and graphs; a kind of domain of a plugin returns them from
     its classmethod ``samples()``, or they are passed as ``samples=``.

@@ -1,4 +1,4 @@
-"""Where to look from: directions that suit a shape whose orientation nobody told us."""
+"""The camera: directions of view that suit a shape of unknown orientation."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass

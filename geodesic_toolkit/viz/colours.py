@@ -48,7 +48,7 @@ class Style:
 
 
 def choose_style(scene: Scene, cmap: Any, isolines: int | ArrayLike) -> Style:
-    """Return the colours and levels asked for; on points, no more levels than can be told apart."""
+    """Return the colours and levels asked for; on points, only as many levels as discernible."""
     levels = isoline_levels(isolines, scene.limits)
     return Style(
         colour_table(cmap), levels if scene.faces is not None else _thinned(levels, 6 * scene.band)

@@ -1,4 +1,4 @@
-"""One HTML file that rotates in any browser, offline; and the same as a widget in notebooks."""
+"""Pictures as one HTML file that works offline in any browser, and as a widget in notebooks."""
 
 import base64
 import html

@@ -1,4 +1,4 @@
-"""Whether the system can draw at all, found out without a crash."""
+"""A probe of whether the system can draw, in a process of its own."""
 
 import contextlib
 import ctypes.util

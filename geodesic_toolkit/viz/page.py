@@ -13,7 +13,7 @@ from geodesic_toolkit.viz.scene import Scene
 
 __all__ = ["Page"]
 
-POINTS = 0.72
+PIXELS_PER_POINT = 0.72
 """Pixels in typographic points, at the 100 pixels an inch that the figure has."""
 
 MOST_MARKS = 60
@@ -98,8 +98,10 @@ class Page:
         )
         place = self._axes(left, bottom, wide, 0.72 * free)
         bar = self.figure.colorbar(mappable, cax=place, extend=self._beyond())
-        bar.set_label(label, fontsize=em * POINTS, labelpad=0.4 * em, color=INK)
-        bar.ax.tick_params(labelsize=0.9 * em * POINTS, width=0.8, length=0.3 * em, colors=INK)
+        bar.set_label(label, fontsize=em * PIXELS_PER_POINT, labelpad=0.4 * em, color=INK)
+        bar.ax.tick_params(
+            labelsize=0.9 * em * PIXELS_PER_POINT, width=0.8, length=0.3 * em, colors=INK
+        )
         bar.outline.set_linewidth(0.6)
         for level in style.levels if len(style.levels) <= MOST_MARKS else ():
             bar.ax.axhline(level, color=INK, linewidth=0.7)
@@ -150,7 +152,7 @@ class Page:
             words,
             ha=align,
             va="center",
-            fontsize=size * self.em * POINTS,
+            fontsize=size * self.em * PIXELS_PER_POINT,
             color=color,
             parse_math=False,  # a title is the user's words: "$" and "_" mean themselves
         )

@@ -9,12 +9,12 @@ from geodesic_toolkit.core.types import FloatArray
 
 __all__ = ["OF_PARTS", "by_part"]
 
-COLOURS = 20
+N_COLOURS = 20
 """Colours of matplotlib's tab20; those behind share all but the first."""
 
 OF_PARTS: dict[str, Any] = {
     "cmap": "tab20",
-    "limits": (0, COLOURS - 1),
+    "limits": (0, N_COLOURS - 1),
     "isolines": 0,
     "label": "part, the largest 0",
 }
@@ -47,6 +47,6 @@ def by_part(components: ArrayLike) -> FloatArray:
     part, sizes = np.unique(np.asarray(components), return_inverse=True, return_counts=True)[1:]
     rank = np.empty(len(sizes))
     rank[np.argsort(-sizes, kind="stable")] = np.arange(len(sizes))
-    shown = np.where(rank < COLOURS, rank, 1 + (rank - 1) % (COLOURS - 1))
+    shown = np.where(rank < N_COLOURS, rank, 1 + (rank - 1) % (N_COLOURS - 1))
     shown[sizes == 1] = np.nan
     return np.asarray(shown[part])

@@ -60,7 +60,7 @@ def render(scene: Scene, style: Style, page: Page) -> list[NDArray[np.uint8]]:
 
 
 class _Stage:
-    """What stands before the camera, and how far each thing is moved towards it.
+    """The objects before the camera, and how far each is moved towards it.
 
     The projection is parallel: views share one scale, lines are equally wide everywhere, and what
     is moved towards the camera stays where it was on the picture.

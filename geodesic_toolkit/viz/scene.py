@@ -1,4 +1,4 @@
-"""What there is to draw: a domain, a value at each vertex, the places of the sources.
+"""The data of a picture: a domain, a value at each vertex, the positions of the sources.
 
 All that depends on no graphics package, so that picture, HTML and desktop show the same.
 """
@@ -63,12 +63,12 @@ class Scene:
 
     @property
     def reached(self) -> BoolArray:
-        """Where there is a value."""
+        """A mask of the vertices with a value."""
         return np.isfinite(self.values)
 
     @property
     def face_reached(self) -> BoolArray:
-        """Which faces have a value at every corner."""
+        """A mask of the faces with a value at every corner."""
         assert self.faces is not None
         return np.asarray(self.reached[self.faces].all(axis=1))
 
@@ -79,7 +79,7 @@ class Scene:
 
     @property
     def band(self) -> float:
-        """How near to a level a point is dark, in the values' unit: a row of points or two."""
+        """The distance from a level within which points are dark: one or two rows of points."""
         return 0.5 * self.spacing * self.radius
 
     @cached_property

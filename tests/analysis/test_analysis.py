@@ -130,7 +130,7 @@ def test_where_exact_is_dear_the_reference_is_refined():
 def test_graphs_and_clouds_are_compared_too():
     graph_file = gt.Graph(20, [[i, i + 1] for i in range(19)])
     comparison = compare(graph_file, 0)
-    assert comparison.reference_name == "shortest way along edges"
+    assert comparison.reference_name == "shortest path along edges"
     np.testing.assert_allclose(comparison.reference, np.arange(20))
     cloud = compare(gt.PointCloud(shapes.icosphere(2).vertices), [0.0, 0.0, 2.0])
     assert cloud.reference_name == "refined distance"

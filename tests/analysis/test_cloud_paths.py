@@ -199,7 +199,7 @@ def nearest(x, y):
 @pytest.fixture
 def swept(monkeypatch):
     """Take clouds of 600 points for large, and count the regions that fronts are swept over."""
-    monkeypatch.setattr(reach, "REGION", 600)
+    monkeypatch.setattr(reach, "MAX_POINTS_OF_REGION", 600)
     monkeypatch.setattr(reach, "AT_ENDS", 50)
     regions = []
     part_of = reach._Part.of
@@ -286,7 +286,7 @@ def test_between_opposite_places_of_a_large_sphere_any_way_round_will_do(swept):
     points[:2] = [0, 0, 1], [0, 0, -1]
     path = gt.geodesic_path(solver_of(points), 0, 1)
     assert path.length == pytest.approx(np.pi, rel=0.003)
-    assert len(swept) <= reach.MOVES + 1
+    assert len(swept) <= reach.MAX_MOVES_OF_REGION + 1
 
 
 def test_a_triangle_of_one_star_alone_connects_nothing_that_a_region_could_rely_on():

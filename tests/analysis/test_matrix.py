@@ -796,7 +796,7 @@ def test_zarr_is_asked_for_by_name(solver, tmp_path, monkeypatch):
 
 
 def test_a_matrix_that_does_not_fit_says_what_would(solver, monkeypatch):
-    monkeypatch.setattr(memory, "CARELESS", 0.0)
+    monkeypatch.setattr(memory, "MIN_BYTES_CHECKED", 0.0)
     monkeypatch.setattr(memory, "available_memory", lambda: 1000.0)
     with pytest.raises(errors.NotEnoughMemoryError, match=r"162 x 162 .*\.zarr.*max_distance"):
         gt.distance_matrix(solver)

@@ -70,7 +70,7 @@ def test_the_same_cloud_gives_the_same_points_whatever_its_unit():
 def test_lookups_in_batches_change_nothing(monkeypatch):
     points, _ = plane(2000)
     whole = gt.thin(gt.PointCloud(points), 0.1).index
-    monkeypatch.setattr(thinning, "BATCH", 97)
+    monkeypatch.setattr(thinning, "POINTS_PER_BATCH", 97)
     np.testing.assert_array_equal(gt.thin(gt.PointCloud(points), 0.1).index, whole)
 
 

@@ -1,4 +1,4 @@
-"""No distance lies below the straight line to a source, and none above the way along edges."""
+"""No distance lies below the straight line to a source, and none above the path along edges."""
 
 import warnings
 

@@ -79,7 +79,7 @@ def solve(kind):
 def test_a_cloud_and_a_graph_run_the_very_lines_of_a_mesh(kind):
     lines = solve("mesh")
     assert len(lines) > 100
-    # A graph is held to the ways along its edges besides.
+    # A graph is held to the paths along its edges besides.
     assert solve(kind) == lines if kind == "cloud" else solve(kind) > lines
 
 

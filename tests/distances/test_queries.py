@@ -173,7 +173,7 @@ def test_batches_give_what_single_points_give(flat, monkeypatch):
         alone = np.concatenate([solver.query(point, [0, 200]) for point in points])
         np.testing.assert_array_equal(together, alone)
         with monkeypatch.context() as patch:
-            patch.setattr(queries, "BATCH", 7)
+            patch.setattr(queries, "POINTS_PER_BATCH", 7)
             np.testing.assert_array_equal(solver.query(points, [0, 200]), together)
 
 
@@ -284,7 +284,7 @@ def test_a_cloud_discretized_by_edges_has_no_triangles(flat):
 
 
 def test_progress_counts_points_and_ends_with_all_of_them(flat, monkeypatch):
-    monkeypatch.setattr(queries, "BATCH", 7)
+    monkeypatch.setattr(queries, "POINTS_PER_BATCH", 7)
     points = np.random.default_rng(2).uniform(-2, 2, (40, 3))  # most of them out of reach
     for solver in flat.values():
         seen = []
@@ -372,7 +372,7 @@ def test_next_to_a_curve_nothing_is_taken_for_round():
 @pytest.mark.parametrize("kind", ["mesh", "cloud of a grid", "scattered cloud"])
 @pytest.mark.parametrize("batch", [7, 100_000])
 def test_the_nearest_source_is_that_of_the_least_query(flat, kind, batch, monkeypatch):
-    monkeypatch.setattr(queries, "BATCH", batch)
+    monkeypatch.setattr(queries, "POINTS_PER_BATCH", batch)
     monkeypatch.setattr(solver_module, "MOST_ROWS", 4)
     solver, rng = flat[kind], np.random.default_rng(7)
     points = rng.uniform(-0.2, 1.2, (300, 3)) * [1, 1, 0.1]

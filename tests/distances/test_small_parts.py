@@ -67,7 +67,7 @@ def test_the_default_is_exact_on_hulls_of_few_points(seed, count):
     source = int(rng.integers(mesh.n_vertices))
     exact = gt.exact_distance(mesh, source)
     np.testing.assert_allclose(gt.geodesic_distance(mesh, source), exact, rtol=1e-9)
-    # Symmetric, between the straight line and the way along edges.
+    # Symmetric, between the straight line and the path along edges.
     back = [gt.geodesic_distance(mesh, v)[source] for v in range(mesh.n_vertices)]
     np.testing.assert_allclose(back, exact, rtol=1e-9, atol=1e-12)
     assert (exact >= np.linalg.norm(mesh.vertices - mesh.vertices[source], axis=1) - 1e-12).all()

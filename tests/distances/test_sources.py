@@ -18,7 +18,7 @@ from geodesic_toolkit.errors import (
     UnsupportedDomainError,
 )
 from geodesic_toolkit.io import read_mask
-from geodesic_toolkit.sources.curves import KINK, bends_of_polyline
+from geodesic_toolkit.sources.curves import MIN_ANGLE_OF_KINKS, bends_of_polyline
 from geodesic_toolkit.testing import shapes
 
 PCA = gt.PointCloudLaplacian(normals="pca")
@@ -584,7 +584,7 @@ def test_bends_are_turns_over_lengths(count, radius, closed):
     length = 2 * radius * np.sin(np.pi / count) * count
     at, up = np.linspace(0.3, 0.7, 7) * length, np.tile([0.0, 0, 1], (count + 1, 1))
     bends, kinks = bends_of_polyline(corners, up, at, 1e-3 * radius, closed)
-    if 2 * np.pi / count > KINK:
+    if 2 * np.pi / count > MIN_ANGLE_OF_KINKS:
         assert kinks[1:-1].all()
         np.testing.assert_array_equal(bends, 0)
     else:

@@ -82,7 +82,7 @@ def test_a_las_file_gains_a_dimension_and_keeps_the_others(tmp_path, name, out, 
 
 def test_chunks_of_points_follow_each_other(tmp_path, monkeypatch):
     laspy = pytest.importorskip("laspy")
-    monkeypatch.setattr("geodesic_toolkit.io.readers.las.CHUNK", 4)
+    monkeypatch.setattr("geodesic_toolkit.io.readers.las.POINTS_PER_CHUNK", 4)
     given = lasfile(tmp_path / "in.laz")
     write(tmp_path / "out.laz", gt.read(given), FIELD, like=given)
     np.testing.assert_array_equal(laspy.read(tmp_path / "out.laz")["distance"], FIELD)

@@ -895,7 +895,7 @@ def test_a_solution_that_is_not_finite_is_an_error(sphere_system, columns):
 
 def test_a_factor_that_would_not_fit_is_not_begun(monkeypatch, sphere_system):
     monkeypatch.setattr(memory, "available_memory", lambda: 1e3)
-    monkeypatch.setattr(memory, "CARELESS", 0)
+    monkeypatch.setattr(memory, "MIN_BYTES_CHECKED", 0)
     with pytest.raises(NotEnoughMemoryError, match=r"factorising 162 unknowns with \d+ entries"):
         SOLVER.analyse(sphere_system)
     its = analyze(sphere_system)
@@ -907,7 +907,7 @@ def test_two_factors_that_would_not_fit_together_are_not_begun_however_often_ask
     monkeypatch, sphere_system
 ):
     expected = SOLVER.analyse(sphere_system).expected_bytes(2)
-    monkeypatch.setattr(memory, "CARELESS", 0)
+    monkeypatch.setattr(memory, "MIN_BYTES_CHECKED", 0)
     shared = SharedAnalysis(SOLVER, n_factors=2)
     monkeypatch.setattr(memory, "available_memory", lambda: expected - 1)
     for _ in range(2):

@@ -87,7 +87,7 @@ def test_a_probe_survives_what_kills_its_process(monkeypatch):
 
 
 def test_a_probe_does_not_wait_for_ever(monkeypatch):
-    monkeypatch.setattr(probes, "PATIENCE", 0.1)
+    monkeypatch.setattr(probes, "PROBE_TIMEOUT", 0.1)
     monkeypatch.setattr(probes, "PROGRAMS", {"endless": "import time; time.sleep(100)"})
     assert probes.probe_all() == {"endless": probes.Probe(False, "no answer in 0.1 s")}
 

@@ -209,7 +209,7 @@ def test_ctrl_c_ends_a_computation_that_python_cannot_interrupt():
     program = (
         "import hashlib\n"
         "from geodesic_toolkit.cli import interrupts\n"
-        "interrupts.GRACE = 0.1\n"
+        "interrupts.GRACE_PERIOD = 0.1\n"
         "with interrupts.prompt_interrupts():\n"
         "    print('ready', flush=True)\n"
         "    hashlib.pbkdf2_hmac('sha256', b'', b'', 2**31 - 1)\n"  # an hour of one instruction

@@ -54,7 +54,7 @@ def test_progress_on_a_terminal_is_a_line_that_goes_again():
     program = (
         "import time\n"
         "from geodesic_toolkit.cli import progress\n"
-        "progress.SILENCE = 0.05\n"
+        "progress.DELAY_OF_FIRST_MESSAGE = 0.05\n"
         "with progress.Progress() as shown, shown.step('thinking'):\n"
         "    shown.advance(3, 7)\n"
         "    time.sleep(1)\n"

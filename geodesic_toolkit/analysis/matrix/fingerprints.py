@@ -1,4 +1,4 @@
-"""What a matrix was asked for, as words and digests that tell one request from another."""
+"""The request for a matrix, as words and digests that distinguish it from other requests."""
 
 import dataclasses
 import hashlib

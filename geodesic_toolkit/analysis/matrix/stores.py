@@ -1,4 +1,4 @@
-"""Where the rows of a matrix go: memory, an .npy file, a zarr store, pieces of a sparse file."""
+"""Targets of the rows of a matrix: memory, an .npy file, a zarr store, pieces of a sparse file."""
 
 import abc
 import os

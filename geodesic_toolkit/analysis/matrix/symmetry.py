@@ -23,7 +23,7 @@ __all__ = [
 ]
 
 Symmetrize: TypeAlias = Literal["mean", "min", "max"] | None
-"""What becomes of two entries that should be one."""
+"""The treatment of two entries that should be equal."""
 
 Matrix: TypeAlias = NDArray[np.floating[Any]]
 

@@ -28,13 +28,13 @@ TASK_BYTES = 32e6
 FEWEST, MOST = 16, 1024
 """Rows of a task; fewer would leave the blocks that solvers work on half empty."""
 
-TASKS = 64
+MIN_TASKS = 64
 """Tasks that there should be, for progress and for many workers, where rows are enough."""
 
 
 @dataclass(frozen=True)
 class EveryVertex:
-    """As source sets: each vertex by itself, where those that cannot be one reach nothing.
+    """Source sets of one vertex each, in order; a vertex that cannot be a source reaches nothing.
 
     Parameters
     ----------
@@ -130,7 +130,7 @@ def rows_of_task(n_rows: int, n_vertices: int) -> int:
     >>> rows_of_task(10_242, 10_242), rows_of_task(100, 1_000_000), rows_of_task(3, 10)
     (160, 16, 16)
     """
-    fitting = min(TASK_BYTES / (8 * n_vertices), n_rows / TASKS, MOST)
+    fitting = min(TASK_BYTES / (8 * n_vertices), n_rows / MIN_TASKS, MOST)
     return max(FEWEST, int(fitting) // FEWEST * FEWEST)
 
 

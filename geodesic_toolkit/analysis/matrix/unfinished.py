@@ -1,4 +1,4 @@
-"""What an interrupted run leaves beside its output, so that the next one goes on from there.
+"""The files that an interrupted run leaves beside its output, from which the next run resumes.
 
 A folder ``NAME.partial`` holds the rows so far, a record of the request, and which tasks are done.
 """
@@ -114,7 +114,7 @@ class Unfinished:
                 item.unlink()
 
     def _is_there(self) -> bool:
-        """Whether there is something to go on with; raises where it is not ours."""
+        """Return whether there is a run to resume; raise if the files belong to another request."""
         if not self.folder.exists():
             return False
         if not self.folder.is_dir():

@@ -40,7 +40,7 @@ def best_path(
     """Return a geodesic over triangles from a vertex to one of several; None if none leads there.
 
     Steepest descent gives the strip of triangles that it runs through, and is also begun beside the
-    start and in between (native/paths/ways.hpp). The shortest way through the strip is led around
+    start and in between (native/paths/ways.hpp). The shortest path through the strip is led around
     the other side of every vertex where that is shorter, of all such vertices at once.
 
     Parameters

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
 __all__ = ["Insertion", "insert_points"]
 
-SNAP = 1e-8
+SNAP_WEIGHT = 1e-8
 """Barycentric weight below which a point lies on the other side's edge or vertex."""
 
 
@@ -118,7 +118,7 @@ class _Splitter:
 
     def insert(self, point: dict[int, float]) -> int:
         """Return the vertex at a point, which may be there already."""
-        kept = {vertex: share for vertex, share in point.items() if share > SNAP}
+        kept = {vertex: share for vertex, share in point.items() if share > SNAP_WEIGHT}
         total = sum(kept.values())
         kept = {vertex: share / total for vertex, share in kept.items()}
         if len(kept) == 1:
@@ -129,7 +129,7 @@ class _Splitter:
             return self._new_vertex(kept)
         part, local = self._containing(parts, kept)
         _, face = self._piece(part)
-        support = [face[corner] for corner in range(3) if local[corner] > SNAP]
+        support = [face[corner] for corner in range(3) if local[corner] > SNAP_WEIGHT]
         if len(support) == 1:
             return support[0]
         vertex = self._new_vertex(kept)

@@ -16,7 +16,7 @@ from geodesic_toolkit.sources.points import SourcePoints
 
 __all__ = ["path_within_reach"]
 
-REGION = 30_000
+MAX_POINTS_OF_REGION = 30_000
 """Points of the cloud that fronts are swept over; clouds of no more are taken whole. From source to
 target 1,000 spacings away it is a band of 30."""
 
@@ -24,15 +24,15 @@ AT_ENDS = 2_000
 """Points around both ends that are part of the region too: where heat is greatest is a lens, which
 ends in a tip at either end."""
 
-MOVES = 8
+MAX_MOVES_OF_REGION = 8
 """Times that the region is moved to where the path has come to its rim; after that the whole cloud
 is swept over."""
 
-SETTLED = 1e-4
+MIN_RELATIVE_SHORTENING = 1e-4
 """Share of its length by which a path must have become shorter for the region to be moved again.
 Between places that are almost opposite to each other on a sphere, ways are as long all around."""
 
-DOUBT = (1.1, 5.0)
+DOUBT_OF_LOG_HEAT = (1.1, 5.0)
 """Factor and summand, in powers of e, within which heat does not tell which source is nearest: its
 decay depends on the direction and on the spacing."""
 
@@ -61,7 +61,7 @@ def path_within_reach(
     """
     cloud, method = solver.domain, solver.method
     assert isinstance(cloud, PointCloud)  # for the type checker
-    if cloud.n_vertices <= REGION or not made_of_triangles(method.metric):
+    if cloud.n_vertices <= MAX_POINTS_OF_REGION or not made_of_triangles(method.metric):
         return None
     start = int(goal.vertices[0])
     search = _Search(
@@ -92,7 +92,9 @@ class _Search:
         """The sources that may be the nearest one."""
         falls = -self.behind[self.sources.vertices]
         least = falls.min()
-        near: IntArray = self.sources.vertices[falls <= DOUBT[0] * least + DOUBT[1]]
+        near: IntArray = self.sources.vertices[
+            falls <= DOUBT_OF_LOG_HEAT[0] * least + DOUBT_OF_LOG_HEAT[1]
+        ]
         return near
 
     def first_region(self) -> BoolArray | None:
@@ -101,7 +103,7 @@ class _Search:
         if not np.isfinite(both[self.start]):
             return None
         within = np.zeros(len(both), dtype=np.bool_)
-        within[np.argpartition(-both, REGION)[:REGION]] = True
+        within[np.argpartition(-both, MAX_POINTS_OF_REGION)[:MAX_POINTS_OF_REGION]] = True
         within &= both > -np.inf
         if not within[self.start] or not within[self.near].all():
             return None
@@ -114,7 +116,7 @@ class _Search:
         None where it still does after so many moves, and where nothing connects.
         """
         best, shortest = None, np.inf
-        for move in range(MOVES):
+        for move in range(MAX_MOVES_OF_REGION):
             part = _Part.of(self.metric, within)
             path = self.path(part)
             if path is None and move == 0:  # heat is great in several places that do not meet
@@ -123,7 +125,7 @@ class _Search:
             if path is None:
                 return None
             length = length_of(self.points, *path)
-            settled = length >= (1 - SETTLED) * shortest
+            settled = length >= (1 - MIN_RELATIVE_SHORTENING) * shortest
             if length < shortest:
                 best, shortest = path, length
             passed = path[0][path[1] > 0]
@@ -169,7 +171,7 @@ class _Search:
 
     def around(self, vertices: IntArray) -> BoolArray:
         """Return a region around vertices and the sources that may be the nearest one."""
-        within = _around(self.metric, vertices, REGION)
+        within = _around(self.metric, vertices, MAX_POINTS_OF_REGION)
         within[self.near] = True
         return within
 

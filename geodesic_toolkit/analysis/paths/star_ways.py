@@ -11,7 +11,7 @@ from geodesic_toolkit.geometry.components import connected_by_edges
 
 __all__ = ["length_of", "path_down", "stars_connect"]
 
-BRIDGED = 0.99
+MIN_LENGTH_RATIO = 0.99
 """Share of the refined distance below which a path has taken a bridge: a triangle of one star
 alone, over a gap or across a bend, which the other stars have seen better. Such are left out then.
 (They are not always: in noise stars differ all over, and a path around would be longer.)"""
@@ -50,7 +50,7 @@ def path_down(
     triangles, stars, links = _apart(elements[reached[elements].all(axis=1)])
     places = np.where(reached[:, None], points, 0.0)
     path = _through(triangles, links, places, distance, back, ends=ends, start=start)
-    if path is not None and length_of(places, *path) < BRIDGED * distance[start]:
+    if path is not None and length_of(places, *path) < MIN_LENGTH_RATIO * distance[start]:
         agreed = triangles[stars > 1]
         around = _through(agreed, links, places, distance, back, ends=ends, start=start)
         return path if around is None else around

@@ -15,7 +15,7 @@ from geodesic_toolkit.io.readers.gmsh import check_node_numbers
 
 __all__ = ["read_cells", "read_medit", "read_msh", "read_vtu"]
 
-ALONE = threading.Lock()
+STDERR_LOCK = threading.Lock()
 """Standard error belongs to the process: one thread at a time catches what meshio prints there."""
 
 
@@ -43,7 +43,7 @@ def read_cells(path: Path, form: str) -> Domain:
     # The format's own module: meshio.read ends the process where a file is not what it says.
     module = optional_package(f"meshio.{form}", path.suffix[1:].lower())
     said = io.StringIO()
-    with ALONE, contextlib.redirect_stderr(said):
+    with STDERR_LOCK, contextlib.redirect_stderr(said):
         mesh = module.read(str(path))
     if remarks := " ".join(said.getvalue().split()):
         warn(path, f"meshio says: {remarks[:300]}")

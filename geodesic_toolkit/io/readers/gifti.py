@@ -14,7 +14,7 @@ from geodesic_toolkit.io.common import optional_package
 
 __all__ = ["encode_gifti", "read_gifti", "read_gifti_numbers"]
 
-LABEL = 1002
+LABEL_INTENT = 1002
 """The intent of an array of regions."""
 
 
@@ -30,7 +30,7 @@ def read_gifti_numbers(path: Path) -> tuple[NDArray[Any], dict[str, int] | None]
         raise ReadError("one number a vertex is asked for, and the file holds something else")
     array = image.darrays[0]
     names = None
-    if array.intent == LABEL:
+    if array.intent == LABEL_INTENT:
         table = image.labeltable.get_labels_as_dict()
         names = {str(name): int(key) for key, name in table.items()}
     return np.asarray(array.data), names

@@ -17,7 +17,7 @@ from geodesic_toolkit.errors import ReadError
 
 __all__ = ["check_node_numbers"]
 
-SPARSEST = 1000
+MAX_NUMBERS_PER_NODE = 1000
 """Numbers a node, beyond a million, from which on they are taken for damage."""
 
 FORMAT = re.compile(rb"\$MeshFormat\s+(\d)(?:\.(\d))?\s+([01])\s+(\d+)")
@@ -35,7 +35,7 @@ def check_node_numbers(data: bytes) -> None:
         raise ReadError(f"the nodes are cut off or damaged ({error})") from error
     count = sum(map(len, numbers))
     largest = max((int(block.max()) for block in numbers), default=0)
-    if largest > SPARSEST * count + 1_000_000:
+    if largest > MAX_NUMBERS_PER_NODE * count + 1_000_000:
         raise ReadError(f"node {largest} among {count} nodes: their numbers are damaged")
 
 

@@ -23,19 +23,19 @@ from geodesic_toolkit.io.common import check_count, optional_package
 
 __all__ = ["read_las", "require_las", "write_las"]
 
-CHUNK = 1_000_000
+POINTS_PER_CHUNK = 1_000_000
 """Points that are copied at once."""
 
-RECORD = 54
+BYTES_OF_RECORD_HEADER = 54
 """Bytes of a variable-length record without its contents."""
 
-COMPRESSED = 128
+COMPRESSED_FORMAT_FLAG = 128
 """Added to the number of the point format."""
 
-ITEMS = {6: 20, 7: 8, 8: 6, 9: 29, 10: 30, 11: 6, 12: 8, 13: 29}
+BYTES_OF_ITEMS = {6: 20, 7: 8, 8: 6, 9: 29, 10: 30, 11: 6, 12: 8, 13: 29}
 """Bytes of the compressed fields of a point by their kinds; others are as long as they say."""
 
-DENSEST = 1000
+MAX_POINTS_PER_BYTE = 1000
 """Compressed points that a byte can hold at most, generously."""
 
 
@@ -94,7 +94,7 @@ def _write_like(path: Path, field: FloatArray, like: Path) -> None:
         header.add_extra_dim(_dimension())
         with laspy.open(str(path), mode="w", header=header) as writer:
             start = 0
-            for points in reader.chunk_iterator(CHUNK):
+            for points in reader.chunk_iterator(POINTS_PER_CHUNK):
                 record = laspy.ScaleAwarePointRecord.zeros(len(points), header=header)
                 record.copy_fields_from(points)
                 record["distance"] = field[start : start + len(points)]
@@ -160,7 +160,7 @@ def _opened(path: Path) -> Iterator[Any]:
 def _check_points(header: Any, size: int) -> None:
     """Raise where points cannot be what the header says, which lazrs takes on trust."""
     width = header.point_format.size
-    most = size * DENSEST if header.are_points_compressed else size // width
+    most = size * MAX_POINTS_PER_BYTE if header.are_points_compressed else size // width
     if header.point_count > most:
         raise ReadError(f"the file ends before its {header.point_count} points do")
     for record in header.vlrs.get("LasZipVlr") if header.are_points_compressed else []:
@@ -168,7 +168,7 @@ def _check_points(header: Any, size: int) -> None:
         (n_items,) = struct.unpack_from("<H", data, 32)
         items = [struct.unpack_from("<HH", data, 34 + 6 * number) for number in range(n_items)]
         if sum(item[1] for item in items) != width or any(
-            item[1] != ITEMS.get(item[0], item[1]) for item in items
+            item[1] != BYTES_OF_ITEMS.get(item[0], item[1]) for item in items
         ):
             raise ReadError("a damaged header: the compressed fields do not make up a point")
 
@@ -181,12 +181,17 @@ def _check_header(path: Path) -> None:
     size = path.stat().st_size
     with path.open("rb") as file:
         head = file.read(247)
-        chunks = _n_chunks(file, head) if len(head) >= 227 and head[104] >= COMPRESSED else 0
+        chunks = (
+            _n_chunks(file, head) if len(head) >= 227 and head[104] >= COMPRESSED_FORMAT_FLAG else 0
+        )
     if head[:4] != b"LASF" or len(head) < 227:
         raise ReadError('not a LAS file: it does not begin with "LASF" and a header')
     length, start, records = struct.unpack_from("<HII", head, 94)
     extended = struct.unpack_from("<I", head, 243)[0] if head[25] >= 4 and len(head) == 247 else 0
-    if length + records * RECORD > min(start, size) or extended * RECORD > size:
+    if (
+        length + records * BYTES_OF_RECORD_HEADER > min(start, size)
+        or extended * BYTES_OF_RECORD_HEADER > size
+    ):
         raise ReadError(f"a damaged header: it announces {records + extended} records")
     if chunks > size:
         raise ReadError("damaged, or cut off: its table of compressed chunks is broken")

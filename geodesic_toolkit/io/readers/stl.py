@@ -8,7 +8,7 @@ import numpy as np
 from geodesic_toolkit.core.types import FloatArray
 from geodesic_toolkit.domains import TriangleMesh
 from geodesic_toolkit.errors import ReadError
-from geodesic_toolkit.geometry.seams import NEAR
+from geodesic_toolkit.geometry.seams import COINCIDENCE_TOLERANCE
 from geodesic_toolkit.geometry.welding import (
     boundary_edges,
     edges_and_counts,
@@ -67,8 +67,8 @@ def _weld(corners: FloatArray) -> TriangleMesh:
     """Return the mesh whose vertices are the places of corners.
 
     First those that are equal. Edges that are open then may have been rounded differently for each
-    facet: their ends are made one within :data:`NEAR`, but closed bodies stay as they are, however
-    near they come to each other.
+    facet: their ends are merged within :data:`COINCIDENCE_TOLERANCE`, but closed bodies stay as they
+    are, however near they are to each other.
     """
     corners = corners + 0.0  # makes of -0.0 the 0.0 that it equals
     first, place = same_places(corners)
@@ -77,7 +77,7 @@ def _weld(corners: FloatArray) -> TriangleMesh:
     if len(rim):
         limit = movable_by(points, edges_and_counts(faces)[0], rounding_of(points))[rim]
         extent = float(np.linalg.norm(np.ptp(points, axis=0)))
-        near = max(NEAR * extent, rounding_of(points))
+        near = max(COINCIDENCE_TOLERANCE * extent, rounding_of(points))
         owner = np.arange(len(points))
         owner[rim] = rim[merged_places(points[rim], np.minimum(limit, near))]
         kept, new = np.unique(owner, return_inverse=True)

@@ -15,10 +15,10 @@ from geodesic_toolkit.io.common import optional_package
 
 __all__ = ["require_vtk", "write_vtk"]
 
-ALONE = threading.Lock()
+MESSAGE_LOCK = threading.Lock()
 """VTK has one place for messages: one thread at a time listens there."""
 
-WHERE = re.compile(r"(ERROR|Warning): In \S+, line \d+ \S+ \(\w+\): ")
+ERROR_LOCATION = re.compile(r"(ERROR|Warning): In \S+, line \d+ \S+ \(\w+\): ")
 """Where in its sources VTK met an error."""
 
 CELLS = {1: (1, "SetVerts"), 2: (3, "SetLines"), 3: (5, "SetPolys")}
@@ -111,7 +111,7 @@ def _listened(work: Callable[[], Any]) -> str:
     """Return what VTK says while it works, which it would print, and print on its log as well."""
     from vtkmodules.vtkCommonCore import vtkLogger, vtkOutputWindow, vtkStringOutputWindow
 
-    with ALONE:
+    with MESSAGE_LOCK:
         before, window = vtkOutputWindow.GetInstance(), vtkStringOutputWindow()
         verbosity = vtkLogger.GetCurrentVerbosityCutoff()
         vtkOutputWindow.SetInstance(window)
@@ -122,4 +122,4 @@ def _listened(work: Callable[[], Any]) -> str:
             vtkOutputWindow.SetInstance(before)
             vtkLogger.SetStderrVerbosity(verbosity)
     said = " ".join(str(window.GetOutput()).split())
-    return WHERE.sub("", said)[:300]
+    return ERROR_LOCATION.sub("", said)[:300]

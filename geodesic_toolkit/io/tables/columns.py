@@ -18,10 +18,10 @@ POSITIONS = (("x", "y", "z"), ("points:0", "points:1", "points:2"))
 
 NORMALS = (("nx", "ny", "nz"), ("normals:0", "normals:1", "normals:2"))
 
-UNIT = 0.05
+MAX_DEVIATION_OF_UNIT_LENGTH = 0.05
 """How far from 1 the length of a normal may be to be told from a colour."""
 
-SPARSEST = 1000
+MAX_VERTICES_PER_EDGE = 1000
 """Vertices an edge, beyond a million, from which vertex numbers are taken for identifiers."""
 
 
@@ -32,7 +32,9 @@ def read_xyz(path: Path) -> PointCloud:
         return PointCloud(rows[:, :3])
     normals = rows[:, 3:6]
     length = np.linalg.norm(normals, axis=1)
-    if not (np.abs(length[np.isfinite(rows[:, :3]).all(axis=1)] - 1) <= UNIT).all():
+    if not (
+        np.abs(length[np.isfinite(rows[:, :3]).all(axis=1)] - 1) <= MAX_DEVIATION_OF_UNIT_LENGTH
+    ).all():
         warn(path, "columns 4 to 6 are not unit normals and were left out")
         return PointCloud(rows[:, :3])
     return cloud(path, rows[:, :3], normals)
@@ -53,7 +55,7 @@ def read_edges(path: Path) -> Graph:
         raise ReadError(f"an edge list has columns i j [length], not {rows.shape[1]} of them")
     edges = whole_numbers(rows[:, :2], "vertex numbers")
     n_vertices = int(edges.max()) + 1
-    if n_vertices > SPARSEST * len(edges) + 1_000_000:
+    if n_vertices > MAX_VERTICES_PER_EDGE * len(edges) + 1_000_000:
         raise ReadError(
             f"vertex {n_vertices - 1} in a list of {len(edges)} edges: vertices must be numbered "
             "from 0 without large gaps"
@@ -117,7 +119,7 @@ def _are_bytes(values: FloatArray) -> bool:
 
 def _are_unit(vectors: FloatArray) -> bool:
     length = np.linalg.norm(vectors, axis=1)
-    return bool((np.abs(length[np.isfinite(length)] - 1) <= UNIT).all())
+    return bool((np.abs(length[np.isfinite(length)] - 1) <= MAX_DEVIATION_OF_UNIT_LENGTH).all())
 
 
 def _columns(names: list[str]) -> list[int]:

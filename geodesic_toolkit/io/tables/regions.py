@@ -13,7 +13,7 @@ __all__ = ["REGION_SUFFIXES", "read_region"]
 
 REGION_SUFFIXES = (".label", ".annot", ".gii")
 
-NAMED = 12
+MAX_LISTED_REGIONS = 12
 """Regions that a message lists."""
 
 
@@ -58,7 +58,9 @@ def check_no_region(path: Path, region: str | None) -> None:
 def _of_region(
     path: Path, numbers: IntArray, names: dict[str, int], region: str | None
 ) -> IntArray:
-    listed = ", ".join(list(names)[:NAMED]) + (" ..." if len(names) > NAMED else "")
+    listed = ", ".join(list(names)[:MAX_LISTED_REGIONS]) + (
+        " ..." if len(names) > MAX_LISTED_REGIONS else ""
+    )
     if region is None:
         raise InvalidOptionError(
             f"{path.name} holds {len(names)} regions; say which by region: {listed}"

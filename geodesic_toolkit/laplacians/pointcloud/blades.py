@@ -7,10 +7,10 @@ from geodesic_toolkit.laplacians.pointcloud.neighbours import nearest_among, nea
 from geodesic_toolkit.laplacians.pointcloud.normals import pca_normals, roughness
 
 __all__ = [
-    "CURVED",
+    "GROWTH_ON_SMOOTH_SURFACES",
     "NOISY_NEIGHBOURS",
     "NORMAL_NEIGHBOURS",
-    "SAMPLE",
+    "N_SAMPLES",
     "roughness_and_growth",
     "where_blades",
 ]
@@ -23,34 +23,34 @@ NOISY_NEIGHBOURS = 30
 """The same where the cloud is noisy. Measured on a sphere with noise of a third of the spacing:
 refined distances err by 0.4-0.9 % instead of 1.3-1.4 %."""
 
-SAMPLE = 2000
+N_SAMPLES = 2000
 """Points that tell how noisy a cloud is."""
 
-REGION = 25
+POINTS_OF_REGION = 25
 """As many of them tell it in one region."""
 
-CURVED = 1.58
+GROWTH_ON_SMOOTH_SURFACES = 1.58
 """Growth of the roughness of a smooth surface: neighbourhoods of 30 points are wider than those of
 12 by that factor, and as much rougher."""
 
-BLADES = 3.0
+MIN_GROWTH_OF_BLADES = 3.0
 """Growth of the roughness from which on the nearest points are no sample of the surface. What a
 ring of a scanner's noise spreads out lies on the cone of its beam, a flat blade across the ground,
 and the next ones are on blades beside it: near a scanner on a slope growth is 20 to 40, and normals
 from few neighbours are those of the blades. They are estimated as in noise."""
 
-STANDING = 0.05
+MIN_ROUGHNESS_OF_BLADES = 0.05
 """Roughness of the wider neighbourhoods from which on that matters. It is 0.12 to 0.23 there; rings
 that are far apart, and are thinned, have 0.02. From 0.02 to 0.1 the same sweeps are right."""
 
-LEANING = 0.97
+MAX_COSINE_OF_LEANING_BLADES = 0.97
 """Cosine of the angle between planes from few and from more neighbours below which blades lean."""
 
-ALIKE = 0.9
+MIN_MEAN_COSINE_OF_ONE_SIDE = 0.9
 """Mean cosine of the angles between the planes of a region from which on they lean one way. Those
 on both sides of a crease do not."""
 
-EVEN = 1e-3
+MAX_ROUGHNESS_OF_ROUNDING = 1e-3
 """Roughness up to which there is no noise to speak of, but rounding."""
 
 
@@ -67,8 +67,8 @@ def roughness_and_growth(
     """
     wide = near[:, :NOISY_NEIGHBOURS]
     rough, wide_rough = roughness(points, wide[:, :NORMAL_NEIGHBOURS]), roughness(points, wide)
-    growth = np.full_like(rough, CURVED)
-    np.divide(wide_rough, rough, out=growth, where=rough > EVEN)
+    growth = np.full_like(rough, GROWTH_ON_SMOOTH_SURFACES)
+    np.divide(wide_rough, rough, out=growth, where=rough > MAX_ROUGHNESS_OF_ROUNDING)
     return rough, wide_rough, growth
 
 
@@ -85,12 +85,12 @@ def where_blades(points: FloatArray, chosen: IntArray, near: IntArray) -> BoolAr
         Neighbours of the chosen points, nearest first.
     """
     none = np.zeros(len(points), dtype=np.bool_)
-    if len(chosen) <= 2 * REGION:
+    if len(chosen) <= 2 * POINTS_OF_REGION:
         return none
     _, wide_rough, growth = roughness_and_growth(points, near)
-    region = nearest_neighbours(points[chosen], REGION)
-    found = np.median(wide_rough[region], axis=1) > STANDING
-    found &= np.median(growth[region], axis=1) > BLADES
+    region = nearest_neighbours(points[chosen], POINTS_OF_REGION)
+    found = np.median(wide_rough[region], axis=1) > MIN_ROUGHNESS_OF_BLADES
+    found &= np.median(growth[region], axis=1) > MIN_GROWTH_OF_BLADES
     if not found.any():
         return none
     found &= _lean_one_way(points, chosen, near, region)
@@ -106,5 +106,6 @@ def _lean_one_way(
     leaning = np.abs(np.einsum("md,md->m", few, more))
     alike = np.abs(np.einsum("md,mrd->mr", few, few[region])).mean(axis=1)
     return np.asarray(
-        (np.median(leaning[region], axis=1) < LEANING) & (np.median(alike[region], axis=1) > ALIKE)
+        (np.median(leaning[region], axis=1) < MAX_COSINE_OF_LEANING_BLADES)
+        & (np.median(alike[region], axis=1) > MIN_MEAN_COSINE_OF_ONE_SIDE)
     )

@@ -16,60 +16,60 @@ import numpy as np
 from geodesic_toolkit import _native
 from geodesic_toolkit.core.types import BoolArray, FloatArray, IntArray
 from geodesic_toolkit.geometry.threads import threads_for
-from geodesic_toolkit.laplacians.pointcloud.blades import SAMPLE, where_blades
+from geodesic_toolkit.laplacians.pointcloud.blades import N_SAMPLES, where_blades
 from geodesic_toolkit.laplacians.pointcloud.neighbours import nearest_among, nearest_neighbours
 
 __all__ = ["Representatives", "representatives", "restored"]
 
-THINNED = 0.25
+RELATIVE_SPACING_OF_KEPT = 0.25
 """How close kept points of a crowd may be, in reaches of it: the next line, or the next heap, is
 about a reach away."""
 
-LOCAL = 32
+POINTS_PER_NEIGHBOUR = 32
 """Neighbours are looked at up to the nearest one of so many points: in a cloud of some hundreds 40
 neighbours are a limb. A fox of 313 points reads 6.2 % off so, and 9.1 % if all are looked at."""
 
-ROUNDS = 12
+MAX_ROUNDS = 12
 """Rounds of thinning at most. Lines take one for every factor of 5 by which they are farther apart
 than their points, heaps one or two."""
 
-SETTLED = 0.05
+MAX_SHARE_OF_CROWDED_IN_LAST_ROUND = 0.05
 """Share of the crowded points up to which a round may take some away and be the last one."""
 
-SCATTERED = 0.001
+MAX_SHARE_OF_ALL_IN_LAST_ROUND = 0.001
 """The same of all points: on clouds without crowds a few points are taken for crowded by chance."""
 
 BY_CHANCE = 0.01
 """Share of points up to which they are taken for crowded by chance, and left: it is 0 to 0.9 % on
 clouds that sample surfaces evenly or at random."""
 
-PART = 8
+SAMPLING_STEP = 8
 """One of so many points is kept to look for heaps of more points than there are neighbours."""
 
-PROBES = 500
+N_PROBES = 500
 """Points at which it is looked for them first."""
 
-GREAT = 6.0
+MIN_RATIO_OF_HEAPS = 6.0
 """Ratio of the distances to two neighbours among that part, one of four times the other's rank,
 from which on they do not lie on one surface about a point: more than in the kernel, because a
 random part has heaps of its own."""
 
-SURELY = 25.0
+MIN_RATIO_OF_CERTAIN_HEAPS = 25.0
 """The same ratio from which on there is a heap even if the next ones lie in one direction."""
 
-SIDEWAYS = 0.1
+MAX_VARIANCE_ACROSS_BANDS = 0.1
 """Share of the variance along a band that there is across it, below which it is one: a band of a
 fifth of the length of the neighbourhood has 0.04, a quarter of a circle 0.03, a surface 0.5 or
 more."""
 
-BANDS = 0.25
+MIN_SHARE_OF_LONE_POINTS = 0.25
 """Share of crowded points that stand alone from which on none is taken for crowded; a tenth does by
 chance among heaps."""
 
-BESIDE = 16
+NEIGHBOURS_TO_NEXT_LINE = 16
 """Neighbours among which the next line must be, of a point that is left of a line."""
 
-SEEN = 0.05
+MIN_SHARE_OF_PROBES = 0.05
 """Share of the probes that have to see one for all points to be asked."""
 
 WITHIN_BLADES = (2, 4, 8, 16)
@@ -78,7 +78,7 @@ Measured on sweeps of 32 beams over slopes of 0.15 and 0.3 with noise of 2 and 3
 of 3 to 34 % become 0.003 to 0.016 % with these, 0.002 to 0.01 % with 3 and 9, and 0.006 to 3.2 %
 with 4 and 16."""
 
-AROUND = 9
+N_VOTING_POINTS = 9
 """Points around one, itself included, most of which have to agree."""
 
 
@@ -102,14 +102,14 @@ class Representatives:
 
     @cached_property
     def stands(self) -> BoolArray:
-        """Whether a point stands for itself, of shape (N,)."""
+        """A mask of the points that represent themselves, of shape (N,)."""
         stands = np.zeros(len(self.reaches), dtype=np.bool_)
         stands[self.kept] = True
         return stands
 
     @cached_property
     def nearest(self) -> IntArray:
-        """Which representative, in their order, is nearest to each point, of shape (N,)."""
+        """The index of the nearest representative of each point, of shape (N,)."""
         if len(self.kept) == len(self.reaches):
             return self.kept
         number = np.zeros(len(self.reaches), dtype=np.int64)
@@ -140,19 +140,22 @@ def representatives(points: FloatArray, k: int) -> Representatives:
     if len(points) < 2:
         return Representatives(kept, reaches, np.empty((len(points), 0), dtype=np.int64))
     everywhere = near = nearest_neighbours(points, min(k, len(points) - 1))
-    for _ in range(ROUNDS):
+    for _ in range(MAX_ROUNDS):
         some = points[kept]
-        local = np.ascontiguousarray(near[:, : len(some) // LOCAL])
+        local = np.ascontiguousarray(near[:, : len(some) // POINTS_PER_NEIGHBOUR])
         found = _native.crowd_reaches(some, local, n_threads=threads_for(len(some)))
         found = np.maximum(found, _reaches_of_great_heaps(some, near))
         found = np.maximum(found, _reaches_of_blades(some, k))
         if np.count_nonzero(found) <= BY_CHANCE * len(some):
             break
         reaches[kept] = np.maximum(reaches[kept], found)
-        stays = _native.thinned(some, near, THINNED * found)
+        stays = _native.thinned(some, near, RELATIVE_SPACING_OF_KEPT * found)
         near = _without(some, near, stays, k)
         kept = kept[stays]
-        few = max(SETTLED * np.count_nonzero(found), SCATTERED * len(points))
+        few = max(
+            MAX_SHARE_OF_CROWDED_IN_LAST_ROUND * np.count_nonzero(found),
+            MAX_SHARE_OF_ALL_IN_LAST_ROUND * len(points),
+        )
         if np.count_nonzero(~stays) <= few:
             break
     if len(kept) < len(points):
@@ -179,19 +182,24 @@ def _alone(points: FloatArray, near: IntArray) -> BoolArray:
     thinned: on one of 3,000 points, three of their spacings wide, distances were off by twice
     their length in the mean.
     """
-    if near.shape[1] < BESIDE:
+    if near.shape[1] < NEIGHBOURS_TO_NEXT_LINE:
         return np.ones(len(points), dtype=np.bool_)  # too few are left to tell
     nearer, farther = (
-        np.linalg.norm(points[near[:, r - 1]] - points, axis=1) for r in (BESIDE // 4, BESIDE)
+        np.linalg.norm(points[near[:, r - 1]] - points, axis=1)
+        for r in (NEIGHBOURS_TO_NEXT_LINE // 4, NEIGHBOURS_TO_NEXT_LINE)
     )
-    found = ~_to_all_sides(points[near[:, :BESIDE]]) & (farther < GREAT * nearer)  # no heap
-    found |= found[near[:, : AROUND - 1]].any(axis=1)  # all that is about a gap
+    found = ~_to_all_sides(points[near[:, :NEIGHBOURS_TO_NEXT_LINE]]) & (
+        farther < MIN_RATIO_OF_HEAPS * nearer
+    )  # no heap
+    found |= found[near[:, : N_VOTING_POINTS - 1]].any(axis=1)  # all that is about a gap
     return np.asarray(found)
 
 
 def _are_many(chosen: BoolArray, thin: Representatives) -> bool:
     crowded = thin.reaches > 0
-    return bool(np.count_nonzero(chosen & crowded) > BANDS * np.count_nonzero(crowded))
+    return bool(
+        np.count_nonzero(chosen & crowded) > MIN_SHARE_OF_LONE_POINTS * np.count_nonzero(crowded)
+    )
 
 
 def restored(points: FloatArray, thin: Representatives, again: BoolArray) -> Representatives:
@@ -227,15 +235,15 @@ def _reaches_of_great_heaps(points: FloatArray, near: IntArray) -> FloatArray:
     """
     count, k = near.shape
     none = np.zeros(count)
-    if count // PART <= k:
+    if count // SAMPLING_STEP <= k:
         return none
-    part = np.sort(np.random.default_rng(0).permutation(count)[: count // PART])
-    probes = np.linspace(0, count - 1, min(PROBES, count)).astype(np.int64)
-    around = np.column_stack([np.arange(count), near[:, : AROUND - 1]])
+    part = np.sort(np.random.default_rng(0).permutation(count)[: count // SAMPLING_STEP])
+    probes = np.linspace(0, count - 1, min(N_PROBES, count)).astype(np.int64)
+    around = np.column_stack([np.arange(count), near[:, : N_VOTING_POINTS - 1]])
     asked = np.unique(around[probes])
     near = nearest_among(points, part, asked, k)
     seen = _in_great_heaps(points, near, asked, around[probes]) > 0
-    if seen.mean() < SEEN:
+    if seen.mean() < MIN_SHARE_OF_PROBES:
         return none
     everything = np.arange(count)
     near = nearest_among(points, part, everything, k)
@@ -251,10 +259,10 @@ def _reaches_of_blades(points: FloatArray, k: int) -> FloatArray:
     reaches = np.zeros(len(points))
     shuffled = np.random.default_rng(0).permutation(len(points))  # steps alias with the scanner's
     for every in WITHIN_BLADES:
-        if len(points) < every * SAMPLE or len(points) // every <= k:
+        if len(points) < every * N_SAMPLES or len(points) // every <= k:
             break
         part = np.sort(shuffled[: len(points) // every])
-        chosen = part[np.linspace(0, len(part) - 1, SAMPLE).astype(np.int64)]
+        chosen = part[np.linspace(0, len(part) - 1, N_SAMPLES).astype(np.int64)]
         near = nearest_among(points, part, chosen, k)
         blades = where_blades(points, chosen, near)
         if blades.any():
@@ -273,7 +281,7 @@ def _to_all_sides(groups: FloatArray) -> BoolArray:
     """
     offsets = groups - groups.mean(axis=1, keepdims=True)
     spread = np.linalg.eigvalsh(np.einsum("kni,knj->kij", offsets, offsets))
-    return np.asarray(spread[:, 1] > SIDEWAYS * spread[:, 2])
+    return np.asarray(spread[:, 1] > MAX_VARIANCE_ACROSS_BANDS * spread[:, 2])
 
 
 def _in_great_heaps(
@@ -287,9 +295,9 @@ def _in_great_heaps(
         nearer, farther = (
             np.linalg.norm(points[near[:, r - 1]] - points[asked], axis=1) for r in (rank, 4 * rank)
         )
-        signs = np.asarray(farther > GREAT * nearer)
-        surely = farther[signs] > SURELY * nearer[signs]
+        signs = np.asarray(farther > MIN_RATIO_OF_HEAPS * nearer)
+        surely = farther[signs] > MIN_RATIO_OF_CERTAIN_HEAPS * nearer[signs]
         signs[signs] = surely | _to_all_sides(points[near[signs]])
-        found = np.asarray(2 * np.count_nonzero(signs[row[around]], axis=1) > AROUND)
+        found = np.asarray(2 * np.count_nonzero(signs[row[around]], axis=1) > N_VOTING_POINTS)
         reaches[found] = farther[row[around[found, 0]]]
     return reaches

@@ -5,28 +5,28 @@ import numpy as np
 from geodesic_toolkit.core.types import BoolArray, FloatArray, IntArray
 from geodesic_toolkit.geometry.components import connected_by_edges
 
-__all__ = ["AHEAD", "curve_links", "directions", "largest_chain", "lie_on_lines"]
+__all__ = ["MIN_COSINE_AHEAD", "curve_links", "directions", "largest_chain", "lie_on_lines"]
 
-ALONG = 6
+NEIGHBOURS_ALONG_LINE = 6
 """Neighbours that tell whether there is a line: three before and three behind."""
 
-NARROW = 0.05
+MAX_VARIANCE_ACROSS_LINES = 0.05
 """Variance across these neighbours and the point, in shares of that along them, up to which they
 are a line. Seven points of a line have 0.02 with noise of a third of their spacing, of a circle of
 40 points 0.01; the median of points that are drawn at random from a surface is 0.4."""
 
-NEXT = 12
+NEIGHBOURS_TO_NEXT_POINT = 12
 """Neighbours among which the next point of a curve is sought. Of points drawn at random from a line
 one in 2,000 has none on one side among so many."""
 
-AHEAD = 0.8
+MIN_COSINE_AHEAD = 0.8
 """Cosine of the angle to the direction of a curve from which on a neighbour is its next point. The
 next turn of a helix, five spacings away, is not within 37 degrees of it among so many."""
 
-PROBES = 2000
+N_PROBES = 2000
 """Points that tell whether a cloud has lines."""
 
-SEEN = 0.05
+MIN_SHARE_OF_PROBES = 0.05
 """Share of the probes that have to lie on lines for all points to be asked. Measured: 0.3 % do on
 clouds drawn at random from surfaces."""
 
@@ -44,10 +44,10 @@ def lie_on_lines(points: FloatArray, near: IntArray) -> BoolArray:
     """
     count = len(points)
     result = np.zeros(count, dtype=np.bool_)
-    if count == 0 or near.shape[1] < ALONG:
+    if count == 0 or near.shape[1] < NEIGHBOURS_ALONG_LINE:
         return result
-    probes = np.linspace(0, count - 1, min(PROBES, count)).astype(np.int64)
-    if directions(points, near[probes], probes)[1].mean() >= SEEN:
+    probes = np.linspace(0, count - 1, min(N_PROBES, count)).astype(np.int64)
+    if directions(points, near[probes], probes)[1].mean() >= MIN_SHARE_OF_PROBES:
         result = directions(points, near, np.arange(count))[1]
     return result
 
@@ -64,7 +64,7 @@ def curve_links(points: FloatArray, near: IntArray, chosen: IntArray) -> IntArra
     """
     if near.shape[1] == 0 or len(chosen) == 0:
         return np.empty((0, 2), dtype=np.int64)
-    near = near[chosen, :NEXT]
+    near = near[chosen, :NEIGHBOURS_TO_NEXT_POINT]
     axes, certain = directions(points, near, chosen)
     offsets = points[near] - points[chosen][:, None]
     offsets /= np.linalg.norm(offsets, axis=2, keepdims=True)
@@ -72,7 +72,7 @@ def curve_links(points: FloatArray, near: IntArray, chosen: IntArray) -> IntArra
     along = np.einsum("nkd,nd->nk", offsets, axes)
     ends = [near[:, 0]]
     starts = [chosen]
-    for side in (along > AHEAD, along < -AHEAD):
+    for side in (along > MIN_COSINE_AHEAD, along < -MIN_COSINE_AHEAD):
         there = side.any(axis=1)
         ends.append(near[there, side[there].argmax(axis=1)])
         starts.append(chosen[there])
@@ -108,8 +108,10 @@ def directions(
         Of the chosen points; nearest first.
     chosen : ndarray of shape (M,), int64
     """
-    places = points[np.column_stack([chosen, near[:, :ALONG]])]
+    places = points[np.column_stack([chosen, near[:, :NEIGHBOURS_ALONG_LINE]])]
     places -= places.mean(axis=1, keepdims=True)
     spread, axes = np.linalg.eigh(places.transpose(0, 2, 1) @ places)
-    lines = (spread[:, 1] <= NARROW * spread[:, 2]) & (near.shape[1] >= ALONG)
+    lines = (spread[:, 1] <= MAX_VARIANCE_ACROSS_LINES * spread[:, 2]) & (
+        near.shape[1] >= NEIGHBOURS_ALONG_LINE
+    )
     return np.ascontiguousarray(axes[:, :, 2]), np.asarray(lines)

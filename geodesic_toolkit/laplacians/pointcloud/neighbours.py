@@ -6,7 +6,7 @@ from geodesic_toolkit.core.types import BoolArray, FloatArray, IntArray
 from geodesic_toolkit.geometry.threads import threads_for
 
 __all__ = [
-    "GRID",
+    "RELATIVE_GRID_WIDTH",
     "along_curve",
     "distinct_points",
     "nearest_among",
@@ -18,7 +18,7 @@ AT_ONCE = 100_000
 """Points whose neighbours are asked for at once: distances, which are not kept, take as much memory
 as the neighbours do."""
 
-SPREAD = (
+BIT_SPREADING_STEPS = (
     (32, 0x1F00000000FFFF),
     (16, 0x1F0000FF0000FF),
     (8, 0x100F00F00F00F00F),
@@ -27,15 +27,15 @@ SPREAD = (
 )
 """Steps that put two zeros between any two of 21 bits."""
 
-GRID = 2.0**-36
+RELATIVE_GRID_WIDTH = 2.0**-36
 """Points closer than this share of the cloud's size are one: what follows divides by distances."""
 
 
 def normalised(points: FloatArray, present: BoolArray) -> tuple[FloatArray, float]:
     """Return the present points about the middle of their box, and the scale to multiply them by.
 
-    The coordinates of the result lie in [-1, 1] and on a grid of step :data:`GRID`: surveyors'
-    coordinates of millions lose their common part before anything is squared, no size over- or
+    The coordinates of the result lie in [-1, 1], on a grid of step :data:`RELATIVE_GRID_WIDTH`:
+    surveyors' coordinates of millions lose their common part before anything is squared, no size over- or
     underflows, and points that differ by rounding alone become equal.
 
     Parameters
@@ -53,7 +53,7 @@ def normalised(points: FloatArray, present: BoolArray) -> tuple[FloatArray, floa
     low, high = chosen.min(axis=0), chosen.max(axis=0)
     scale = float((high / 2 - low / 2).max()) or 1.0
     centred = (chosen - (low / 2 + high / 2)) / scale
-    return np.round(centred / GRID) * GRID, scale
+    return np.round(centred / RELATIVE_GRID_WIDTH) * RELATIVE_GRID_WIDTH, scale
 
 
 def distinct_points(points: FloatArray) -> tuple[IntArray, IntArray]:
@@ -95,7 +95,7 @@ def along_curve(points: FloatArray) -> IntArray:
     code = np.zeros(len(points), dtype=np.uint64)
     for axis in range(3):
         bits = cells[:, axis]
-        for shift, mask in SPREAD:
+        for shift, mask in BIT_SPREADING_STEPS:
             bits = (bits | (bits << np.uint64(shift))) & np.uint64(mask)
         code |= bits << np.uint64(axis)
     return np.argsort(code, kind="stable")

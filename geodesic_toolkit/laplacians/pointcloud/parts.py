@@ -1,4 +1,4 @@
-"""What the parts of a cloud are like: how coarse each is, and whether it has come apart."""
+"""Statistics of the components of a cloud: their coarseness, and gaps between them."""
 
 from dataclasses import dataclass
 from typing import Any
@@ -11,17 +11,17 @@ from geodesic_toolkit.errors import CurveWarning, FragmentedCloudWarning
 
 __all__ = ["CloudParts", "warn_of_fragments", "warn_of_lines"]
 
-SLIVER = 0.01
+MAX_RELATIVE_HEIGHT_OF_SLIVERS = 0.01
 """Height of a triangle over its longest edge below which it is a sliver."""
 
-NEAREST = 8
+N_NEAREST = 8
 """Neighbours of a point that tell whether another part is near."""
 
-LOST = 0.02
+MIN_SHARE_OF_LOST_POINTS = 0.02
 """Share of points in parts other than the largest from which on a cloud is said to have come apart:
 scans have outliers."""
 
-FEW = 100
+MAX_POINTS_WITHOUT_WARNING = 100
 """Points up to which a cloud is not a scan, and nothing is said."""
 
 ONE_LINE = 0.5
@@ -99,12 +99,12 @@ class CloudParts:
             The mean length of all spokes.
         """
         longest = np.maximum(self.frames[:, 0], np.hypot(self.frames[:, 1], self.frames[:, 2]))
-        thin = self.triangles[self.frames[:, 2] < SLIVER * longest, 0]
+        thin = self.triangles[self.frames[:, 2] < MAX_RELATIVE_HEIGHT_OF_SLIVERS * longest, 0]
         sizes = np.bincount(self.parts)
         near = np.zeros(len(sizes), dtype=np.bool_)
         if len(sizes) > 1:
             own = self.parts[:, None]
-            foreign = (self.parts[neighbours[:, :NEAREST]] != own).any(axis=1)
+            foreign = (self.parts[neighbours[:, :N_NEAREST]] != own).any(axis=1)
             near[self.parts[foreign]] = True
         near[sizes.argmax()] = False
         largest = sizes.argmax()
@@ -128,7 +128,7 @@ def warn_of_fragments(notes: dict[str, Any], count: int) -> None:
         Number N of places.
     """
     lost = notes["torn_off"]
-    if count <= FEW or lost <= LOST * count:
+    if count <= MAX_POINTS_WITHOUT_WARNING or lost <= MIN_SHARE_OF_LOST_POINTS * count:
         return
     warn(
         f"the cloud has come apart: {notes['parts']} parts, and {lost} of {count} points are not "

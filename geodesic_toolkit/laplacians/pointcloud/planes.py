@@ -6,10 +6,10 @@ from geodesic_toolkit.core.types import BoolArray, FloatArray, IntArray
 from geodesic_toolkit.core.warning import warn
 from geodesic_toolkit.errors import MissingDependencyError, NormalsWarning
 from geodesic_toolkit.laplacians.pointcloud.blades import (
-    CURVED,
+    GROWTH_ON_SMOOTH_SURFACES,
+    N_SAMPLES,
     NOISY_NEIGHBOURS,
     NORMAL_NEIGHBOURS,
-    SAMPLE,
     roughness_and_growth,
     where_blades,
 )
@@ -37,8 +37,8 @@ def roughness_of_cloud(points: FloatArray, thin: Representatives) -> tuple[float
     kept, count = thin.kept, len(points)
     blades = np.zeros(count, dtype=np.bool_)
     if len(kept) <= 4 * NOISY_NEIGHBOURS:
-        return 0.0, CURVED, blades
-    chosen = kept[np.linspace(0, len(kept) - 1, min(SAMPLE, len(kept))).astype(np.int64)]
+        return 0.0, GROWTH_ON_SMOOTH_SURFACES, blades
+    chosen = kept[np.linspace(0, len(kept) - 1, min(N_SAMPLES, len(kept))).astype(np.int64)]
     near = thin.neighbours[chosen]
     rough, growth = (np.median(each) for each in roughness_and_growth(points, near)[::2])
     return float(rough), float(growth), where_blades(points, chosen, near)

@@ -47,7 +47,7 @@ hardly of them: forty to one are less than a hundredth."""
 
 STIFFEST = 100.0
 """Largest width of a link in shares of its length, which is its stiffness. Points a millionth of
-the spacing apart are as good as one, and factors that have to tell them apart come to nothing."""
+the spacing apart are as good as one, and factors that have to distinguish them come to nothing."""
 
 
 @dataclass(frozen=True)
@@ -64,7 +64,7 @@ class Soup:
 
     @property
     def link_widths(self) -> FloatArray:
-        """How wide links are: as points are apart, but for those that would be too stiff."""
+        """Widths of links: the spacing of points, but less for links that would be too stiff."""
         return np.minimum(self.spacing, STIFFEST * self.link_lengths)
 
     def parts(self, parts: IntArray) -> CloudParts:

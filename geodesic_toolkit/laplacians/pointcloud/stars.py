@@ -11,9 +11,9 @@ from geodesic_toolkit.geometry.threads import threads_for
 
 __all__ = ["delaunay_stars", "tie_breakers"]
 
-JITTER = 1e-8
-"""How much points are told apart where four lie on a circle, in squared nearest distances: enough
-to drown rounding, so that the stars of a square grid agree on its diagonals."""
+RELATIVE_JITTER = 1e-8
+"""Perturbation that decides among four points on a circle, in squared nearest distances: more than
+rounding, so that the stars of a square grid agree on its diagonals."""
 
 
 def delaunay_stars(
@@ -111,4 +111,4 @@ def tie_breakers(points: FloatArray, neighbours: IntArray) -> FloatArray:
     shares = np.random.default_rng(0).random(len(points))  # the same ones every time
     with np.errstate(invalid="ignore"):  # of coordinates that make no sense
         steps = points[neighbours[:, 0]] - points
-    return np.asarray(JITTER * shares * np.einsum("nd,nd->n", steps, steps))
+    return np.asarray(RELATIVE_JITTER * shares * np.einsum("nd,nd->n", steps, steps))

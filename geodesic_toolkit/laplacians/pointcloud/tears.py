@@ -11,19 +11,19 @@ from typing import Any
 import numpy as np
 
 from geodesic_toolkit.core.types import BoolArray, FloatArray, IntArray
-from geodesic_toolkit.laplacians.pointcloud.curves import AHEAD, directions
+from geodesic_toolkit.laplacians.pointcloud.curves import MIN_COSINE_AHEAD, directions
 
 __all__ = ["bridges"]
 
-NEAR = 12
+N_NEAR = 12
 """Neighbours that are taken for near. At the rim of a surface they lie within 2.8 spacings, and
 what is that near across a gap in a plane has a triangle in its star anyway."""
 
-OFF = 0.2
+MAX_SQUARED_SINE_ON_SHEET = 0.2
 """Square of the sine of the elevation up to which a neighbour lies on the sheet of a point: that
 which a star asks of neighbours beyond its first (``kGrown`` in ``native/clouds/stars.cpp``)."""
 
-NARROW = 0.75
+MIN_SHARE_OF_OPEN_POINTS = 0.75
 """Share of open points among the near ones from which on there is a line, or a narrow band."""
 
 AT_ONCE = 50_000
@@ -64,17 +64,17 @@ def bridges(
     asked = np.flatnonzero(is_open)
     if len(asked) == 0 or near.shape[1] == 0:
         return np.empty((0, 2), dtype=np.int64)
-    wider, near = near[:, : 2 * NEAR], near[asked, :NEAR]
+    wider, near = near[:, : 2 * N_NEAR], near[asked, :N_NEAR]
     pairs = np.column_stack([asked.repeat(near.shape[1]), near.ravel()])  # of each nearest first
     agree = (wider[pairs[:, 1]] == pairs[:, :1]).any(axis=1)
     agree &= _share_a_sheet(points, normals, pairs, oriented) & ~curved[pairs].any(axis=1)
-    narrow = is_open[near].mean(axis=1) >= NARROW
+    narrow = is_open[near].mean(axis=1) >= MIN_SHARE_OF_OPEN_POINTS
     if narrow.any():
         agree |= _share_a_line(points, pairs, asked[narrow], near[narrow])
     pairs = pairs[agree]
     pairs = pairs[_are_far(pairs, edges, len(points), steps=2)]
     in_narrow = np.isin(pairs[:, 0], asked[narrow])  # as many steps as there are near points
-    in_narrow[in_narrow] = ~_are_far(pairs[in_narrow], edges, len(points), steps=NEAR // 2 + 1)
+    in_narrow[in_narrow] = ~_are_far(pairs[in_narrow], edges, len(points), steps=N_NEAR // 2 + 1)
     pairs = pairs[~in_narrow]
     _, first = np.unique(pairs[:, 0], return_index=True)
     return np.unique(np.sort(pairs[first], axis=1), axis=0)
@@ -86,7 +86,7 @@ def _share_a_line(
     axes = np.zeros_like(points)
     axes[narrow] = directions(points, near, narrow)[0]
     steps = points[pairs[:, 1]] - points[pairs[:, 0]]
-    least = AHEAD**2 * np.einsum("nd,nd->n", steps, steps)
+    least = MIN_COSINE_AHEAD**2 * np.einsum("nd,nd->n", steps, steps)
     return np.asarray(
         (np.einsum("nd,nd->n", steps, axes[pairs[:, 0]]) ** 2 >= least)
         & (np.einsum("nd,nd->n", steps, axes[pairs[:, 1]]) ** 2 >= least)
@@ -97,7 +97,7 @@ def _share_a_sheet(
     points: FloatArray, normals: FloatArray, pairs: IntArray, oriented: bool
 ) -> BoolArray:
     steps = points[pairs[:, 1]] - points[pairs[:, 0]]
-    most = OFF * np.einsum("nd,nd->n", steps, steps)
+    most = MAX_SQUARED_SINE_ON_SHEET * np.einsum("nd,nd->n", steps, steps)
     one, other = normals[pairs[:, 0]], normals[pairs[:, 1]]
     flat = np.ones(len(pairs), dtype=np.bool_)
     for normal in (one, other):

@@ -107,7 +107,7 @@ def adjoint_is_that_of_the_gradient(subject: OperatorSubject) -> Iterable[Measur
 
 
 def unit_has_the_slope_of_the_plane(subject: OperatorSubject) -> Iterable[Measured]:
-    """Where it is flat, ``unit(c x·a) = G (x·a)`` for directions |a| = 1 (relative, in energy)."""
+    """On flat shapes, ``unit(c x·a) = G (x·a)`` for directions |a| = 1 (relative, in energy)."""
     for sample, discretization in subject.cases():
         if sample.inner is None:
             continue

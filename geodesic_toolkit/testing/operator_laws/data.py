@@ -1,4 +1,4 @@
-"""What an operator takes and what it gives: kinds of domain, arrays, typed errors."""
+"""Laws of an operator's input and output: kinds of domain, arrays, typed errors."""
 
 from collections.abc import Iterable
 from typing import Any
@@ -142,7 +142,7 @@ class ForeignDomain(Domain):
 
     @property
     def n_vertices(self) -> int:
-        """One vertex."""
+        """A single vertex."""
         return 1
 
 
@@ -157,7 +157,7 @@ def other_domains_are_refused_by_name(subject: OperatorSubject) -> Iterable[Meas
 
 
 def degenerate_domains_are_assembled_or_refused(subject: OperatorSubject) -> Iterable[Measured]:
-    """One vertex, coincident points, no edges: a Discretization or a typed error, nothing else."""
+    """Degenerate domains (one vertex, coincident points, no edges) give a result or an error."""
     for kind in subject.samples:
         for domain in kind.degenerate:
             raised = _raised(subject.recipe, domain)

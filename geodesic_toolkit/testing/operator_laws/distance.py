@@ -1,4 +1,4 @@
-"""What the heat method makes of a discretization."""
+"""Laws of the distances that the heat method computes from a discretization."""
 
 from collections.abc import Iterable
 from itertools import pairwise
@@ -70,7 +70,7 @@ def error_decreases_under_refinement(subject: OperatorSubject) -> Iterable[Measu
 
 
 def disconnected_parts_are_infinitely_far(subject: OperatorSubject) -> Iterable[Measured]:
-    """What no source connects to is inf, all else finite (the figure counts the wrong ones)."""
+    """Vertices not connected to a source are inf, others finite (the figure counts wrong ones)."""
     for kind in subject.samples:
         part = kind.families[0][0].domain
         count, name = part.n_vertices, f"{kind.kind.__name__} of two parts"

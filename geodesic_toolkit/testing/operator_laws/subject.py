@@ -1,4 +1,4 @@
-"""What the laws are asked of: an operator, assembled on samples."""
+"""The subject of the laws: an operator, assembled on samples."""
 
 from collections.abc import Iterator, Sequence
 from typing import Any

@@ -1,4 +1,4 @@
-"""The same shape seen otherwise: renumbered, moved, scaled."""
+"""Laws of symmetry: the shape renumbered, moved, scaled."""
 
 from collections.abc import Iterable
 from typing import Any
