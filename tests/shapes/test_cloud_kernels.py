@@ -295,7 +295,7 @@ def test_neighbours_that_are_no_points_are_refused(cloud, kernel, n_threads, ind
     points, normals, neighbours, weights = cloud
     wrong = neighbours.copy()
     wrong[place] = index
-    with pytest.raises(ValueError, match="no point of the cloud, which has 5000"):
+    with pytest.raises(ValueError, match="not a point of the cloud, which has 5000"):
         kernel(points, normals, wrong, weights, n_threads=n_threads)
 
 

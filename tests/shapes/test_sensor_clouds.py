@@ -324,9 +324,9 @@ def test_kernels_of_crowds_refuse_what_does_not_fit():
     with pytest.raises(ValueError, match="do not fit together"):
         _native.thinned(points, near, np.zeros(3))
     near[3, 3] = len(points)
-    with pytest.raises(ValueError, match="no point of the cloud"):
+    with pytest.raises(ValueError, match="not a point of the cloud"):
         _native.crowd_reaches(points, near, n_threads=1)
-    with pytest.raises(ValueError, match="no point of the cloud"):
+    with pytest.raises(ValueError, match="not a point of the cloud"):
         _native.thinned(points, near, np.ones(len(points)))
 
 
