@@ -188,7 +188,7 @@ def test_curvature_is_the_mean_angle_defect_over_the_mean_area(sweeper):
     defect = np.where(sweeper.metric.boundary | sheets | (area == 0), 0.0, 2 * np.pi - angles)
     total = ring @ area
     expected = np.divide(ring @ defect, total, out=np.zeros(count), where=total > 0)
-    expected /= 1 + np.abs(expected) * area * 2 / np.sqrt(3) / refine.COARSE
+    expected /= 1 + np.abs(expected) * area * 2 / np.sqrt(3) / refine.CURVATURE_OF_HALF_WEIGHT
     atol = 1e-13 / sweeper.metric.spacing**2
     np.testing.assert_allclose(sweeper._curvature, expected, rtol=1e-12, atol=atol)
 
@@ -209,7 +209,7 @@ def test_edges_at_sharp_vertices_are_not_flipped():
     bumps = rng.uniform(0.93, 1.07, (sphere.n_vertices, 1))
     mesh = gt.TriangleMesh(sphere.vertices * bumps * [1, 1, 3], sphere.faces)
     sweeper = WavefrontSweeper(assembled(mesh))
-    sharp = np.abs(sweeper._defects) > refine.SHARP
+    sharp = np.abs(sweeper._defects) > refine.MIN_DEFECT_OF_CORNERS
     before, after = edges_of(mesh.faces), edges_of(sweeper._triangles[0])
     assert before != after
     assert 0.1 < sharp.mean() < 0.9
@@ -242,7 +242,7 @@ def test_a_front_turns_about_a_reflex_corner_of_the_boundary(monkeypatch):
         return np.abs(found / exact - 1).mean()
 
     turning = error()
-    monkeypatch.setattr(refine, "REFLEX", np.inf)
+    monkeypatch.setattr(refine, "MIN_ANGLE_OF_REFLEX_CORNERS", np.inf)
     assert turning < 0.8 * error()
     assert turning < 0.005
 
@@ -252,7 +252,7 @@ def test_after_the_sweeps_no_vertex_has_anything_to_gain(name):
     solver = gt.GeodesicSolver(DOMAINS[name], refine=True)
     method = solver.method
     fronts, log_heat = method._refined._sweeper._fronts, method.log_heat(2)
-    tolerance = np.array([refine.TOLERANCE * method.metric.spacing])
+    tolerance = np.array([refine.SWEEP_TOLERANCE * method.metric.spacing])
 
     def swept(vertices, distances, kappas):
         """Return what sweeps make of fronts at vertices, of which all neighbours are asked."""
@@ -332,7 +332,7 @@ def test_heat_of_any_range_is_ordered_to_six_digits(count):
 
 @pytest.mark.parametrize("returns", [0, 1, 8])
 def test_an_order_that_says_nothing_costs_sweeps_and_not_the_distance(returns, monkeypatch):
-    monkeypatch.setattr(refine, "RETURNS", returns)
+    monkeypatch.setattr(refine, "MAX_RETURNS_PER_VERTEX", returns)
     sphere = shapes.icosphere(3)
     sweeper = WavefrontSweeper(assembled(sphere))
     noise = np.random.default_rng(0).normal(size=sphere.n_vertices)
