@@ -1,10 +1,9 @@
 """Fixtures that every test may use."""
 
-from pathlib import Path
-
 import pytest
 from hypothesis import HealthCheck, settings
 from sample_files import write_off
+from shared_data import shared_file
 
 from geodesic_toolkit.testing import shapes
 
@@ -14,16 +13,6 @@ pytest.register_assert_rewrite("browser", "command_line")
 # No test looks at the clock: a busy machine is slow to begin with, and that is not a failure.
 settings.register_profile("calm", deadline=None, suppress_health_check=[HealthCheck.too_slow])
 settings.load_profile("calm")
-
-SHARED_DATA = Path(__file__).resolve().parents[2] / "shared" / "data"
-
-
-def shared_file(name: str) -> Path:
-    """Return a file of the shared data set, or skip where it is absent."""
-    path = SHARED_DATA / name
-    if not path.exists():
-        pytest.skip(f"the shared data set is not beside this checkout (wanted {name})")
-    return path
 
 
 @pytest.fixture(scope="session")
