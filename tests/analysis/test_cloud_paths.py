@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
+from sample_shapes import random_sphere
 
 import geodesic_toolkit as gt
 from geodesic_toolkit.analysis.paths import reach
@@ -19,13 +20,6 @@ PCA = gt.PointCloudLaplacian(normals="pca")
 
 def solver_of(points, **options):
     return gt.GeodesicSolver(gt.PointCloud(points), operator=PCA, **options)
-
-
-def random_sphere(count, noise=0.0):
-    rng = np.random.default_rng(0)
-    true = rng.normal(size=(count, 3))
-    true /= np.linalg.norm(true, axis=1, keepdims=True)
-    return true * (1 + noise * rng.normal(size=(count, 1))), true
 
 
 def runs_through_triangles(solver, path):

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 from closed_forms import mean_relative_error, on_plane
-from scipy.spatial import ConvexHull
+from sample_shapes import hull
 
 import geodesic_toolkit as gt
 from geodesic_toolkit.errors import InvalidSourceError, SolverError, UnsupportedDomainError
@@ -112,14 +112,6 @@ def test_exact_distance_is_a_metric():
     between = rows[:, sources]
     np.testing.assert_allclose(between, between.T, atol=1e-9)
     assert (rows[0] <= between[0, 1] + rows[1] + 1e-9).all()
-
-
-def hull(points):
-    """Return the convex hull as a mesh without other vertices."""
-    found = ConvexHull(points)
-    numbers = np.full(len(points), -1)
-    numbers[found.vertices] = np.arange(len(found.vertices))
-    return gt.TriangleMesh(points[found.vertices], numbers[found.simplices])
 
 
 def fan(start, turn, spokes=4):

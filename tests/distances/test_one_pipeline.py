@@ -5,6 +5,7 @@ from typing import ClassVar
 
 import numpy as np
 import pytest
+from sample_shapes import edge_graph
 from scipy.sparse import csr_array
 
 import geodesic_toolkit as gt
@@ -23,9 +24,7 @@ def sphere_as(kind):
         return sphere
     if kind == "cloud":
         return gt.PointCloud(sphere.vertices)
-    edges = np.unique(np.sort(sphere.faces[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2), axis=1), axis=0)
-    lengths = np.linalg.norm(sphere.vertices[edges[:, 0]] - sphere.vertices[edges[:, 1]], axis=1)
-    return gt.Graph(sphere.n_vertices, edges, lengths)
+    return edge_graph(sphere)
 
 
 class RecordedFactor(gt.Factor):

@@ -6,19 +6,12 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from scipy.spatial import ConvexHull
+from sample_shapes import hull
 
 import geodesic_toolkit as gt
 from geodesic_toolkit.errors import SolverError
 from geodesic_toolkit.refinement.polyhedra import MOST_FACES
 from geodesic_toolkit.testing import shapes
-
-
-def hull(points):
-    found = ConvexHull(points)
-    numbers = np.full(len(points), -1)
-    numbers[found.vertices] = np.arange(len(found.vertices))
-    return gt.TriangleMesh(points[found.vertices], numbers[found.simplices])
 
 
 def box(*sides):

@@ -21,12 +21,6 @@ def lattice(n, dim):
     return gt.Graph(n**dim, np.concatenate(edges)), positions.astype(float)
 
 
-def edges_of(mesh):
-    edges = np.unique(np.sort(mesh.faces[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2), axis=1), axis=0)
-    lengths = np.linalg.norm(mesh.vertices[edges[:, 0]] - mesh.vertices[edges[:, 1]], axis=1)
-    return gt.Graph(mesh.n_vertices, edges, lengths)
-
-
 def boxes(*shape, spacing=(1, 1, 1), diagonals=False):
     """The graph of a box of voxels and their positions."""
     index = np.arange(np.prod(shape)).reshape(shape)

@@ -3,7 +3,8 @@
 import numpy as np
 import pytest
 from closed_forms import mean_relative_error
-from graph_shapes import boxes, edges_of, lattice
+from graph_shapes import boxes, lattice
+from sample_shapes import edge_graph
 
 import geodesic_toolkit as gt
 from geodesic_toolkit.errors import InvalidOptionError, UnsupportedDomainError
@@ -116,7 +117,7 @@ def test_the_edges_of_tubes_and_spheres_measure_what_they_are_the_edges_of():
         shapes.icosphere(3),
         shapes.grid(25),
     ):
-        solver = gt.GeodesicSolver(edges_of(mesh))
+        solver = gt.GeodesicSolver(edge_graph(mesh))
         assert solver.diagnosis.across
         assert error_of(solver, (0, 200), lambda s, m=mesh: gt.exact_distance(m, s)) < 0.01
 

@@ -3,7 +3,8 @@
 import numpy as np
 import pytest
 from closed_forms import bent_path, mean_relative_error, on_sphere
-from graph_shapes import boxes, edges_of, lattice
+from graph_shapes import boxes, lattice
+from sample_shapes import edge_graph
 from scipy.sparse import csr_array
 from scipy.sparse.csgraph import minimum_spanning_tree
 
@@ -45,14 +46,14 @@ def test_a_cube_grid_graph_measures_euclidean_distance():
 
 def test_the_edges_of_a_sphere_measure_the_sphere():
     mesh = shapes.icosphere(4)
-    distance = gt.geodesic_distance(edges_of(mesh), 0)
+    distance = gt.geodesic_distance(edge_graph(mesh), 0)
     assert mean_relative_error(distance, on_sphere(mesh, 0)) < SPHERE_TOLERANCE
 
 
 def test_the_graph_of_a_long_tube_is_right_at_its_far_end():
     rings, around = 1200, 48
     flat = gt.UniformLaplacian(dim=2)  # not an edge leads along the tube, by which to tell
-    distance = gt.geodesic_distance(edges_of(shapes.tube(rings, around)), 0, operator=flat)
+    distance = gt.geodesic_distance(edge_graph(shapes.tube(rings, around)), 0, operator=flat)
     assert abs(distance[-around:].mean() / ((rings - 1) * np.sqrt(3) / 2) - 1) < 0.03
 
 

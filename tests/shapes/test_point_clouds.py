@@ -10,6 +10,7 @@ from closed_forms import mean_relative_error, on_tube
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
+from sample_shapes import angles_from, random_sphere
 
 import geodesic_toolkit as gt
 from geodesic_toolkit.discretization.positivity import positive_part
@@ -38,19 +39,6 @@ NOWHERE = [np.nan] * 3
 
 def cloud_solver(points, normals=None, operator=PCA, **options):
     return gt.GeodesicSolver(gt.PointCloud(points, normals), operator=operator, **options)
-
-
-def random_sphere(count, seed=0, noise=0.0):
-    """Return noisy points of the unit sphere and where they lie without noise."""
-    rng = np.random.default_rng(seed)
-    true = rng.normal(size=(count, 3))
-    true /= np.linalg.norm(true, axis=1, keepdims=True)
-    return true * (1 + noise * rng.normal(size=(count, 1))), true
-
-
-def on_sphere(points, source):
-    across = np.linalg.norm(np.cross(points, points[source]), axis=1)
-    return np.arctan2(across, points @ points[source])
 
 
 def folded_sheet(gap, jitter, leg=60.0, width=20):
@@ -125,14 +113,14 @@ def test_the_rims_of_holes_do_not_find_the_far_wall(shared_data):
 
 def test_an_icosphere_cloud_is_as_good_as_the_mesh():
     points = shapes.icosphere(4).vertices
-    assert mean_relative_error(cloud_solver(points).distance(0), on_sphere(points, 0)) < 0.012
+    assert mean_relative_error(cloud_solver(points).distance(0), angles_from(points, 0)) < 0.012
 
 
 @pytest.mark.parametrize(("noise", "bound"), [(0.0, 0.018), (0.01, 0.01)])
 def test_noise_on_a_random_sphere_does_not_lengthen_paths(noise, bound):
     points, true = random_sphere(16_000, noise=noise)
     solver = cloud_solver(points)
-    assert mean_relative_error(solver.distance(0), on_sphere(true, 0)) < bound
+    assert mean_relative_error(solver.distance(0), angles_from(true, 0)) < bound
     assert solver.method.heat_report(0).non_positive == 0
 
 
@@ -140,7 +128,7 @@ def test_noise_on_a_random_sphere_does_not_lengthen_paths(noise, bound):
 def test_refined_distances_on_a_random_sphere_bear_noise(noise, bound):
     points, true = random_sphere(16_000, noise=noise)
     solver = cloud_solver(points, refine=True)
-    assert mean_relative_error(solver.distance(0), on_sphere(true, 0)) < bound
+    assert mean_relative_error(solver.distance(0), angles_from(true, 0)) < bound
 
 
 def test_errors_on_a_plane_fall_with_the_spacing():
