@@ -1,5 +1,7 @@
 """Fixtures that every test may use."""
 
+import signal
+
 import pytest
 from hypothesis import HealthCheck, settings
 from sample_files import write_off
@@ -13,6 +15,18 @@ pytest.register_assert_rewrite("browser", "command_line")
 # No test looks at the clock: a busy machine is slow to begin with, and that is not a failure.
 settings.register_profile("calm", deadline=None, suppress_health_check=[HealthCheck.too_slow])
 settings.load_profile("calm")
+
+if signal.getsignal(signal.SIGINT) == signal.SIG_IGN:
+    # So it is in what a shell runs in the background, and children would ignore Ctrl-C as well.
+    signal.signal(signal.SIGINT, signal.default_int_handler)
+
+
+@pytest.hookimpl(tryfirst=True)
+def pytest_collection_modifyitems(items):
+    """Mark as quick what is not marked as slow: a new test is in the quick run by itself."""
+    for item in items:
+        if item.get_closest_marker("slow") is None:
+            item.add_marker(pytest.mark.quick)
 
 
 @pytest.fixture(scope="session")

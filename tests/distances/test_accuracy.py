@@ -20,6 +20,7 @@ MEASURED = {
 SLACK = 1.03
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", MEASURED)
 def test_plain_heat_is_as_accurate_as_measured(shared_data, name):
     mesh = gt.read(shared_data(name))
@@ -51,6 +52,7 @@ def test_conjugate_gradients_leave_zeros_that_a_direct_solver_does_not(shared_da
     assert (gt.GeodesicSolver(mesh).heat(source) != 0).all()
 
 
+@pytest.mark.slow
 def test_obtuse_scans_profit_from_auto(shared_data):
     mesh = gt.read(shared_data("igltut__camelhead.off"))
     exact = gt.exact_distance(mesh, 5690)

@@ -52,6 +52,7 @@ def test_several_sources_and_offsets_are_exact_too():
     np.testing.assert_allclose(found, expected, rtol=1e-12)
 
 
+@pytest.mark.slow
 @settings(max_examples=30, deadline=None)
 @given(st.integers(0, 10**6), st.integers(4, 60))
 def test_the_default_is_exact_on_hulls_of_few_points(seed, count):

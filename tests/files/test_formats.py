@@ -75,6 +75,7 @@ def test_a_real_cloud_has_the_points_of_its_file(name):
     assert (cloud.normals is not None) == has_normals
 
 
+@pytest.mark.slow
 def test_the_triangle_strips_of_igea_close_the_surface():
     faces = gt.read(shared_file("jacobson__igea.ply")).faces
     half_edges = set(
@@ -94,6 +95,7 @@ def test_every_format_gives_back_the_octahedron(suffix, make, tmp_path):
         check_octahedron(domain)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", WRITTEN)
 def test_every_format_of_another_package_gives_back_the_octahedron(name, tmp_path):
     package, make = WRITTEN[name]

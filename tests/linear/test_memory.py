@@ -19,6 +19,7 @@ def little_memory(monkeypatch, tmp_path):
     monkeypatch.setattr(memory, "MEMINFO", told)
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("little_memory")
 def test_a_table_that_would_not_fit_is_refused_before_the_work():
     solver = gt.GeodesicSolver(gt.Graph(2000, [[i, i + 1] for i in range(1999)]))

@@ -46,6 +46,7 @@ HEIGHTS = [*range(1, 2 * TALL + 2), CHUNK + 1, PACKED + 1, PACKED + CHUNK + 5]
 WIDTHS = [1, 2, 3, 4, 5, 8, CHUNK - 1, CHUNK, CHUNK + 1, 2 * CHUNK + 6]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("height", "width"), [(tall, wide) for tall in HEIGHTS for wide in WIDTHS if wide <= tall]
 )
@@ -132,6 +133,7 @@ def test_systems_of_shapes_are_solved_as_by_superlu(laplacian, shift):
     np.testing.assert_allclose(got, expected, atol=1e-11 * np.abs(expected).max())
 
 
+@pytest.mark.slow
 def test_the_panels_hold_the_cholesky_factor(laplacian):
     system = plus(laplacian, 0.5)
     found = SOLVER.factorize(system)

@@ -27,6 +27,7 @@ from geodesic_toolkit.linear.patterns import SharedAnalysis
 # -- memory ----------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(sys.platform != "linux", reason="the C library is told to fill what it lends")
 def test_what_memory_held_before_does_not_matter(tmp_path):
     program = """
@@ -146,6 +147,7 @@ def test_values_are_no_part_of_an_analysis(sphere_system):
 # -- threads ---------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_two_factors_on_two_threads_are_those_of_one(laplacian):
     systems = [plus(laplacian, shift) for shift in (0.1, 1.0)] * 3
     alone = [panels_of(SOLVER.factorize(system)) for system in systems]
@@ -312,6 +314,7 @@ def test_two_factors_that_would_not_fit_together_are_not_begun_however_often_ask
     assert factorize.expected_bytes() == expected
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(sys.platform != "linux", reason="the system does not say how much was taken")
 @pytest.mark.parametrize("compact", [False, True])
 def test_the_memory_that_a_factor_takes_is_foreseen(compact):
@@ -352,6 +355,7 @@ def test_the_size_of_a_factor_does_not_overflow(monkeypatch, sphere_system):
         supernodal._factorize(sphere_system, Foreseen(2**43), compact=False)
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(sys.platform != "linux", reason="a process cannot be held to so much memory")
 def test_memory_that_the_system_refuses_is_an_error():
     program = """

@@ -251,6 +251,7 @@ STATUSES = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", STATUSES)
 def test_each_error_has_its_exit_status(kind):
     assert exits.exit_status(kind("why")) == STATUSES[kind]

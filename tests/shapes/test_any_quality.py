@@ -107,6 +107,7 @@ def answer_or_typed_error(domain, source, **options):
 SMALL_FLOATS = st.floats(-2, 2, width=32).map(lambda x: round(x, 3))
 
 
+@pytest.mark.slow
 @settings(max_examples=80)
 @given(
     hnp.arrays(np.float64, st.tuples(st.integers(3, 12), st.just(3)), elements=SMALL_FLOATS),
@@ -123,6 +124,7 @@ def test_any_soup_of_faces_has_an_answer_or_a_typed_error(vertices, faces, refin
             gt.GeodesicSolver(mesh)
 
 
+@pytest.mark.slow
 @settings(max_examples=50)
 @given(
     hnp.arrays(
@@ -149,6 +151,7 @@ def test_any_cloud_has_an_answer_which_refinement_reaches_as_far(points):
     assert (plain[np.setdiff1d(np.arange(len(points)), present)] == np.inf).all()
 
 
+@pytest.mark.slow
 @settings(max_examples=60)
 @given(
     st.integers(1, 15),

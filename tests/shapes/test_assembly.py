@@ -113,6 +113,7 @@ def test_kernels_assemble_what_numpy_does(use, name, options):
     assert_same(*both(use, lambda: operator.assemble(MESHES[name])))
 
 
+@pytest.mark.slow
 @settings(suppress_health_check=[HealthCheck.function_scoped_fixture], max_examples=50)
 @given(st.integers(0, 2**32 - 1), st.integers(3, 12), st.integers(1, 30))
 def test_kernels_assemble_any_soup_of_faces(use, seed, n_vertices, n_faces):
@@ -208,6 +209,7 @@ def positive_weights(faces, lengths, n_vertices):
     return inner.data[kept], stiffness
 
 
+@pytest.mark.slow
 @settings(suppress_health_check=[HealthCheck.function_scoped_fixture], max_examples=40)
 @given(st.integers(0, 2**32 - 1), st.integers(2, 9), st.floats(0, 4), st.floats(0.01, 1))
 def test_kernels_flip_edges_as_libigl_does(use, seed, n, shear, flatness):
@@ -293,6 +295,7 @@ def test_the_right_hand_side_is_minus_the_adjoint_of_the_direction(use, name, co
             np.testing.assert_allclose(load, expected, atol=1e-9 * np.abs(expected).max())
 
 
+@pytest.mark.slow
 @settings(suppress_health_check=[HealthCheck.function_scoped_fixture], max_examples=60)
 @given(
     # Where corners differ by rounding alone, a gradient has no direction.

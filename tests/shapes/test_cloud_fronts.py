@@ -35,6 +35,7 @@ def sweeper_of(points):
 # -- lengths and curvature -------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_on_smooth_random_clouds_it_is_nearly_second_order():
     errors = []
     for count in (1000, 4000, 16_000):

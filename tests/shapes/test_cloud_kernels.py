@@ -181,6 +181,7 @@ def directions(count):
     return np.column_stack([radius * np.cos(angle), radius * np.sin(angle), z])
 
 
+@pytest.mark.slow
 def test_poles_point_where_the_foremost_neighbour_is_least_ahead():
     points, _ = limb()
     neighbours = nearest_neighbours(points, 30)

@@ -18,6 +18,7 @@ def error_of(solver, sources, exact):
     return np.mean([mean_relative_error(solver.distance(s), exact(s)) for s in sources])
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("shape", "options"),
     [
@@ -110,6 +111,7 @@ def test_a_chain_that_turns_is_not_cut_short_and_a_hole_is_gone_round():
     assert gt.geodesic_distance(graph, 0)[end] == pytest.approx(way, rel=0.02)
 
 
+@pytest.mark.slow
 def test_the_edges_of_tubes_and_spheres_measure_what_they_are_the_edges_of():
     for mesh in (
         shapes.tube(150, 12),
@@ -130,6 +132,7 @@ def neighbour_graph(samples, k, noise, rng):
     return gt.as_domain(kneighbors_graph(turned, k, mode="distance"))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("noise", [0.0, 0.05, 0.1])
 @pytest.mark.parametrize(("count", "k"), [(500, 10), (500, 15), (2000, 8), (2000, 12)])
 def test_neighbour_graphs_of_noisy_samples_measure_the_sphere_and_the_square(count, k, noise):
@@ -152,6 +155,7 @@ def test_neighbour_graphs_of_noisy_samples_measure_the_sphere_and_the_square(cou
     assert arcs < 0.05
 
 
+@pytest.mark.slow
 def test_a_cloud_of_tetrahedra_is_crossed_and_sparse_neighbours_in_a_cube_are_left_to_heat():
     from scipy.spatial import Delaunay
 
@@ -206,6 +210,7 @@ def test_a_copied_solver_across_edges_answers_alike():
     assert "across=True" in repr(solver)
 
 
+@pytest.mark.slow
 def test_options_of_heat_mean_heat_and_across_can_be_insisted_on():
     graph, _ = boxes(20, 20)
     for options in ({"time": 2.0}, {"time_factor": 3.0}, {"diffusion": "uniform"}):
@@ -228,6 +233,7 @@ def test_options_of_heat_mean_heat_and_across_can_be_insisted_on():
         )
 
 
+@pytest.mark.slow
 def test_graphs_without_corners_are_left_to_heat():
     rng = np.random.default_rng(1)
     m = 24
@@ -263,6 +269,7 @@ def odd_graphs():
     }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", odd_graphs())
 def test_fronts_stay_within_bounds_on_graphs_that_sample_nothing(name):
     graph = odd_graphs()[name]

@@ -38,6 +38,7 @@ def test_a_square_grid_graph_measures_euclidean_distance():
     assert errors[2] < HALVING * errors[1] < HALVING**2 * errors[0]
 
 
+@pytest.mark.slow
 def test_a_cube_grid_graph_measures_euclidean_distance():
     errors = [lattice_error(n, 3, gt.UniformLaplacian(dim=3)) for n in (7, 13, 25)]
     assert errors[2] < GRID_TOLERANCE
@@ -50,6 +51,7 @@ def test_the_edges_of_a_sphere_measure_the_sphere():
     assert mean_relative_error(distance, on_sphere(mesh, 0)) < SPHERE_TOLERANCE
 
 
+@pytest.mark.slow
 def test_the_graph_of_a_long_tube_is_right_at_its_far_end():
     rings, around = 1200, 48
     flat = gt.UniformLaplacian(dim=2)  # not an edge leads along the tube, by which to tell
@@ -144,6 +146,7 @@ def test_options_outside_their_values_are_refused(options):
         gt.UniformLaplacian(**options)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("shape", "options"),
     [
@@ -169,6 +172,7 @@ def test_heat_on_bars_plates_and_boxes_of_any_aspect_measures_euclidean_distance
     assert np.mean(errors) < 0.06  # of which the method has 4 % on boxes, whatever the scale
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("children", [1, 2, 3, 6])
 def test_on_trees_of_any_branching_the_default_is_the_way_along_edges(children):
     parents = (np.arange(1, 800) - 1) // children
@@ -198,6 +202,7 @@ def test_a_sheet_and_the_chain_that_hangs_from_it_have_each_their_own_scale():
     assert mean_relative_error(distance[1599:], exact[1599:]) < 0.05
 
 
+@pytest.mark.slow
 def test_distances_across_edges_are_held_to_the_ways_along_them_and_sources_read_their_offsets():
     graph, _ = boxes(30, 20, diagonals=True)
     solver = gt.GeodesicSolver(graph)
@@ -224,6 +229,7 @@ def test_refinement_on_a_graph_is_the_way_along_edges_with_offsets_masks_and_row
     np.testing.assert_array_equal(rows[:, 35], [10.0, 0.0])
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("short", [0.0, 1e-12])
 @pytest.mark.parametrize("refine", [True, False])
 def test_vertices_at_one_place_read_alike(short, refine):

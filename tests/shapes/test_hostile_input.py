@@ -272,6 +272,7 @@ def test_a_bad_file_is_a_read_error(tmp_path, name):
         gt.read(path)
 
 
+@pytest.mark.slow
 def test_the_command_says_in_one_line_what_is_wrong(tmp_path):
     good = tmp_path / "square.off"
     good.write_bytes(OFF)
@@ -289,6 +290,7 @@ def test_the_command_says_in_one_line_what_is_wrong(tmp_path):
         assert "Traceback" not in err
 
 
+@pytest.mark.slow
 def test_a_coarse_mesh_is_named_by_command_and_doctor(tmp_path):
     path = tmp_path / "square.off"
     path.write_bytes(OFF)
