@@ -67,17 +67,23 @@ def types(session: nox.Session) -> None:
     run(session, "pyright", "--pythonpath", sys.executable)
 
 
+def test(session: nox.Session, *options: str) -> None:
+    """Run pytest with the programs of this environment on the path, as mpiexec has to be."""
+    path = os.pathsep.join([str(BIN), os.environ.get("PATH", os.defpath)])
+    arguments = [*options, *(session.posargs or ["tests"])]
+    run(session, "pytest", "-n", "auto", *arguments, env={"PATH": path})
+
+
 @nox.session
 def tests(session: nox.Session) -> None:
     """The tests; arguments after ``--`` go to pytest."""
-    run(session, "pytest", "-n", "auto", *(session.posargs or ["tests"]))
+    test(session)
 
 
 @nox.session(default=False)
 def coverage(session: nox.Session) -> None:
     """The tests with their coverage, which has a floor: ``[tool.coverage]`` has the numbers."""
-    arguments = session.posargs or ["tests"]
-    run(session, "pytest", "-n", "auto", "--cov", "--cov-report=term", *arguments)
+    test(session, "--cov", "--cov-report=term")
 
 
 @nox.session
