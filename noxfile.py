@@ -67,10 +67,23 @@ def types(session: nox.Session) -> None:
     run(session, "pyright", "--pythonpath", sys.executable)
 
 
+def test(session: nox.Session, *options: str) -> None:
+    """Run pytest with the programs of this environment on the path, as mpiexec has to be."""
+    path = os.pathsep.join([str(BIN), os.environ.get("PATH", os.defpath)])
+    arguments = [*options, *(session.posargs or ["tests"])]
+    run(session, "pytest", "-n", "auto", *arguments, env={"PATH": path})
+
+
 @nox.session
 def tests(session: nox.Session) -> None:
     """The tests; arguments after ``--`` go to pytest."""
-    run(session, "pytest", "-n", "auto", *(session.posargs or ["tests"]))
+    test(session)
+
+
+@nox.session(default=False)
+def coverage(session: nox.Session) -> None:
+    """The tests with their coverage, which has a floor: ``[tool.coverage]`` has the numbers."""
+    test(session, "--cov", "--cov-report=term")
 
 
 @nox.session
@@ -100,12 +113,18 @@ def configure(session: nox.Session, name: str, *options: str) -> Path:
     return build
 
 
-def self_test(session: nox.Session, name: str, *options: str) -> None:
-    """Build the programs that test kernels without Python, and run them."""
-    build = configure(session, name, "GT_PYTHON=OFF", "GT_SELF_TEST=ON", *options)
+def build_and_test(session: nox.Session, name: str, *options: str) -> Path:
+    """Build the kernels with the programs that test them without Python, and run these."""
+    build = configure(session, name, "GT_SELF_TEST=ON", *options)
     run(session, "cmake", "--build", str(build), "--parallel", silent=True)
     for program in sorted(build.glob("self_test?")):
         session.run(str(program), external=True)
+    return build
+
+
+def self_test(session: nox.Session, name: str, *options: str) -> None:
+    """Do the same without the modules of Python."""
+    build_and_test(session, name, "GT_PYTHON=OFF", *options)
 
 
 def host_level() -> int:
@@ -125,24 +144,25 @@ def sanitizer_libraries(session: nox.Session) -> list[str]:
     return [str(session.run(*each, silent=True, external=True)).strip() for each in asked]
 
 
-def sanitized_python(session: nox.Session) -> None:
-    """Run the tests of the kernels in Python on a build with sanitizers."""
-    libraries = sanitizer_libraries(session)
-    if not all(Path(library).is_absolute() for library in libraries):
-        session.log("not the tests in Python: the compiler has no sanitizers to load ahead")
-        return
+KERNEL_TESTS = (
+    "tests/linear/test_native_module.py",
+    "tests/linear/test_supernodal_*.py",
+    "tests/shapes/test_cloud_kernels.py",
+    "tests/distances/test_wavefronts.py",
+)
+"""Tests in Python that hand kernels arrays of every kind: what sanitizers look at."""
+
+
+def python_options(session: nox.Session) -> list[str]:
+    """Return what CMake has to know to build the modules for this Python."""
     nanobind = session.run(
         sys.executable, "-m", "nanobind", "--cmake_dir", silent=True, external=True
     )
-    build = configure(
-        session,
-        "sanitized-python",
-        "GT_SANITIZE=address,undefined",
-        "GT_LEVELS=host",
-        f"Python_EXECUTABLE={sys.executable}",
-        f"nanobind_DIR={str(nanobind).strip()}",
-    )
-    run(session, "cmake", "--build", str(build), "--parallel", silent=True)
+    return [f"Python_EXECUTABLE={sys.executable}", f"nanobind_DIR={str(nanobind).strip()}"]
+
+
+def sanitized_python(session: nox.Session, build: Path, libraries: list[str]) -> None:
+    """Run the tests of the kernels in Python on a build with sanitizers."""
     site = build / "site"
     shutil.rmtree(site, ignore_errors=True)
     run(session, "cmake", "--install", str(build), "--prefix", str(site), silent=True)
@@ -153,32 +173,64 @@ def sanitized_python(session: nox.Session) -> None:
         "ASAN_OPTIONS": "detect_leaks=0",  # the interpreter's own are many
         "UBSAN_OPTIONS": "print_stacktrace=1",
     }
-    names = ("test_native*.py", "test_supernodal.py", "test_cloud_kernels.py", "test_wavefronts.py")
-    tests = [path for name in names for path in sorted(ROOT.glob(f"tests/*/{name}"))]
+    tests = {pattern: sorted(ROOT.glob(pattern)) for pattern in KERNEL_TESTS}
+    if missing := [pattern for pattern, found in tests.items() if not found]:
+        session.error(f"there are no tests of kernels called {', '.join(missing)}")
     # -S and -P: not the editable install, and not the checkout beside the tests. A sanitizer ends
     # the process, so that pytest may not hold back what it has said. Tests of memory measure what
     # sanitizers change.
     python = [sys.executable, "-S", "-P"]
     options = ["-m", "pytest", "-p", "no:cacheprovider", "--capture=sys", "-q", "-k", "not memory"]
-    session.run(*python, *options, *map(str, tests), env=environment, external=True)
+    workers = ["--tx", f"2*popen//python={' '.join(python)}", "--dist", "load"]
+    paths = [str(path) for found in tests.values() for path in found]
+    session.run(*python, *options, *workers, *paths, env=environment, external=True)
 
 
 @nox.session
 def sanitize(session: nox.Session) -> None:
-    """The kernels under sanitizers: alone on every level of processor, and in Python."""
+    """The kernels under sanitizers: addresses and undefined behaviour, also in Python; threads."""
+    if sys.platform == "win32":
+        session.skip("sanitizers as GCC and Clang have them are for other systems")
+    # Level 2 has no instruction with a mask, which would hide from the sanitizer what is read.
+    # One build serves the programs and the modules of Python.
+    options = ["GT_SANITIZE=address,undefined,float-cast-overflow", "GT_LEVELS=2"]
+    libraries = sanitizer_libraries(session) if sys.platform == "linux" else []
+    in_python = bool(libraries) and all(Path(library).is_absolute() for library in libraries)
+    if in_python:
+        options += python_options(session)
+    else:
+        session.log("not the tests in Python: the compiler has no sanitizers to load ahead")
+        options.append("GT_PYTHON=OFF")
+    build = build_and_test(session, "sanitized", *options)
+    if in_python:
+        sanitized_python(session, build, libraries)
+    level = min(3, host_level())
+    self_test(session, "sanitized-threads", "GT_SANITIZE=thread", f"GT_LEVELS={level}")
+
+
+@nox.session(default=False)
+def builds(session: nox.Session) -> None:
+    """The kernels in the other builds: sanitized on every level, plain loops, Clang, all levels."""
     if sys.platform == "win32":
         session.skip("sanitizers as GCC and Clang have them are for other systems")
     host = host_level()
-    # Each level once: of level 2, where no instruction with a mask hides from the sanitizer what is
-    # read, and the processor's own with all that can go wrong alone; the one between with threads.
-    alone = "GT_SANITIZE=address,undefined,float-cast-overflow"
-    self_test(session, "sanitized", alone, f"GT_LEVELS={';'.join(map(str, sorted({2, host})))}")
-    self_test(session, "sanitized-threads", "GT_SANITIZE=thread", f"GT_LEVELS={min(3, host)}")
+    if others := [str(level) for level in (3, 4) if level <= host]:
+        alone = "GT_SANITIZE=address,undefined,float-cast-overflow"
+        self_test(session, "sanitized-levels", alone, f"GT_LEVELS={';'.join(others)}")
     self_test(session, "plain-loops", f"GT_LEVELS={host}", "GT_PLAIN_LOOPS=ON")
     if clang := shutil.which("clang++"):
         self_test(session, "clang", f"CMAKE_CXX_COMPILER={clang}", f"GT_LEVELS={host}")
-    if sys.platform == "linux":
-        sanitized_python(session)
+    # A wheel has every level of processor, and the editable install of other sessions has one.
+    build = configure(session, "levels", *python_options(session))
+    run(session, "cmake", "--build", str(build), "--parallel", silent=True)
+    site = build / "site"
+    shutil.rmtree(site, ignore_errors=True)
+    run(session, "cmake", "--install", str(build), "--prefix", str(site), silent=True)
+    shutil.copytree(ROOT / "geodesic_toolkit", site / "geodesic_toolkit", dirs_exist_ok=True)
+    environment = {"PYTHONPATH": os.pathsep.join([str(site), sysconfig.get_path("purelib")])}
+    options = ["-S", "-P", "-m", "pytest", "-p", "no:cacheprovider", "-q"]
+    levels = str(ROOT / "tests" / "linear" / "test_native_module.py")
+    session.run(sys.executable, *options, levels, env=environment, external=True)
 
 
 @nox.session(default=False)
@@ -205,14 +257,14 @@ def plugins(session: nox.Session) -> None:
         session.skip("there are no plugins")
     wheels = Path(session.create_tmp()) / "wheels"
     shutil.rmtree(wheels, ignore_errors=True)
-    for project in [ROOT, *PLUGINS]:
-        build = ["-m", "build", "--wheel", "--outdir", str(wheels), str(project)]
+    # The kernels for this processor alone, as other sessions have them: `builds` tries every level.
+    # What builds them is in this environment, and what is built the next run finds again.
+    here = ["--no-isolation", "-Ccmake.define.GT_LEVELS=host"]
+    for project, options in [(ROOT, here), *((plugin, []) for plugin in PLUGINS)]:
+        build = ["-m", "build", "--wheel", "--outdir", str(wheels), *options, str(project)]
         session.run(sys.executable, *build, silent=True, external=True)
     session.install(*map(str, sorted(wheels.glob("*.whl"))), "pytest")
     session.run("geodesic-toolkit", "plugins")
-    # This wheel has every level of processor; the editable install of other sessions has one.
-    levels = str(ROOT / "tests" / "linear" / "test_native_module.py")
-    session.run("pytest", "-p", "no:dash", "--noconftest", levels)
     for plugin in PLUGINS:
         project = tomllib.loads((plugin / "pyproject.toml").read_text(encoding="utf-8"))["project"]
         for kind in ("operators", "solvers"):

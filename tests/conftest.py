@@ -1,10 +1,11 @@
 """Fixtures that every test may use."""
 
-from pathlib import Path
+import signal
 
 import pytest
 from hypothesis import HealthCheck, settings
 from sample_files import write_off
+from shared_data import shared_file
 
 from geodesic_toolkit.testing import shapes
 
@@ -15,15 +16,17 @@ pytest.register_assert_rewrite("browser", "command_line")
 settings.register_profile("calm", deadline=None, suppress_health_check=[HealthCheck.too_slow])
 settings.load_profile("calm")
 
-SHARED_DATA = Path(__file__).resolve().parents[2] / "shared" / "data"
+if signal.getsignal(signal.SIGINT) == signal.SIG_IGN:
+    # So it is in what a shell runs in the background, and children would ignore Ctrl-C as well.
+    signal.signal(signal.SIGINT, signal.default_int_handler)
 
 
-def shared_file(name: str) -> Path:
-    """Return a file of the shared data set, or skip where it is absent."""
-    path = SHARED_DATA / name
-    if not path.exists():
-        pytest.skip(f"the shared data set is not beside this checkout (wanted {name})")
-    return path
+@pytest.hookimpl(tryfirst=True)
+def pytest_collection_modifyitems(items):
+    """Mark as quick what is not marked as slow: a new test is in the quick run by itself."""
+    for item in items:
+        if item.get_closest_marker("slow") is None:
+            item.add_marker(pytest.mark.quick)
 
 
 @pytest.fixture(scope="session")

@@ -4,7 +4,7 @@ import os
 import sys
 import threading
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from types import TracebackType
@@ -57,17 +57,30 @@ class Progress:
     On a terminal a line that renews itself and goes without a trace; elsewhere a plain line now
     and then. A thread of its own shows it, so it goes on while a library computes.
 
+    Parameters
+    ----------
+    now : callable
+        The clock, in seconds from some moment.
+    wait : callable
+        Waits for an event for so many seconds at most, and returns whether it came.
+
     Attributes
     ----------
     timings : dict of str to float
         Seconds that each step took.
     """
 
-    def __init__(self) -> None:
+    def __init__(
+        self,
+        *,
+        now: Callable[[], float] = time.perf_counter,
+        wait: Callable[[threading.Event, float], bool] = threading.Event.wait,
+    ) -> None:
+        self._now, self._wait = now, wait
         self.timings: dict[str, float] = {}
         self._label = ""
         self._counted: _Count | None = None
-        self._since = time.monotonic()
+        self._since = self._now()
         self._done = threading.Event()
         self._lock = threading.Lock()
         self._show_above = say
@@ -76,17 +89,17 @@ class Progress:
     @contextmanager
     def step(self, name: str) -> Iterator[None]:
         """Name what the block does, and time it."""
-        start = time.perf_counter()
-        self._label, self._since, self._counted = name, time.monotonic(), None
+        start = self._now()
+        self._label, self._since, self._counted = name, start, None
         try:
             yield
         finally:
-            self.timings[name] = self.timings.get(name, 0.0) + time.perf_counter() - start
+            self.timings[name] = self.timings.get(name, 0.0) + self._now() - start
             self._label, self._counted = "", None
 
     def advance(self, done: int, total: int) -> None:
         """Say how much of the step is done; fits the `progress` parameter of the library."""
-        now, first = time.monotonic(), self._counted
+        now, first = self._now(), self._counted
         began = (done, now) if first is None else (first.began_with, first.began_at)
         self._counted = _Count(done, total, now, *began)
 
@@ -110,7 +123,7 @@ class Progress:
 
     @property
     def _line(self) -> str:
-        spent = f"{time.monotonic() - self._since:.0f} s"
+        spent = f"{self._now() - self._since:.0f} s"
         counted = self._counted
         if counted is None:
             return f"{self._label or 'working'} ({spent})"
@@ -128,11 +141,11 @@ class Progress:
     def _watch(self) -> None:
         terminal = sys.stderr is not None and sys.stderr.isatty()
         if terminal and os.environ.get("TERM") != "dumb":
-            if not self._done.wait(DELAY_OF_FIRST_MESSAGE):
+            if not self._wait(self._done, DELAY_OF_FIRST_MESSAGE):
                 self._animate()
             return
         pause = FIRST_PLAIN_LINE
-        while not self._done.wait(pause):
+        while not self._wait(self._done, pause):
             self.say(f"still working: {self._line}")
             pause *= 2
 
@@ -145,7 +158,7 @@ class Progress:
                 self._show_above = lambda text: console.print(
                     text, markup=False, highlight=False, soft_wrap=True
                 )
-            while not self._done.wait(0.2):
+            while not self._wait(self._done, 0.2):
                 status.update(self._bar)
             with self._lock:
                 self._show_above = say

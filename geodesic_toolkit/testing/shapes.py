@@ -2,10 +2,10 @@
 
 import numpy as np
 
-from geodesic_toolkit.core.types import FloatArray, IntArray
+from geodesic_toolkit.core.types import BoolArray, FloatArray, IntArray
 from geodesic_toolkit.domains import TriangleMesh
 
-__all__ = ["disjoint_union", "grid", "icosphere", "knot", "torus", "tube"]
+__all__ = ["bumpy_torus", "disjoint_union", "grid", "icosphere", "knot", "torus", "tube"]
 
 
 def grid(
@@ -38,7 +38,7 @@ def grid(
     step = 1 / (n - 1) if spacing is None else spacing
     x, y = np.meshgrid(np.arange(n) * step, np.arange(m) * step)
     vertices = np.column_stack([(x + shear * y).ravel(), y.ravel(), np.zeros(n * m)])
-    faces = _quads_to_triangles(np.arange(n * m).reshape(m, n), alternate=shear == 0)
+    faces = _quads_to_triangles(np.arange(n * m).reshape(m, n), None if shear == 0 else True)
     return TriangleMesh(vertices, faces)
 
 
@@ -106,6 +106,41 @@ def torus(n: int, m: int, *, major: float = 2.0, minor: float = 0.5) -> Triangle
     vertices = np.column_stack([out * np.cos(u), out * np.sin(u), minor * np.sin(v)])
     cells = np.pad(np.arange(n * m).reshape(n, m), ((0, 1), (0, 1)), mode="wrap")
     return TriangleMesh(vertices, _quads_to_triangles(cells))
+
+
+def bumpy_torus(n: int = 72, m: int = 36, *, rng: np.random.Generator) -> TriangleMesh:
+    """Return a torus with bumps and dents whose vertices lie irregularly: like a scan, closed.
+
+    There is no closed form for its distances; `exact_distance` has them.
+
+    Parameters
+    ----------
+    n, m : int
+        Rings, and vertices on each.
+    rng : numpy.random.Generator
+        Moves each vertex along the surface by up to a third of the way to its neighbours, and
+        chooses one of the two diagonals of each quadrangle.
+
+    Returns
+    -------
+    TriangleMesh
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> import geodesic_toolkit as gt
+    >>> gt.testing.shapes.bumpy_torus(rng=np.random.default_rng(0))
+    TriangleMesh(2592 vertices, 5184 faces)
+    """
+    ring, place = np.meshgrid(np.arange(n), np.arange(m), indexing="ij")
+    u = 2 * np.pi * (ring + rng.uniform(-1 / 3, 1 / 3, (n, m))).ravel() / n
+    v = 2 * np.pi * (place + rng.uniform(-1 / 3, 1 / 3, (n, m))).ravel() / m
+    minor = 1.0 + 0.2 * np.sin(3 * u) * np.cos(2 * v) + 0.1 * np.cos(5 * u + v)
+    out = 2.2 + 0.2 * np.sin(2 * u) + minor * np.cos(v)
+    vertices = np.column_stack([out * np.cos(u), out * np.sin(u), minor * np.sin(v)])
+    cells = np.pad(np.arange(n * m).reshape(n, m), ((0, 1), (0, 1)), mode="wrap")
+    faces = _quads_to_triangles(cells, rng.random((n, m)) < 0.5)
+    return TriangleMesh(vertices, faces[:, ::-1])  # turned outwards
 
 
 def tube(rings: int, around: int, *, edge: float = 1.0) -> TriangleMesh:
@@ -216,14 +251,21 @@ def disjoint_union(*meshes: TriangleMesh) -> TriangleMesh:
     )
 
 
-def _quads_to_triangles(cells: IntArray, *, alternate: bool = True) -> IntArray:
-    """Return two triangles for each square of a grid of vertex indices."""
+def _quads_to_triangles(cells: IntArray, one_way: BoolArray | bool | None = None) -> IntArray:
+    """Return two triangles for each square of a grid of vertex indices.
+
+    `one_way` says of each square, or of all, which diagonal it has; by default they alternate.
+    """
     a, b = cells[:-1, :-1], cells[:-1, 1:]
     d, c = cells[1:, :-1], cells[1:, 1:]
-    one_way = np.stack([a, b, c, a, c, d], axis=-1)
-    other_way = np.stack([a, b, d, b, c, d], axis=-1)
-    row, column = np.indices(a.shape)
-    chosen = np.where(((row + column) % 2 == 0)[..., None] | (not alternate), one_way, other_way)
+    if one_way is None:
+        row, column = np.indices(a.shape)
+        one_way = (row + column) % 2 == 0
+    chosen = np.where(
+        np.broadcast_to(one_way, a.shape)[..., None],
+        np.stack([a, b, c, a, c, d], axis=-1),
+        np.stack([a, b, d, b, c, d], axis=-1),
+    )
     return chosen.reshape(-1, 3)
 
 

@@ -81,6 +81,7 @@ def on_a_sphere():
     return compare(shapes.icosphere(3), 0)
 
 
+@pytest.mark.slow
 def test_a_comparison_measures_against_the_exact_distance(on_a_sphere):
     mesh = shapes.icosphere(3)
     assert isinstance(on_a_sphere, Comparison)
@@ -171,6 +172,7 @@ def test_compare_prints_one_json_object(sphere_file):
     assert {"build", "per_source", "factor_bytes", "asymmetry"} <= set(ways["auto"])
 
 
+@pytest.mark.slow
 def test_compare_draws_the_error(sphere_file, tmp_path):
     pytest.importorskip("pyvista")
     picture = tmp_path / "error.png"

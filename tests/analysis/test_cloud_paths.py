@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
+from sample_shapes import random_sphere
 
 import geodesic_toolkit as gt
 from geodesic_toolkit.analysis.paths import reach
@@ -21,13 +22,6 @@ def solver_of(points, **options):
     return gt.GeodesicSolver(gt.PointCloud(points), operator=PCA, **options)
 
 
-def random_sphere(count, noise=0.0):
-    rng = np.random.default_rng(0)
-    true = rng.normal(size=(count, 3))
-    true /= np.linalg.norm(true, axis=1, keepdims=True)
-    return true * (1 + noise * rng.normal(size=(count, 1))), true
-
-
 def runs_through_triangles(solver, path):
     """Check that both ends of each piece of a path lie in one triangle of a star."""
     stars = {frozenset(element) for element in solver.method.metric.gradient.elements.tolist()}
@@ -39,6 +33,7 @@ def runs_through_triangles(solver, path):
     return all(any(piece <= star for star in stars) for piece in pieces)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("refine", [True, False])
 def test_a_path_on_a_sphere_is_as_long_as_the_great_circle(refine):
     points, _ = random_sphere(2500)
@@ -93,6 +88,7 @@ def test_a_path_follows_a_folded_sheet_instead_of_jumping_its_gap():
     assert np.linalg.norm(np.diff(path.points, axis=0), axis=1).max() < 2.5
 
 
+@pytest.mark.slow
 def test_noise_makes_a_path_longer_by_the_noise_alone():
     points, true = random_sphere(16_000, noise=0.01)
     path = gt.geodesic_path(solver_of(points, refine=True), 0, 500)
@@ -212,6 +208,7 @@ def swept(monkeypatch):
     return regions
 
 
+@pytest.mark.slow
 def test_a_path_on_a_large_plane_is_straight_and_looks_at_a_part_of_it(swept):
     for source, target in np.random.default_rng(1).choice(6000, size=(12, 2), replace=False):
         path = gt.geodesic_path(LARGE, source, target)
@@ -267,6 +264,7 @@ def test_a_path_leads_to_a_curve_and_from_late_sources_on_a_large_cloud(swept):
     )
 
 
+@pytest.mark.slow
 def test_large_clouds_lead_around_masks_and_refuse_what_is_not_connected(swept):
     wall = (np.abs(SQUARE[:, 0] - 0.5) < 0.05) & (SQUARE[:, 1] < 0.9)
     masked = solver_of(LARGE.domain.points, mask=wall)

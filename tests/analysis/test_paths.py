@@ -93,6 +93,7 @@ def test_a_path_has_the_length_of_the_exact_distance_on_a_torus():
         assert exact[target] * (1 - 1e-9) <= length <= exact[target] * (1 + TOLERANCE)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["igltut__bunny.off", "jacobson__spot.obj", "igltut__3holes.off"])
 def test_paths_on_real_meshes_have_the_length_of_the_exact_distance(shared_data, name):
     mesh = gt.read(shared_data(name))

@@ -49,6 +49,7 @@ def test_radii_are_how_far_the_farthest_vertex_is(solver):
     np.testing.assert_allclose(radii, expected, rtol=1e-9)
 
 
+@pytest.mark.slow
 @given(st.integers(1, 30), st.integers(0, 161))
 def test_the_covering_radius_never_grows_and_samples_are_distinct(count, start):
     samples, radii = gt.farthest_point_sampling(SPHERE, count, start=start, return_radii=True)

@@ -69,6 +69,7 @@ def test_an_expected_failure_that_passes_is_reported():
         )
 
 
+@pytest.mark.slow
 def test_an_expected_failure_of_a_law_that_does_not_apply_is_reported():
     with pytest.raises(ConformanceError, match="tiny_entries_are_resolved"):
         gt.testing.check_linear_solver(
@@ -161,6 +162,7 @@ def test_an_outcome_says_the_law_the_figure_and_the_bound():
     assert text.startswith("singular_matrices_are_refused holds: 0 (at most 0)")
 
 
+@pytest.mark.slow
 def test_the_kit_does_not_need_a_test_framework():
     code = "import sys, geodesic_toolkit.testing; sys.exit('pytest' in sys.modules)"
     assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0

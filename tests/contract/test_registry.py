@@ -198,6 +198,7 @@ def test_a_plugin_domain_finds_its_operator_through_auto(install):
     assert distance.round().tolist() == [0, 1, 2, 3, 4]
 
 
+@pytest.mark.slow
 def test_the_registries_are_not_shadowed_by_any_submodule():
     code = """
     import importlib, pkgutil

@@ -81,6 +81,7 @@ def assert_possible(domain, distance, sources, offsets=0.0):
         assert (found <= along_edges(domain, sources, offsets)[reached] + slack).all()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", FILES)
 def test_distances_of_real_shapes_are_possible(shared_data, name):
     with warnings.catch_warnings():
@@ -93,6 +94,7 @@ def test_distances_of_real_shapes_are_possible(shared_data, name):
             assert_possible(domain, solver.distance(sources), sources)
 
 
+@pytest.mark.slow
 @given(
     seed=st.integers(0, 10_000),
     side=st.integers(3, 9),

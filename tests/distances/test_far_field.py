@@ -17,6 +17,7 @@ def test_the_far_end_of_a_long_tube_is_right(rings, around):
     assert np.abs(far / exact - 1).max() < 0.005
 
 
+@pytest.mark.slow
 def test_the_far_corner_of_a_large_grid_is_right():
     mesh = shapes.grid(450, spacing=1.0)
     distance = gt.geodesic_distance(mesh, 0)

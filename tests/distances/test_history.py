@@ -27,6 +27,7 @@ def answers(mesh):
     return [plain.distance(7), plain.distances(sources), refined.distance(7)]
 
 
+@pytest.mark.slow
 def test_a_mesh_reads_the_same_after_a_large_one():
     mesh = shapes.icosphere(2)
     before = answers(mesh)
@@ -37,6 +38,7 @@ def test_a_mesh_reads_the_same_after_a_large_one():
         np.testing.assert_array_equal(one, other)
 
 
+@pytest.mark.slow
 def test_a_mesh_reads_the_same_in_a_new_process(tmp_path):
     program = """
         import sys
@@ -54,6 +56,7 @@ def test_a_mesh_reads_the_same_in_a_new_process(tmp_path):
         np.testing.assert_array_equal(one, there[name])
 
 
+@pytest.mark.slow
 def test_auto_is_the_same_solver_whatever_was_done_before():
     expected = gt.Supernodal(compact=True)  # heat gives an order only
     assert gt.GeodesicSolver(shapes.icosphere(1)).method.heat_solver == expected
@@ -64,6 +67,7 @@ def test_auto_is_the_same_solver_whatever_was_done_before():
     assert in_a_new_process(program).strip() == repr(expected)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("refine", [False, True])
 def test_a_matrix_is_resumed_in_a_new_process_after_unrelated_work(tmp_path, refine):
     mesh = shapes.icosphere(2)

@@ -1,26 +1,20 @@
-"""Meshes, clouds and graphs share every line after `assemble`."""
+"""Meshes, clouds and graphs take the same way through the heat method after `assemble`."""
 
-import sys
-from pathlib import Path
+from dataclasses import dataclass, field
+from typing import ClassVar
 
 import numpy as np
 import pytest
+from sample_shapes import edge_graph
+from scipy.sparse import csr_array
 
 import geodesic_toolkit as gt
 from geodesic_toolkit.testing import shapes
 
-PACKAGE = Path(gt.__file__).parent
-PIPELINE = {
-    str(PACKAGE / name)
-    for name in (
-        "heat/method.py",
-        "heat/diffusion.py",
-        "heat/graphs.py",
-        "heat/positive.py",
-        "sources/points.py",
-        "heat/log_range.py",
-        "linear/superlu.py",
-    )
+OPERATORS = {
+    "mesh": gt.CotanLaplacian(),
+    "cloud": gt.PointCloudLaplacian(),
+    "graph": gt.UniformLaplacian(dim=2),
 }
 
 
@@ -30,57 +24,70 @@ def sphere_as(kind):
         return sphere
     if kind == "cloud":
         return gt.PointCloud(sphere.vertices)
-    edges = np.unique(np.sort(sphere.faces[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2), axis=1), axis=0)
-    lengths = np.linalg.norm(sphere.vertices[edges[:, 0]] - sphere.vertices[edges[:, 1]], axis=1)
-    return gt.Graph(sphere.n_vertices, edges, lengths)
+    return edge_graph(sphere)
 
 
-def lines_run(work):
-    """The lines of the pipeline's files that `work` executes."""
-    seen = set()
+class RecordedFactor(gt.Factor):
+    """A factor that notes how many columns it is asked to solve for."""
 
-    def trace(frame, event, argument):
-        if frame.f_code.co_filename not in PIPELINE:
-            return None
-        if event == "line":
-            seen.add((Path(frame.f_code.co_filename).name, frame.f_lineno))
-        return trace
+    def __init__(self, factor, calls):
+        self.factor, self.calls = factor, calls
 
-    before = sys.gettrace()
-    sys.settrace(trace)
-    try:
-        work()
-    finally:
-        sys.settrace(before)
-    return seen
+    def solve(self, right_hand_side):
+        self.calls.append(("solve", right_hand_side.shape[1:]))
+        return self.factor.solve(right_hand_side)
+
+    @property
+    def nnz(self):
+        return self.factor.nnz
+
+    @property
+    def nbytes(self):
+        return self.factor.nbytes
 
 
-def solve(kind):
-    domain = sphere_as(kind)
-    operator = {
-        "mesh": gt.CotanLaplacian(),
-        "cloud": gt.PointCloudLaplacian(),
-        "graph": gt.UniformLaplacian(dim=2),
-    }[kind]
+@dataclass(frozen=True, kw_only=True)
+class Recorded(gt.LinearSolver):
+    """SuperLU, and notes of what is asked of it."""
+
+    name: str
+    calls: list = field(default_factory=list, compare=False)
+    componentwise: ClassVar[bool] = gt.SuperLU.componentwise
+
+    def factorize(self, matrix: csr_array) -> gt.Factor:
+        self.calls.append(("factorize", self.name))
+        return RecordedFactor(gt.SuperLU().factorize(matrix), self.calls)
+
+
+def calls_of(kind, monkeypatch):
+    """What the method asks of its solvers and of its gradient, in order: all that it is given."""
+    operator, domain, calls = OPERATORS[kind], sphere_as(kind), []
     metric = operator.assemble(domain)
-    diffusion = operator.diffusion(metric)
-    superlu = gt.SuperLU()
+    gradient = type(metric.gradient)
+    descent_load = gradient.descent_load
 
-    def work():
-        method = gt.HeatMethod(
-            metric, diffusion=diffusion, heat_solver=superlu, poisson_solver=superlu
-        )
+    def recorded(self, heat, *, logarithmic):
+        calls.append(("descent_load", heat.shape[1:], bool(logarithmic)))
+        return descent_load(self, heat, logarithmic=logarithmic)
+
+    method = gt.HeatMethod(
+        metric,
+        diffusion=operator.diffusion(metric),
+        heat_solver=Recorded(name="heat", calls=calls),
+        poisson_solver=Recorded(name="Poisson", calls=calls),
+    )
+    with monkeypatch.context() as patch:
+        patch.setattr(gradient, "descent_load", recorded)
         method.distances([0, [5, 9]])
-
-    return lines_run(work)
+    return calls
 
 
 @pytest.mark.parametrize("kind", ["cloud", "graph"])
-def test_a_cloud_and_a_graph_run_the_very_lines_of_a_mesh(kind):
-    lines = solve("mesh")
-    assert len(lines) > 100
-    # A graph is held to the paths along its edges besides.
-    assert solve(kind) == lines if kind == "cloud" else solve(kind) > lines
+def test_a_cloud_and_a_graph_ask_of_solvers_and_gradients_what_a_mesh_does(kind, monkeypatch):
+    calls = calls_of("mesh", monkeypatch)
+    assert [name for name, *_ in calls].count("descent_load") == 1
+    assert {("factorize", "heat"), ("factorize", "Poisson")} <= set(calls)
+    assert calls_of(kind, monkeypatch) == calls
 
 
 def test_the_three_agree_on_the_sphere():

@@ -6,19 +6,12 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from scipy.spatial import ConvexHull
+from sample_shapes import hull
 
 import geodesic_toolkit as gt
 from geodesic_toolkit.errors import SolverError
 from geodesic_toolkit.refinement.polyhedra import MOST_FACES
 from geodesic_toolkit.testing import shapes
-
-
-def hull(points):
-    found = ConvexHull(points)
-    numbers = np.full(len(points), -1)
-    numbers[found.vertices] = np.arange(len(found.vertices))
-    return gt.TriangleMesh(points[found.vertices], numbers[found.simplices])
 
 
 def box(*sides):
@@ -59,6 +52,7 @@ def test_several_sources_and_offsets_are_exact_too():
     np.testing.assert_allclose(found, expected, rtol=1e-12)
 
 
+@pytest.mark.slow
 @settings(max_examples=30, deadline=None)
 @given(st.integers(0, 10**6), st.integers(4, 60))
 def test_the_default_is_exact_on_hulls_of_few_points(seed, count):

@@ -274,6 +274,7 @@ def test_pickles_do_not_carry_the_factors(sphere):
     assert len(pickle.dumps(method)) == before
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("context", ["spawn", "fork"])
 def test_it_works_in_process_pools(solver, context):
     with ProcessPoolExecutor(2, mp_context=multiprocessing.get_context(context)) as pool:

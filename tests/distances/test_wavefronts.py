@@ -9,6 +9,7 @@ import pytest
 from closed_forms import mean_relative_error, on_sphere
 from hypothesis import given
 from hypothesis import strategies as st
+from sample_shapes import many_sheets, scrambled
 from scipy.sparse import coo_array, csr_array
 
 import geodesic_toolkit as gt
@@ -20,13 +21,6 @@ from geodesic_toolkit.sources.points import SourcePoints
 from geodesic_toolkit.testing import shapes
 
 
-def scrambled(mesh):
-    rng = np.random.default_rng(1)
-    order = rng.permutation(mesh.n_vertices)
-    faces = np.argsort(order)[mesh.faces][rng.permutation(mesh.n_faces)]
-    return gt.TriangleMesh(mesh.vertices[order], faces[:, rng.permutation(3)])
-
-
 def disk(count):
     """Return so many triangles about vertex 0."""
     turn = np.linspace(0, 2 * np.pi, count, endpoint=False)
@@ -34,14 +28,6 @@ def disk(count):
     at = np.arange(count)
     faces = np.column_stack([np.zeros_like(at), at + 1, (at + 1) % count + 1])
     return gt.TriangleMesh(np.vstack([[0.0, 0, 0], rim]), faces)
-
-
-def many_sheets():
-    """Return five triangles with one edge in common, and a vertex of none."""
-    turn = np.arange(5.0)
-    tips = np.column_stack([0.3 * turn, np.cos(turn), np.sin(turn)])
-    faces = [[0, 1, tip] for tip in range(2, 7)]
-    return gt.TriangleMesh(np.vstack([[0, 0, 0], [1, 0, 0], tips, [9, 9, 9]]), faces)
 
 
 def curve_beside_a_sheet():
@@ -58,7 +44,7 @@ DOMAINS = {
     "obtuse": shapes.grid(9, shear=2.0),
     "scrambled": scrambled(shapes.torus(12, 7)),
     "two parts": shapes.disjoint_union(shapes.grid(4), shapes.icosphere(1)),
-    "many sheets": many_sheets(),
+    "many sheets": many_sheets(alone=[9, 9, 9]),
     "cloud": gt.PointCloud(shapes.icosphere(2).vertices),
     "cloud with links and ties": curve_beside_a_sheet(),
 }

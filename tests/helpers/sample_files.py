@@ -7,6 +7,8 @@ from pathlib import Path
 import numpy as np
 from scipy import sparse
 
+import geodesic_toolkit as gt
+
 POINTS = np.array(
     [[1, 0, 0], [0, 1, 0], [0, 0, 1], [-1, 0, 0], [0, -1, 0], [0, 0, -1]], dtype=np.float64
 ) * [1.0, 0.5, 0.25]
@@ -318,3 +320,35 @@ WRITTEN = {
     "laz": ("lazrs", lambda folder: las(folder, "laz")),
 }
 """Package and function of a folder, by suffix (and what else tells two apart)."""
+
+OWN = [(suffix, make) for suffix, makes in SAMPLES.items() for make in makes]
+"""Suffix and function of every format that needs no other package."""
+
+TRIANGLE = "0 0 0\n1 0 0\n0 1 0\n"
+"""The rows of a triangle, as in OFF and PLY."""
+
+SQUARE = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n"
+"""The vertices of a square, as in OBJ."""
+
+
+def place(folder, name, contents):
+    """Write a file and return its path."""
+    path = folder / name
+    path.write_bytes(contents if isinstance(contents, bytes) else contents.encode())
+    return path
+
+
+def check_octahedron(domain, *, exact=True):
+    """Fail unless a domain is the octahedron of this file: mesh, cloud, or graph of edges."""
+    tolerance = 0 if exact else 1e-6
+    if isinstance(domain, gt.Graph):
+        assert domain.n_vertices == 6
+        order = np.lexsort(np.sort(EDGES).T[::-1])
+        found = np.lexsort(domain.edges.T[::-1])
+        np.testing.assert_array_equal(domain.edges[found], EDGES[order])
+        np.testing.assert_array_equal(domain.lengths[found], LENGTHS[order])
+    elif isinstance(domain, gt.PointCloud):
+        np.testing.assert_allclose(domain.points, POINTS, rtol=tolerance)
+    else:
+        np.testing.assert_allclose(domain.vertices, POINTS, rtol=tolerance)
+        np.testing.assert_array_equal(domain.faces, FACES)

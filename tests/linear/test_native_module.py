@@ -62,6 +62,7 @@ def fields(level, folder):
     return np.load(folder / "fields.npy")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("level", [2, 3, 4])
 def test_distances_do_not_depend_on_the_level(level, tmp_path):
     if level > _native._processor_level():

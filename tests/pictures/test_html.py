@@ -74,6 +74,7 @@ def grey(image):
     return int(((high - low < 4) & (low > 60) & (high < 245)).sum())
 
 
+@pytest.mark.slow
 def test_the_shape_is_drawn_with_isolines_and_grey_for_the_unreached(browser, tmp_path):
     image = settled(browser, tmp_path, "drawn")[:, :750]
     assert coloured(image) > 10_000
@@ -81,6 +82,7 @@ def test_the_shape_is_drawn_with_isolines_and_grey_for_the_unreached(browser, tm
     assert int((image.max(axis=-1) < 50).sum()) > 500  # the lines
 
 
+@pytest.mark.slow
 def test_the_page_turns_under_the_mouse(browser, tmp_path):
     before = settled(browser, tmp_path, "before")
     browser.drag((200, 560), (420, 500))
@@ -114,6 +116,7 @@ def test_the_title_stands_above_the_shape_and_not_behind_it(browser):
     assert browser.evaluate(f"{canvas}.bottom") == browser.evaluate("innerHeight")
 
 
+@pytest.mark.slow
 def test_a_browser_without_webgl_says_so_where_the_shape_would_be(browser, page, tmp_path):
     words = "document.getElementById('gt-no-webgl')"
     assert browser.evaluate(f"{words} === null")
@@ -125,6 +128,7 @@ def test_a_browser_without_webgl_says_so_where_the_shape_would_be(browser, page,
         assert without.evaluate(f"{words}.checkVisibility()")
 
 
+@pytest.mark.slow
 def test_nothing_is_asked_of_the_network_and_nothing_complained(browser, page, tmp_path):
     settled(browser, tmp_path, "quiet")
     outside = [url for url in browser.requests if not re.match(r"(data|blob):", url)]

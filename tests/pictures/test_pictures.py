@@ -85,6 +85,7 @@ def count_coloured(image):
 # -- what is on the picture --------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_a_picture_is_the_array_that_the_file_holds(sphere, angles, tmp_path):
     from PIL import Image
 
@@ -96,6 +97,7 @@ def test_a_picture_is_the_array_that_the_file_holds(sphere, angles, tmp_path):
     assert [file.name for file in tmp_path.iterdir()] == ["a.png"]
 
 
+@pytest.mark.slow
 def test_front_and_back_stand_side_by_side(sphere, angles):
     image = bar_free(gt.viz.plot(sphere, angles, size=SIZE, isolines=0))
     left, right = image[:, :125], image[:, 135:]
@@ -106,6 +108,7 @@ def test_front_and_back_stand_side_by_side(sphere, angles):
     assert count_near(right, far, 60) > count_near(left, far, 60)
 
 
+@pytest.mark.slow
 def test_the_source_is_marked_and_an_empty_list_marks_none(sphere, angles):
     marked = gt.viz.plot(sphere, angles, size=SIZE, cmap="gray")
     unmarked = gt.viz.plot(sphere, angles, size=SIZE, cmap="gray", sources=[])
@@ -130,6 +133,7 @@ def test_a_field_with_a_flat_part_at_zero_marks_no_sources(sphere, angles):
     assert len(make_scene(sphere, np.maximum(angles - 2, 0)).sources) == 0
 
 
+@pytest.mark.slow
 def test_isolines_are_dark_lines(sphere, angles):
     plain = gt.viz.plot(sphere, angles, size=SIZE, isolines=0, cmap="spring")
     lined = gt.viz.plot(sphere, angles, size=SIZE, isolines=10, cmap="spring")
@@ -145,6 +149,7 @@ def test_isolines_have_the_value_that_they_stand_for(sphere, angles):
     assert np.minimum(np.abs(value - 0.5), np.abs(value - 1.5)).max() < 0.02
 
 
+@pytest.mark.slow
 def test_what_is_not_reached_is_grey():
     pair = shapes.disjoint_union(shapes.icosphere(2), shapes.icosphere(2))
     moved = pair.vertices + np.repeat([[0.0, 0, 0], [3.0, 0, 0]], 162, axis=0)
@@ -156,6 +161,7 @@ def test_what_is_not_reached_is_grey():
     assert 500 < count_coloured(partly) < count_coloured(wholly)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("nothing", [np.nan, np.inf, -np.inf])
 def test_a_field_without_any_value_is_all_grey(sphere, nothing):
     image = gt.viz.plot(sphere, np.full(sphere.n_vertices, nothing), size=SIZE)
@@ -163,10 +169,12 @@ def test_a_field_without_any_value_is_all_grey(sphere, nothing):
     assert count_coloured(image) == 0
 
 
+@pytest.mark.slow
 def test_a_constant_field_is_drawn(sphere):
     assert count_coloured(gt.viz.plot(sphere, np.ones(sphere.n_vertices), size=SIZE)) > 5000
 
 
+@pytest.mark.slow
 def test_vertices_of_no_face_do_not_change_the_picture(sphere, angles):
     more = gt.TriangleMesh(np.vstack([sphere.vertices, [[50.0, 0, 0]]]), sphere.faces)
     np.testing.assert_array_equal(
@@ -175,6 +183,7 @@ def test_vertices_of_no_face_do_not_change_the_picture(sphere, angles):
     )
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("scale", "shift"), [(1e-6, 0.0), (1e5, 0.0), (1.0, 2.0**22)])
 def test_neither_unit_nor_origin_changes_the_picture(sphere, angles, scale, shift):
     moved = gt.TriangleMesh(scale * sphere.vertices + shift, sphere.faces)
@@ -184,6 +193,7 @@ def test_neither_unit_nor_origin_changes_the_picture(sphere, angles, scale, shif
     assert np.abs(difference).mean() < 0.5
 
 
+@pytest.mark.slow
 def test_clouds_are_drawn_without_their_missing_points(sphere, angles):
     cloud = gt.PointCloud(np.vstack([sphere.vertices, [[np.nan] * 3]]))
     image = bar_free(gt.viz.plot(cloud, np.append(angles, np.inf), size=SIZE))
@@ -191,6 +201,7 @@ def test_clouds_are_drawn_without_their_missing_points(sphere, angles):
     assert count_grey(image[20:-20, 20:120]) < 300  # the outlines, no points
 
 
+@pytest.mark.slow
 def test_a_single_point_and_a_single_triangle_are_drawn():
     assert count_coloured(gt.viz.plot(gt.PointCloud([[1.0, 2, 3]]), [0.0], size=SIZE)) > 0
     triangle = gt.TriangleMesh([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 2]])
@@ -209,6 +220,7 @@ def test_graphs_need_positions():
         gt.viz.plot(graph, [0.0, 1, 2, 3], positions=[[0, 0]], size=SIZE)
 
 
+@pytest.mark.slow
 def test_title_unit_and_legend_are_words_not_formulas(sphere, angles):
     plain = gt.viz.plot(sphere, angles, size=SIZE)
     titled = gt.viz.plot(sphere, angles, size=SIZE, title="cost_of $5_a", unit="mm", label="$x_")
@@ -366,6 +378,7 @@ def test_only_domains_are_drawn():
         gt.viz.plot({}, [0.0])
 
 
+@pytest.mark.slow
 def test_a_failure_leaves_the_old_picture(sphere, angles, tmp_path):
     target = tmp_path / "old.png"
     target.write_text("old")
@@ -429,6 +442,7 @@ def test_importing_viz_imports_none_of_the_packages_behind_it():
     )
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(sys.platform != "linux", reason="displays are X's there only")
 @pytest.mark.parametrize("display", [{}, {"DISPLAY": ":987"}])
 def test_no_display_is_needed_and_nothing_is_said_about_it(display):
@@ -483,6 +497,7 @@ def test_without_a_display_polyscope_says_so():
 # -- on real shapes ----------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_a_real_mesh_with_unreferenced_vertices_is_drawn(shared_data):
     trimesh = pytest.importorskip("trimesh")
     loaded = trimesh.load(shared_data("meshlab__Laurana50k.ply"), process=False)
@@ -502,6 +517,7 @@ def test_the_bar_has_arrows_where_values_lie_beyond_it(limits, arrows):
     assert Page._beyond(SimpleNamespace(scene=scene)) == arrows
 
 
+@pytest.mark.slow
 def test_a_picture_can_colour_by_part(tmp_path):
     small, large = shapes.icosphere(2).vertices, shapes.icosphere(3).vertices
     aside, alone = np.array([4.0, 0, 0]), np.full((1, 3), np.nan)

@@ -11,6 +11,7 @@ import geodesic_toolkit as gt
 from geodesic_toolkit.testing.linear_solver import SOLVER_LAWS
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "name",
     ["cotan", "operator:cotan", "geodesic-toolkit:cotan", "supernodal", "superlu", "solver:cg"],

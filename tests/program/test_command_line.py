@@ -13,6 +13,7 @@ from command_line import run, run_process
 import geodesic_toolkit as gt
 
 
+@pytest.mark.slow
 def test_the_program_runs_end_to_end(sphere_file, tmp_path):
     output = tmp_path / "d.npy"
     done = run_process("distance", sphere_file, "--source", 3, "--output", output, "--json")
@@ -22,6 +23,7 @@ def test_the_program_runs_end_to_end(sphere_file, tmp_path):
     assert np.load(output).shape == (162,)
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(sys.platform != "linux", reason="needs file names that are any bytes")
 def test_a_file_name_that_is_no_text_does_no_harm(sphere_file, tmp_path):
     odd = os.fsdecode(b"\xff\xe9.off")
@@ -78,6 +80,7 @@ def test_plugins_lists_the_core_s_own():
     assert "doi:10.1080/10586458.1993.10504266" in result.stdout
 
 
+@pytest.mark.slow
 def test_plugins_shows_broken_ones(tmp_path):
     information = tmp_path / "halfbaked-1.2.dist-info"
     information.mkdir()

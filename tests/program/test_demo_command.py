@@ -6,6 +6,7 @@ import pytest
 from command_line import fails, run
 
 
+@pytest.mark.slow
 def test_demo_writes_numbers_a_picture_and_a_page(tmp_path):
     pytest.importorskip("pyvista")
     pytest.importorskip("k3d")

@@ -167,6 +167,7 @@ def test_distances_at_points_of_a_file(sphere_file, tmp_path, suffix):
     np.testing.assert_allclose(gt.read(out[2]).points, places, atol=1e-12)
 
 
+@pytest.mark.slow
 def test_a_file_of_the_format_of_the_input_keeps_what_is_in_it(tmp_path):
     laspy = pytest.importorskip("laspy")
     places = np.random.default_rng(0).uniform(0, 1, (300, 3)) * [1, 1, 0]
@@ -190,6 +191,7 @@ def test_a_file_of_the_format_of_the_input_keeps_what_is_in_it(tmp_path):
     np.testing.assert_array_equal(asked.normals, gt.read(tmp_path / "at.pcd").normals)
 
 
+@pytest.mark.slow
 def test_a_cloud_is_thinned_and_all_of_its_points_have_a_distance(tmp_path):
     rng = np.random.default_rng(0)
     points = rng.uniform(0, 1, (4000, 3)) * [1, 1, 0]
@@ -249,6 +251,7 @@ def test_the_reach_of_at_can_be_told(sphere_file, tmp_path):
     assert (found["n_points"], found["reached"], found["n_vertices"]) == (1, 1, 162)
 
 
+@pytest.mark.slow
 def test_points_that_cannot_be_asked_for_are_refused(sphere_file, graph_file, tmp_path):
     at = tmp_path / "at.csv"
     at.write_text("0,0,1\n")
@@ -265,6 +268,7 @@ def test_points_that_cannot_be_asked_for_are_refused(sphere_file, graph_file, tm
 # -- with a mask ---------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_a_mask_keeps_paths_out(tmp_path):
     square = shapes.grid(7)
     path, wall = write_off(tmp_path / "square.off", square), np.zeros(49, dtype=bool)
@@ -366,6 +370,7 @@ def test_files_of_vertices_that_cannot_be_used_are_refused(sphere_file, tmp_path
     fails(run("distance", sphere_file, *told), 2, "would overwrite the input")
 
 
+@pytest.mark.slow
 def test_outputs_for_other_programs_are_written(sphere_file, tmp_path):
     pytest.importorskip("vtk")
     pytest.importorskip("nibabel")
@@ -404,6 +409,7 @@ def test_pictures_show_the_shape_wherever_the_points_are(sphere_file, tmp_path, 
     assert look["sources"] == [150]
 
 
+@pytest.mark.slow
 def test_distance_draws_the_parts(sphere_file, tmp_path):
     picture = tmp_path / "parts.png"
     result = run("distance", sphere_file, "--source", 0, "--parts", picture)
@@ -411,6 +417,7 @@ def test_distance_draws_the_parts(sphere_file, tmp_path):
     assert picture.read_bytes().startswith(b"\x89PNG")
 
 
+@pytest.mark.slow
 def test_distance_draws_a_picture_and_a_page(sphere_file, tmp_path):
     pytest.importorskip("pyvista")
     pytest.importorskip("k3d")

@@ -92,6 +92,7 @@ def test_a_probe_does_not_wait_for_ever(monkeypatch):
     assert probes.probe_all() == {"endless": probes.Probe(False, "no answer in 0.1 s")}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("name", "package"), [("pictures", "pyvista"), ("pages", "k3d")])
 def test_what_a_probe_tries_works_where_the_package_does(name, package, capsys):
     pytest.importorskip(package)

@@ -1,22 +1,49 @@
 """Progress: what people are shown while they wait, on a terminal and off it."""
 
 import os
-import subprocess
 import sys
-import time
+import threading
 
 import pytest
 
 from geodesic_toolkit.cli import progress
 
 
-def test_progress_off_a_terminal_is_a_plain_line_now_and_then(monkeypatch, capsys):
-    monkeypatch.setattr(progress, "FIRST_PLAIN_LINE", 0.05)
-    with progress.Progress() as shown, shown.step("thinking"):
-        time.sleep(0.3)
-    lines = capsys.readouterr().err.splitlines()
-    assert 1 <= len(lines) <= 5
-    assert lines[0] == "still working: thinking (0 s)"
+class Clock:
+    """A clock that goes on by what is waited for, as often as it is told to, and then stands."""
+
+    def __init__(self):
+        self.now = 100.0
+        self.rounds = 0
+        self.started, self.stands = threading.Event(), threading.Event()
+
+    def run(self, rounds):
+        """Let so many waits pass, and return when what follows the last of them is done."""
+        self.rounds = rounds
+        self.started.set()
+        assert self.stands.wait(60)
+
+    def wait(self, done, seconds):
+        assert self.started.wait(60)
+        if self.rounds == 0:
+            self.stands.set()
+            return done.wait()
+        self.rounds -= 1
+        self.now += seconds
+        return False
+
+    def progress(self):
+        return progress.Progress(now=lambda: self.now, wait=self.wait)
+
+
+def test_progress_off_a_terminal_is_a_plain_line_now_and_then(capsys):
+    clock = Clock()
+    with clock.progress() as shown, shown.step("thinking"):
+        clock.run(3)
+    assert capsys.readouterr().err.splitlines() == [
+        f"still working: thinking ({seconds} s)" for seconds in (5, 15, 35)
+    ]
+    assert shown.timings == {"thinking": 35.0}
 
 
 def test_quick_work_shows_no_progress(capsys):
@@ -26,20 +53,19 @@ def test_quick_work_shows_no_progress(capsys):
     assert list(shown.timings) == ["thinking"]
 
 
-def test_progress_has_a_bar_and_says_how_long_it_will_take(monkeypatch):
-    now = [100.0]
-    monkeypatch.setattr(time, "monotonic", lambda: now[0])
-    shown = progress.Progress()
+def test_progress_has_a_bar_and_says_how_long_it_will_take():
+    clock = Clock()
+    shown = clock.progress()
     with shown.step("computing"):
         assert shown._bar == "computing (0 s)"
         shown.advance(400, 1000)  # resumed
-        now[0] = 105.0
+        clock.now = 105.0
         shown.advance(450, 1000)
         assert shown._line == "computing: 450 of 1000 (5 s)"  # too early to tell
-        now[0] = 120.0
+        clock.now = 120.0
         shown.advance(600, 1000)
         assert shown._bar == f"{'━' * 14}{'─' * 10} computing: 600 of 1000 (20 s, about 40 s to go)"
-        now[0] = 1100.0
+        clock.now = 1100.0
         shown.advance(800, 1000)
         assert shown._line == "computing: 800 of 1000 (1000 s, about 8 min to go)"
         shown.advance(1000, 1000)
@@ -48,36 +74,22 @@ def test_progress_has_a_bar_and_says_how_long_it_will_take(monkeypatch):
 
 
 @pytest.mark.skipif(os.name != "posix", reason="needs a pseudo-terminal")
-def test_progress_on_a_terminal_is_a_line_that_goes_again():
+def test_progress_on_a_terminal_is_a_line_that_goes_again(monkeypatch):
     import pty
 
-    program = (
-        "import time\n"
-        "from geodesic_toolkit.cli import progress\n"
-        "progress.DELAY_OF_FIRST_MESSAGE = 0.05\n"
-        "with progress.Progress() as shown, shown.step('thinking'):\n"
-        "    shown.advance(3, 7)\n"
-        "    time.sleep(1)\n"
-        "    shown.say('warning: [bold] as it is')\n"
-        "    time.sleep(0.3)\n"
-    )
+    monkeypatch.setenv("TERM", "xterm")
+    monkeypatch.setenv("COLUMNS", "80")
     ours, theirs = pty.openpty()
-    environment = {**os.environ, "TERM": "xterm", "COLUMNS": "80"}
-    with subprocess.Popen(
-        [sys.executable, "-c", program], stderr=theirs, env=environment
-    ) as process:
-        os.close(theirs)
-        said = b""
-        while True:
-            try:
-                piece = os.read(ours, 4096)
-            except OSError:  # how Linux says that the other end has closed
-                break
-            if not piece:
-                break
-            said += piece
+    clock = Clock()
+    with os.fdopen(theirs, "w") as terminal:
+        monkeypatch.setattr(sys, "stderr", terminal)
+        with clock.progress() as shown, shown.step("thinking"):
+            shown.advance(3, 7)
+            clock.run(2)
+            shown.say("warning: [bold] as it is")
+        terminal.flush()
+        said = os.read(ours, 65536)  # all of it: less than what a terminal holds back
     os.close(ours)
-    assert process.returncode == 0
     assert b"thinking: 3 of 7 (" in said
     assert b"warning: [bold] as it is" in said
     assert said.endswith((b"\x1b[?25h", b"\x1b[2K"))  # the line is wiped and the cursor is back

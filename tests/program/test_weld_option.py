@@ -32,6 +32,7 @@ def soup(tmp_path):
     return path
 
 
+@pytest.mark.slow
 def test_distances_are_those_of_the_surface_at_every_vertex_of_the_file(soup, tmp_path):
     output = tmp_path / "d.npy"
     arguments = ("distance", soup, "--source", 700, "--output", output)
@@ -45,6 +46,7 @@ def test_distances_are_those_of_the_surface_at_every_vertex_of_the_file(soup, tm
     np.testing.assert_allclose(np.load(output), expected, atol=1e-6)
 
 
+@pytest.mark.slow
 def test_a_mask_of_one_copy_masks_the_vertex(soup, tmp_path):
     mask, output = tmp_path / "mask.txt", tmp_path / "d.npy"
     mask.write_text("5\n17\n")
@@ -54,6 +56,7 @@ def test_a_mask_of_one_copy_masks_the_vertex(soup, tmp_path):
     np.testing.assert_array_equal(np.isinf(np.load(output)), masked)
 
 
+@pytest.mark.slow
 def test_matrices_have_rows_and_columns_of_the_file(soup, tmp_path):
     output, rows = tmp_path / "m.npy", tmp_path / "rows.txt"
     rows.write_text("700 3\n")
@@ -77,6 +80,7 @@ def test_a_shape_is_examined_as_it_is_welded(soup):
     assert json.loads(out)["diagnosis"]["components"] == 1
 
 
+@pytest.mark.slow
 def test_what_was_merged_is_said_and_a_tolerance_that_merges_nothing_is_warned_of(soup):
     status, out, said = command("distance", soup, "--source", 0, "--weld", 1e-7)
     assert status == 0
@@ -96,6 +100,7 @@ def test_the_doctor_names_seams_and_the_tolerance_that_joins_them(soup):
     assert json.loads(out)["diagnosis"]["components"] == 1
 
 
+@pytest.mark.slow
 def test_a_matrix_has_rows_of_inf_where_a_mask_holds_a_copy_of_the_vertex(soup, tmp_path):
     mask, output = tmp_path / "mask.txt", tmp_path / "d.npy"
     mask.write_text("5\n17\n")

@@ -120,6 +120,7 @@ def test_the_default_columns_have_no_options(module):
     assert libraries.options("potpourri3d") == {"use_robust": False}
 
 
+@pytest.mark.slow
 def test_a_worker_has_imported_no_more_than_the_mesh_has_needed(tmp_path):
     np.savez(tmp_path / "mesh.npz", faces=np.eye(3))
     code = f"""
@@ -189,6 +190,7 @@ class TestProcesses:
         with pytest.raises(processes.NoAnswerError, match="killed, out of memory"):
             process.answer(limit=60)
 
+    @pytest.mark.slow
     def test_a_process_that_fails_says_why(self, module):
         processes = module("measuring.processes")
         process = processes.Process("measuring.growing", "mesh", "none.npz", "none.npz")
@@ -202,6 +204,7 @@ class TestProcesses:
             process.answer(limit=0)
         assert process._process.returncode is not None
 
+    @pytest.mark.slow
     def test_performance_is_measured_on_a_generated_mesh(self):
         options = ["--generated", "--sizes", "0.6k", "--rounds", "1", "--parts", "rounds,memory"]
         shown = run_script(
@@ -213,6 +216,7 @@ class TestProcesses:
         assert "potpourri3d as it comes / this package as it comes | - |" in shown
         assert "Traceback" not in shown
 
+    @pytest.mark.slow
     def test_every_phase_of_a_version_is_compared_with_its_own(self, module):
         options = ["--base", sys.executable, "--sizes", "0.6k", "--rounds", "1", "--bound", "0"]
         shown = run_script("regression.py", *options, "--seconds", "0")
@@ -220,11 +224,13 @@ class TestProcesses:
             assert f"| {name} | **" in shown
         assert "left out" not in shown
 
+    @pytest.mark.slow
     def test_a_slower_phase_is_the_exit_status(self):
         options = ["--base", sys.executable, "--sizes", "0.6k", "--rounds", "1", "--bound", "1e9"]
         shown = run_script("regression.py", *options, "--phases", "flips", status=1)
         assert "SLOWER: flips at 0.6k, level" in shown
 
+    @pytest.mark.slow
     def test_growth_is_measured_and_drawn(self, tmp_path):
         pytest.importorskip("matplotlib")
         picture = tmp_path / "growth.png"

@@ -41,6 +41,7 @@ def run_python(code, folder):
 # -- what is shown runs ----------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_the_example_of_the_readme_runs_and_draws(tmp_path):
     (example,) = blocks(README, "python")
     assert len([line for line in example.splitlines() if line]) <= 6
@@ -49,6 +50,7 @@ def test_the_example_of_the_readme_runs_and_draws(tmp_path):
     assert (tmp_path / "knot.png").stat().st_size > 10_000
 
 
+@pytest.mark.slow
 def test_getting_started_runs_from_top_to_bottom(tmp_path):
     pytest.importorskip("nibabel")
     prelude = """
@@ -72,6 +74,7 @@ def test_getting_started_runs_from_top_to_bottom(tmp_path):
     assert (tmp_path / "distance.png").exists()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["point_clouds.md", "graphs.md", "many_sources.md"])
 def test_a_guide_runs_from_top_to_bottom(name, tmp_path):
     page = (DOCS / name).read_text(encoding="utf-8")
@@ -90,6 +93,7 @@ def test_the_page_on_writing_an_operator_has_a_kind_of_domain_that_works(tmp_pat
     assert (tmp_path / "ring.csv").exists()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("script", sorted(DOCS.glob("examples/plot_*.py")), ids=lambda p: p.stem)
 def test_a_gallery_script_runs_in_another_folder(script, tmp_path):
     finished = run_python(script.read_text(encoding="utf-8"), tmp_path)
@@ -244,6 +248,7 @@ def test_every_public_name_is_on_the_api_page(module_name):
     assert not missing
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("path", "value"), OBJECTS, ids=[path for path, _ in OBJECTS])
 def test_a_public_class_or_function_is_documented(path, value):
     missing = complaints(path)

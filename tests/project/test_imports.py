@@ -22,6 +22,7 @@ def test_importing_the_package_imports_not_even_numpy():
     assert not loaded_after("import geodesic_toolkit") & {*HEAVY, "numpy", "scipy"}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "statement",
     [
@@ -46,6 +47,7 @@ def test_a_wrong_name_is_an_attribute_error():
         gt.geodesics  # noqa: B018 - the access is the test
 
 
+@pytest.mark.slow
 def test_the_way_from_a_mesh_to_its_distances_does_without_scipy():
     statement = """
 import geodesic_toolkit as gt, numpy as np
@@ -57,6 +59,7 @@ for refine in (False, True):
     assert "scipy" not in loaded_after(statement)
 
 
+@pytest.mark.slow
 def test_the_way_from_a_mesh_with_a_boundary_to_its_distances_does_without_masked_arrays():
     code = """
 import sys, numpy as np

@@ -8,6 +8,7 @@ import pytest
 import slow_kernels
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
+from sample_shapes import many_sheets, scrambled
 from scipy.sparse import csr_array
 
 import geodesic_toolkit as gt
@@ -35,22 +36,6 @@ def fan(count):
     return gt.TriangleMesh(np.vstack([[0, 0, 0.2], rim]), np.vstack([faces, faces[:1]]))
 
 
-def scrambled(mesh):
-    rng = np.random.default_rng(1)
-    order = rng.permutation(mesh.n_vertices)
-    rank = np.argsort(order)
-    faces = rank[mesh.faces][rng.permutation(mesh.n_faces)]
-    return gt.TriangleMesh(mesh.vertices[order], faces[:, rng.permutation(3)])
-
-
-def many_sheets():
-    """Return five triangles with one edge in common, one turned round."""
-    turn = np.arange(5.0)
-    tips = np.column_stack([0.3 * turn, np.cos(turn), np.sin(turn)])
-    faces = [[0, 1, tip] if tip != 4 else [1, 0, tip] for tip in range(2, 7)]
-    return gt.TriangleMesh(np.vstack([[0, 0, 0], [1, 0, 0], tips]), faces)
-
-
 SPHERE = shapes.icosphere(2)
 FLAT = [[0, 0, 0], [1, 0, 0], [2, 0, 0], [0, 1, 0], [5, 5, 5]]
 MESHES = {
@@ -60,7 +45,7 @@ MESHES = {
     "right angles": shapes.grid(6),
     "obtuse": shapes.grid(9, shear=2.0),
     "two parts": shapes.disjoint_union(shapes.grid(4), shapes.icosphere(1)),
-    "many sheets": many_sheets(),
+    "many sheets": many_sheets(turned=[4]),
     "fan": fan(50),
     "no area": gt.TriangleMesh(FLAT, [[0, 1, 3], [0, 1, 2], [1, 1, 0], [0, 3, 1]]),
     "repeated vertices": gt.TriangleMesh(SPHERE.vertices, np.vstack([SPHERE.faces, [[5, 7, 5]]])),
@@ -129,6 +114,7 @@ def test_kernels_assemble_what_numpy_does(use, name, options):
     assert_same(*both(use, lambda: operator.assemble(MESHES[name])))
 
 
+@pytest.mark.slow
 @settings(suppress_health_check=[HealthCheck.function_scoped_fixture], max_examples=50)
 @given(st.integers(0, 2**32 - 1), st.integers(3, 12), st.integers(1, 30))
 def test_kernels_assemble_any_soup_of_faces(use, seed, n_vertices, n_faces):
@@ -224,6 +210,7 @@ def positive_weights(faces, lengths, n_vertices):
     return inner.data[kept], stiffness
 
 
+@pytest.mark.slow
 @settings(suppress_health_check=[HealthCheck.function_scoped_fixture], max_examples=40)
 @given(st.integers(0, 2**32 - 1), st.integers(2, 9), st.floats(0, 4), st.floats(0.01, 1))
 def test_kernels_flip_edges_as_libigl_does(use, seed, n, shear, flatness):
@@ -309,6 +296,7 @@ def test_the_right_hand_side_is_minus_the_adjoint_of_the_direction(use, name, co
             np.testing.assert_allclose(load, expected, atol=1e-9 * np.abs(expected).max())
 
 
+@pytest.mark.slow
 @settings(suppress_health_check=[HealthCheck.function_scoped_fixture], max_examples=60)
 @given(
     # Where corners differ by rounding alone, a gradient has no direction.

@@ -5,6 +5,7 @@ import dataclasses
 import numpy as np
 import pytest
 from closed_forms import mean_relative_error
+from sample_shapes import angles_from, random_sphere
 
 import geodesic_toolkit as gt
 from geodesic_toolkit import _native
@@ -17,14 +18,10 @@ from geodesic_toolkit.testing import shapes
 PCA = gt.PointCloudLaplacian(normals="pca")
 
 
-def random_sphere(count, noise=0.0, radius=1.0):
+def sphere_and_angles(count, noise=0.0, radius=1.0):
     """Return noisy points of a sphere, and the true distances from the first."""
-    rng = np.random.default_rng(0)
-    true = rng.normal(size=(count, 3))
-    true /= np.linalg.norm(true, axis=1, keepdims=True)
-    across = np.linalg.norm(np.cross(true, true[0]), axis=1)
-    along = radius * np.arctan2(across, true @ true[0])
-    return radius * true * (1 + noise * rng.normal(size=(count, 1))), along
+    points, true = random_sphere(count, noise)
+    return radius * points, radius * angles_from(true, 0)
 
 
 def refined(points, normals=None):
@@ -38,10 +35,11 @@ def sweeper_of(points):
 # -- lengths and curvature -------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_on_smooth_random_clouds_it_is_nearly_second_order():
     errors = []
     for count in (1000, 4000, 16_000):
-        points, true = random_sphere(count)
+        points, true = sphere_and_angles(count)
         errors.append(mean_relative_error(refined(points).distance(0), true))
     assert errors[0] > 3 * errors[1] > 9 * errors[2]
     assert errors[2] < 2e-4
@@ -49,12 +47,12 @@ def test_on_smooth_random_clouds_it_is_nearly_second_order():
 
 @pytest.mark.parametrize(("noise", "bound"), [(0.001, 0.002), (0.002, 0.003), (0.004, 0.004)])
 def test_a_little_noise_costs_little(noise, bound):
-    points, true = random_sphere(4000, noise)  # a spacing is 0.06
+    points, true = sphere_and_angles(4000, noise)  # a spacing is 0.06
     assert mean_relative_error(refined(points).distance(0), true) < bound
 
 
 def test_smooth_clouds_are_measured_in_space():
-    points, _ = random_sphere(1000, radius=30.0)
+    points, _ = sphere_and_angles(1000, radius=30.0)
     corners = sweeper_of(points)._corners
     for v in range(0, 1000, 50):
         own = slice(corners.starts[v], corners.ends[v])
@@ -68,7 +66,7 @@ def test_smooth_clouds_are_measured_in_space():
 
 @pytest.mark.parametrize("radius", [1.0, 30.0])
 def test_the_curvature_of_a_sphere_is_found(radius):
-    points, _ = random_sphere(4000, radius=radius)
+    points, _ = sphere_and_angles(4000, radius=radius)
     curvature = sweeper_of(points)._curvature * radius**2
     assert np.median(curvature) == pytest.approx(1, rel=0.05)
     assert np.percentile(np.abs(curvature - 1), 90) < 0.2
@@ -88,14 +86,14 @@ def test_planes_are_smooth_however_they_lie():
 
 
 def test_noisy_clouds_are_measured_in_their_tangent_planes():
-    points, _ = random_sphere(4000, noise=0.01)
+    points, _ = sphere_and_angles(4000, noise=0.01)
     sweeper = sweeper_of(points)
     assert len(sweeper.metric.surface_frames) == 0
     np.testing.assert_array_equal(sweeper._curvature, 0)
 
 
 def test_between_smooth_and_noisy_edges_are_between_both():
-    points, _ = random_sphere(4000, noise=0.0025)
+    points, _ = sphere_and_angles(4000, noise=0.0025)
     metric = PCA.assemble(gt.PointCloud(points))
     plane = dataclasses.replace(metric, surface_frames=np.zeros((0, 3)))
     first, second = WavefrontSweeper(metric)._corners, WavefrontSweeper(plane)._corners

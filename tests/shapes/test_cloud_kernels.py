@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from sample_shapes import random_sphere
 from scipy.spatial import Delaunay
 
 from geodesic_toolkit import _native
@@ -11,11 +12,6 @@ from geodesic_toolkit.laplacians.pointcloud.normals import pca_normals
 from geodesic_toolkit.laplacians.pointcloud.poles import pole_normals
 from geodesic_toolkit.laplacians.pointcloud.stars import delaunay_stars, tie_breakers
 from geodesic_toolkit.testing import shapes
-
-
-def random_sphere(count):
-    points = np.random.default_rng(0).normal(size=(count, 3))
-    return points / np.linalg.norm(points, axis=1, keepdims=True)
 
 
 def upwards(count):
@@ -66,7 +62,7 @@ def reference_star(points, normals, neighbours, centre):
 
 @pytest.mark.parametrize("widest", [30, 40])
 def test_stars_of_a_sphere_are_those_of_planar_triangulations(widest):
-    points = random_sphere(1500)
+    points = random_sphere(1500)[1]
     neighbours = nearest_neighbours(points, widest)
     triangles, frames, is_open = stars_of(points, points, widest=widest)
     assert is_open.sum() < 20
@@ -98,7 +94,7 @@ def test_closed_stars_of_a_plane_are_its_delaunay_triangles():
 
 
 def test_triangles_are_sorted_by_centre_and_run_around_its_normal():
-    points = random_sphere(300)
+    points = random_sphere(300)[1]
     triangles, _, _ = stars_of(points, points)
     assert (np.diff(triangles[:, 0]) >= 0).all()
     centre, second, third = points[triangles.T]
@@ -142,7 +138,7 @@ def test_a_point_of_one_neighbour_on_its_sheet_has_no_star():
 
 def test_no_neighbours_are_no_stars():
     nothing = np.zeros((3, 0), dtype=np.int64)
-    points = random_sphere(3)
+    points = random_sphere(3)[1]
     triangles, frames, is_open = delaunay_stars(
         points, points, nothing, k=20, oriented=False, smooth=True
     )
@@ -166,7 +162,7 @@ def test_a_star_is_open_where_no_points_surround_its_centre():
 
 @pytest.mark.parametrize("bad", [0.0, np.nan, np.inf, 1e300])
 def test_coordinates_that_make_no_sense_make_no_other_indices(bad):
-    points = random_sphere(200)
+    points = random_sphere(200)[1]
     points[::3] = bad
     neighbours = np.random.default_rng(0).integers(0, 200, (200, 30))
     triangles, _, _ = delaunay_stars(points, points, neighbours, k=10, oriented=True, smooth=False)
@@ -185,6 +181,7 @@ def directions(count):
     return np.column_stack([radius * np.cos(angle), radius * np.sin(angle), z])
 
 
+@pytest.mark.slow
 def test_poles_point_where_the_foremost_neighbour_is_least_ahead():
     points, _ = limb()
     neighbours = nearest_neighbours(points, 30)

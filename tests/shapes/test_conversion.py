@@ -422,6 +422,7 @@ def test_what_people_hold_instead_of_a_shape_is_refused_with_the_cure(thing, cur
         gt.as_domain(thing)
 
 
+@pytest.mark.slow
 def test_the_cures_that_messages_give_are_taken():
     flat = VERTICES[:, :2]
     assert repr(gt.as_domain(np.column_stack([flat, 0 * flat[:, 0]]))) == "PointCloud(42 points)"
@@ -541,6 +542,7 @@ def test_a_shape_with_something_wrong_is_an_invalid_domain(thing, message):
         gt.as_domain(thing)
 
 
+@pytest.mark.slow
 def test_no_foreign_package_is_imported():
     code = (
         "import sys, geodesic_toolkit as gt\n"

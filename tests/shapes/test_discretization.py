@@ -65,6 +65,7 @@ def test_blocks_of_unit_gradients_are_their_columns(discretization):
         np.testing.assert_allclose(block[..., k], gradient.unit(log_heat[:, k]), atol=1e-14)
 
 
+@pytest.mark.slow
 @settings(deadline=None)
 @given(st.floats(-1e6, 1e6))
 def test_the_scale_of_heat_does_not_change_its_direction(shift):

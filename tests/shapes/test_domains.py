@@ -156,6 +156,7 @@ def test_a_graph_without_edges_is_a_graph():
     assert gt.Graph(3, []).n_edges == 0
 
 
+@pytest.mark.slow
 @given(
     hnp.arrays(
         dtype=st.one_of(

@@ -10,6 +10,7 @@ from closed_forms import mean_relative_error, on_tube
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
+from sample_shapes import angles_from, random_sphere
 
 import geodesic_toolkit as gt
 from geodesic_toolkit.discretization.positivity import positive_part
@@ -38,19 +39,6 @@ NOWHERE = [np.nan] * 3
 
 def cloud_solver(points, normals=None, operator=PCA, **options):
     return gt.GeodesicSolver(gt.PointCloud(points, normals), operator=operator, **options)
-
-
-def random_sphere(count, seed=0, noise=0.0):
-    """Return noisy points of the unit sphere and where they lie without noise."""
-    rng = np.random.default_rng(seed)
-    true = rng.normal(size=(count, 3))
-    true /= np.linalg.norm(true, axis=1, keepdims=True)
-    return true * (1 + noise * rng.normal(size=(count, 1))), true
-
-
-def on_sphere(points, source):
-    across = np.linalg.norm(np.cross(points, points[source]), axis=1)
-    return np.arctan2(across, points @ points[source])
 
 
 def folded_sheet(gap, jitter, leg=60.0, width=20):
@@ -89,6 +77,7 @@ MEASURED = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", MEASURED)
 def test_clouds_of_mesh_vertices_are_as_accurate_as_measured(shared_data, name):
     mesh = gt.read(shared_data(name))
@@ -100,6 +89,7 @@ def test_clouds_of_mesh_vertices_are_as_accurate_as_measured(shared_data, name):
     assert 100 * np.mean(errors) < 1.03 * MEASURED[name]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("name", "bound"),
     [("igltut__horse_quad.obj", 0.004), ("igltut__3holes.off", 0.0015)],
@@ -113,6 +103,7 @@ def test_refined_distances_keep_thin_legs_apart(shared_data, name, bound):
         assert mean_relative_error(solver.distance(source), exact) < bound
 
 
+@pytest.mark.slow
 def test_the_rims_of_holes_do_not_find_the_far_wall(shared_data):
     mesh = gt.read(shared_data("jacobson__stanford-bunny.obj"))  # with five holes in its base
     used = np.isin(np.arange(mesh.n_vertices), mesh.faces)
@@ -123,26 +114,30 @@ def test_the_rims_of_holes_do_not_find_the_far_wall(shared_data):
     assert mean_relative_error(distance[used], on_mesh[used]) < 0.006
 
 
+@pytest.mark.slow
 def test_an_icosphere_cloud_is_as_good_as_the_mesh():
     points = shapes.icosphere(4).vertices
-    assert mean_relative_error(cloud_solver(points).distance(0), on_sphere(points, 0)) < 0.012
+    assert mean_relative_error(cloud_solver(points).distance(0), angles_from(points, 0)) < 0.012
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("noise", "bound"), [(0.0, 0.018), (0.01, 0.01)])
 def test_noise_on_a_random_sphere_does_not_lengthen_paths(noise, bound):
     points, true = random_sphere(16_000, noise=noise)
     solver = cloud_solver(points)
-    assert mean_relative_error(solver.distance(0), on_sphere(true, 0)) < bound
+    assert mean_relative_error(solver.distance(0), angles_from(true, 0)) < bound
     assert solver.method.heat_report(0).non_positive == 0
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("noise", "bound"), [(0.0, 0.003), (0.01, 0.012)])
 def test_refined_distances_on_a_random_sphere_bear_noise(noise, bound):
     points, true = random_sphere(16_000, noise=noise)
     solver = cloud_solver(points, refine=True)
-    assert mean_relative_error(solver.distance(0), on_sphere(true, 0)) < bound
+    assert mean_relative_error(solver.distance(0), angles_from(true, 0)) < bound
 
 
+@pytest.mark.slow
 def test_errors_on_a_plane_fall_with_the_spacing():
     errors = []
     for n in (21, 41, 81):
@@ -155,6 +150,7 @@ def test_errors_on_a_plane_fall_with_the_spacing():
     assert errors[0] > 1.2 * errors[1] > 1.44 * errors[2]
 
 
+@pytest.mark.slow
 def test_the_end_of_a_long_tube_is_right_to_half_a_per_cent():
     around = 48
     tube = shapes.tube(1200, around)
@@ -166,6 +162,7 @@ def test_the_end_of_a_long_tube_is_right_to_half_a_per_cent():
     assert set(ends) == {*range(around), *range(1199 * around, 1200 * around)}
 
 
+@pytest.mark.slow
 def test_the_stars_of_a_square_grid_agree_on_its_diagonals():
     grid = shapes.grid(21).vertices
     for points in (grid, grid + np.array([5e6, 4e6, 300.0]), grid[:, [2, 0, 1]]):
@@ -180,12 +177,14 @@ def test_the_stars_of_a_square_grid_agree_on_its_diagonals():
 # -- sheets that come close ------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("jitter", [0.0, 0.5, 0.9])
 def test_distance_does_not_leak_across_a_gap_of_four_spacings(jitter):
     points, _, unfolded = folded_sheet(4, jitter)
     assert far_end(cloud_solver(points), unfolded) == pytest.approx(1, abs=0.02)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("jitter", [0.0, 0.5, 0.9])
 def test_given_normals_hold_a_gap_of_two_spacings(jitter):
     points, normals, unfolded = folded_sheet(2, jitter)
@@ -194,6 +193,7 @@ def test_given_normals_hold_a_gap_of_two_spacings(jitter):
     assert far_end(solver, unfolded) == pytest.approx(1, abs=0.02)
 
 
+@pytest.mark.slow
 def test_given_normals_without_orientation_do_not_cut_the_surface():
     points, true = random_sphere(3000)
     signs = np.random.default_rng(1).choice([-1.0, 1.0], size=(3000, 1))
@@ -212,6 +212,7 @@ def test_missing_points_are_infinitely_far_and_change_nothing():
     np.testing.assert_array_equal(distance[1:-1], cloud_solver(grid).distance(0))
 
 
+@pytest.mark.slow
 def test_duplicates_read_the_distance_of_their_place():
     points, _ = random_sphere(800)
     single = cloud_solver(points, refine=False)
@@ -228,6 +229,7 @@ def test_duplicates_read_the_distance_of_their_place():
     assert doubled.method.heat_report(0).non_positive == 0
 
 
+@pytest.mark.slow
 def test_surveyors_coordinates_do_not_cost_accuracy():
     points, _ = random_sphere(2000)
     here = cloud_solver(points).distance(0)
@@ -249,6 +251,7 @@ def test_separate_clouds_do_not_reach_each_other():
     assert (distance[144:] == np.inf).all()
 
 
+@pytest.mark.slow
 def test_density_that_varies_a_hundredfold_is_no_shortcut():
     rng = np.random.default_rng(3)
     dense_right = np.log10(1 + 99 * rng.uniform(size=8000)) / 2
@@ -307,6 +310,7 @@ def test_points_all_at_one_place_are_no_distance_apart():
     np.testing.assert_allclose(distance, 0, atol=1e-8)
 
 
+@pytest.mark.slow
 @settings(max_examples=60, deadline=None)
 @given(arrays(np.int64, st.tuples(st.integers(1, 25), st.just(3)), elements=st.integers(-2, 2)))
 def test_no_little_cloud_crashes(points):
@@ -438,6 +442,7 @@ def test_the_cure_of_a_failed_import_is_named(text, cure):
     assert cure in missing_package(ImportError(text))
 
 
+@pytest.mark.slow
 def test_nothing_heavy_is_imported_before_it_is_used():
     code = (
         "import sys, geodesic_toolkit as gt\n"

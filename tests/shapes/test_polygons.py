@@ -96,6 +96,7 @@ def test_corners_on_a_straight_side_stay_corners():
         check_inside(np.roll(halved, start, axis=0))
 
 
+@pytest.mark.slow
 @settings(max_examples=60, deadline=None)
 @given(st.lists(st.floats(0.05, 1), min_size=5, max_size=40), st.integers(0, 39), st.booleans())
 def test_a_star_is_covered_and_nothing_else(radii, start, halved):
@@ -112,6 +113,7 @@ def test_a_polygon_that_is_not_plane_is_split_as_it_is_seen_along_its_normal():
     assert areas(points * [1, 1, 0], faces).sum() == pytest.approx(6.5)
 
 
+@pytest.mark.slow
 def test_a_large_polygon_takes_no_time():
     angle = np.linspace(0, 2 * np.pi, 20_000, endpoint=False)
     ring = ((1 + 0.3 * np.sin(50 * angle)) * [np.cos(angle), np.sin(angle)]).T

@@ -241,6 +241,7 @@ def binary_stl(corners):
     return b"\0" * 80 + struct.pack("<I", len(facets)) + body
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("scale", [1e-3, 1.0, 250.0])
 @pytest.mark.parametrize("noise", [0.0, 1e-7, 1e-6, 1e-5])
 def test_corners_of_an_stl_that_differ_by_rounding_are_one(tmp_path, noise, scale):

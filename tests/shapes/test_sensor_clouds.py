@@ -71,6 +71,7 @@ def errors(distance, true, least):
 # -- what sensors write --------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("noise", [0.0, 0.5])
 @pytest.mark.parametrize("anisotropy", [5, 10, 20, 40])
 def test_scan_lines_are_a_surface_however_far_apart(anisotropy, noise):
@@ -85,6 +86,7 @@ def test_scan_lines_are_a_surface_however_far_apart(anisotropy, noise):
     assert off.max() < 0.12
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("noise", [0.0, 0.02])
 def test_one_sweep_of_sixteen_beams_reaches_its_outermost_ring(noise):
     points = sweep(16, -15, -1, 900, noise)
@@ -100,6 +102,7 @@ def test_one_sweep_of_sixteen_beams_reaches_its_outermost_ring(noise):
     assert solver.distance(source)[inner] > 1.02 * true[inner]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("slope", "degrees", "noise"), [(0.15, 0.2, 0.02), (0.15, 0.1, 0.03), (0.3, 0.1, 0.02)]
 )
@@ -124,6 +127,7 @@ def test_rings_next_to_a_scanner_on_a_slope_are_ground_and_not_blades(slope, deg
     assert off.max() < 3 * noise  # which moves the points themselves, at 2 m and farther
 
 
+@pytest.mark.slow
 def test_rings_on_a_street_are_connected_although_walls_are_nearer():
     rng = np.random.default_rng(0)
     down, turn = np.meshgrid(
@@ -145,6 +149,7 @@ def test_rings_on_a_street_are_connected_although_walls_are_nearer():
     assert errors(distance[on_ground], true[on_ground], least=2).mean() < 0.01
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("noise", [0.0, 0.001, 0.03, 0.1])
 @pytest.mark.parametrize("times", [2, 5, 10, 20, 40])
 def test_repeated_passes_are_one_surface(times, noise):
@@ -156,6 +161,7 @@ def test_repeated_passes_are_one_surface(times, noise):
         assert off.max() < (0.08 if noise < 0.1 else 0.15)
 
 
+@pytest.mark.slow
 def test_heaps_here_and_there_change_nothing_elsewhere():
     points, spacing = sphere(2000)
     rng = np.random.default_rng(0)
@@ -169,6 +175,7 @@ def test_heaps_here_and_there_change_nothing_elsewhere():
     assert off.max() < 0.02
 
 
+@pytest.mark.slow
 def test_a_source_that_others_stand_for_reads_0_and_its_neighbours_are_right():
     points = scan_lines(40)
     thin = representatives(points, 40)
@@ -183,6 +190,7 @@ def test_a_source_that_others_stand_for_reads_0_and_its_neighbours_are_right():
 # -- what is left alone --------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_even_and_random_samples_of_surfaces_are_not_thinned():
     even, _ = sphere(3000)
     assert len(representatives(even, 40).kept) == 3000
@@ -266,6 +274,7 @@ def test_a_coil_that_passes_for_a_surface_is_told():
         solver_of(helix(10, 1000, 0.3))
 
 
+@pytest.mark.slow
 def test_a_torn_ring_is_bridged_in_either_direction():
     # One gap is as wide as eleven points are apart, and stars see across it from one side only.
     turn = np.sort(np.random.default_rng(9).uniform(0, 2 * np.pi, 3000))
@@ -302,11 +311,13 @@ def test_the_first_of_a_heap_stands_for_it():
     assert back.reaches[777] == 0
 
 
+@pytest.mark.slow
 def test_heaps_of_more_points_than_neighbours_are_found():
     points, _ = passes(150, 0.001, count=60)
     assert len(representatives(points, 40).kept) < 100
 
 
+@pytest.mark.slow
 def test_results_are_the_same_every_time_and_on_any_number_of_threads():
     points = scan_lines(20, 0.5)
     first, second = (solver_of(points).distance(7) for _ in range(2))
@@ -330,6 +341,7 @@ def test_kernels_of_crowds_refuse_what_does_not_fit():
         _native.thinned(points, near, np.ones(len(points)))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("spread", ["even", "random"])
 def test_creases_and_thin_sheets_are_no_blades(spread):
     rng = np.random.default_rng(0)
@@ -344,6 +356,7 @@ def test_creases_and_thin_sheets_are_no_blades(spread):
 # -- what is said --------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("highest", "unevenness"), [(-1, 3), (-3, 1.5)])
 def test_plain_heat_on_a_sweep_says_that_it_is_not_to_be_trusted(highest, unevenness):
     points = sweep(16 if highest == -1 else 7, -15, highest, 3600)
@@ -394,6 +407,7 @@ def test_separate_clouds_are_parts_and_nothing_is_said():
     assert (notes["parts"], notes["torn_off"]) == (2, 0)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", range(3))
 @pytest.mark.parametrize("width", [0.002, 0.004, 0.006, 0.02, 0.1])  # 1 to 7 spacings
 def test_a_narrow_band_is_no_line_of_a_scan(width, seed):
@@ -407,6 +421,7 @@ def test_a_narrow_band_is_no_line_of_a_scan(width, seed):
     assert off.max() < (0.03 if width > 0.002 else 0.1)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("refine", [False, True])
 @pytest.mark.filterwarnings("ignore::geodesic_toolkit.errors.UnevenCloudWarning")
 def test_outliers_that_were_hit_twice_do_not_spoil_the_factors(refine):
@@ -418,6 +433,7 @@ def test_outliers_that_were_hit_twice_do_not_spoil_the_factors(refine):
     assert distance[-1] == twin
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("count", [20_000, 60_000])
 def test_the_memory_of_stars_is_foreseen(count):
     points = np.random.default_rng(0).normal(size=(count, 3))
