@@ -60,15 +60,15 @@ class Recorded(gt.LinearSolver):
 
 
 def calls_of(kind, monkeypatch):
-    """What the method asks of its solvers and of its gradient, in order: all that it is given."""
+    """Return the calls of the method to its solvers and its gradient, in order."""
     operator, domain, calls = OPERATORS[kind], sphere_as(kind), []
     metric = operator.assemble(domain)
     gradient = type(metric.gradient)
     descent_load = gradient.descent_load
 
-    def recorded(self, heat, *, logarithmic):
-        calls.append(("descent_load", heat.shape[1:], bool(logarithmic)))
-        return descent_load(self, heat, logarithmic=logarithmic)
+    def recorded(self, heat):
+        calls.append(("descent_load", heat.values.shape[1:], heat.logarithmic))
+        return descent_load(self, heat)
 
     method = gt.HeatMethod(
         metric,
