@@ -98,6 +98,7 @@ def test_a_comparison_measures_against_the_exact_distance(on_a_sphere):
     assert error.max() == pytest.approx(refined.largest)
 
 
+@pytest.mark.slow
 def test_a_comparison_varies_all_that_there_is(on_a_sphere):
     groups = {row.variant.group for row in on_a_sphere.rows}
     assert groups == {"default", "refinement", "operator", "time", "diffusion", "solver", "domain"}

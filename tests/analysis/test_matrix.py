@@ -218,6 +218,7 @@ def test_symmetry_of_sparse_entries_is_that_of_dense_ones(entries, how, limit):
 # -- the same on every way -------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("how", ["mean", None])
 @pytest.mark.parametrize("dtype", ["float32", "float64"])
 def test_memory_file_and_store_hold_the_same(solver, tmp_path, how, dtype):
@@ -293,6 +294,7 @@ OUTPUTS = [
 ]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("name", "options"), OUTPUTS)
 def test_a_resumed_run_ends_in_the_same_bytes(solver, tmp_path, name, options):
     if name.endswith(".zarr"):
@@ -316,6 +318,7 @@ def test_a_resumed_run_ends_in_the_same_bytes(solver, tmp_path, name, options):
     assert not (tmp_path / f"{name}.partial").exists()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["D.npy", "D.zarr"])
 def test_a_run_interrupted_while_it_symmetrises_ends_in_the_same_bytes(
     solver, tmp_path, monkeypatch, name
@@ -341,6 +344,7 @@ def test_a_run_interrupted_while_it_symmetrises_ends_in_the_same_bytes(
     assert contents(tmp_path / name) == contents(tmp_path / "whole" / name)
 
 
+@pytest.mark.slow
 def test_rows_that_were_lost_are_computed_again(solver, tmp_path):
     with pytest.raises(KeyboardInterrupt):
         gt.distance_matrix(solver, out=tmp_path / "D.npy", progress=stop_after(100))
@@ -461,6 +465,7 @@ def test_another_limit_is_refused(solver, tmp_path):
         gt.distance_matrix(solver, max_distance=0.6, out=tmp_path / "D.npz")
 
 
+@pytest.mark.slow
 def test_fingerprints_are_the_same_in_another_process(solver):
     program = """
         import json
@@ -539,6 +544,7 @@ def spawned(count):
     return ProcessPoolExecutor(count, mp_context=multiprocessing.get_context("spawn"))
 
 
+@pytest.mark.slow
 def test_processes_give_the_same_bits_and_get_the_solver_once(solver, rows, tmp_path):
     with spawned(1) as pool:
         watched = Watched(pool)
@@ -626,6 +632,7 @@ def test_matrices_of_one_solver_at_the_same_time_do_not_disturb_each_other(solve
     assert watched.payloads == 0
 
 
+@pytest.mark.slow
 def test_matrices_leave_the_warnings_of_a_worker_as_they_are(solver):
     with spawned(1) as pool:
         before = pool.submit(warnings_of_the_process).result()
@@ -719,6 +726,7 @@ CLUSTERS = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("package", list(CLUSTERS))
 def test_other_executors_give_the_same_bits(package, tmp_path, monkeypatch):
     if importlib.util.find_spec(package) is None:

@@ -116,6 +116,7 @@ def test_distances_on_rugged_ground_are_possible(seed, side, height, jitter, lat
     assert_possible(mesh, distance, sources, offsets)
 
 
+@pytest.mark.slow
 def test_a_region_of_many_vertices_holds_distances_by_its_nearest():
     sphere = shapes.icosphere(4)
     cap = np.flatnonzero(sphere.vertices[:, 2] > 0.7)

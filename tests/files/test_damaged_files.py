@@ -85,6 +85,7 @@ def test_a_signalling_nan_of_a_damaged_scan_is_a_missing_point(tmp_path):
     assert gt.PointCloud(points).present.sum() == 5
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", WRITTEN)
 def test_a_damaged_file_of_another_package_is_read_or_refused(name, tmp_path):
     package, make = WRITTEN[name]

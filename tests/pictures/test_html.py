@@ -90,6 +90,7 @@ def test_the_page_turns_under_the_mouse(browser, tmp_path):
     assert (np.abs(after - before).max(axis=-1) > 40).sum() > 5000
 
 
+@pytest.mark.slow
 def test_the_value_under_the_pointer_is_shown(browser, tmp_path):
     image = settled(browser, tmp_path, "pointed")[60:, :750]
     where = np.argwhere(image.max(axis=-1) - image.min(axis=-1) > 60)

@@ -208,6 +208,7 @@ def test_a_single_point_and_a_single_triangle_are_drawn():
     assert count_coloured(gt.viz.plot(triangle, [0.0, 1, 1], size=SIZE)) > 1000
 
 
+@pytest.mark.slow
 def test_graphs_need_positions():
     graph = gt.Graph(4, [[0, 1], [1, 2], [2, 3]])
     with pytest.raises(

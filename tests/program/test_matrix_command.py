@@ -124,6 +124,7 @@ def test_options_reach_the_solver(sphere_file, tmp_path):
     np.testing.assert_array_equal(np.load(tmp_path / "D.npy"), gt.distance_matrix(solver))
 
 
+@pytest.mark.slow
 def test_workers_write_the_same_bytes(sphere_file, tmp_path):
     for count in (1, 2):
         result = run(sphere_file, "--workers", count, "--output", tmp_path / f"D{count}.npy")
@@ -171,6 +172,7 @@ def test_an_interrupt_before_there_are_rows_promises_nothing(sphere_file, tmp_pa
     fails(run(sphere_file, "--output", tmp_path / "D.npy"), 130, "interrupted")
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(os.name != "posix", reason="needs process groups")
 @pytest.mark.parametrize("workers", [1, 2])
 def test_ctrl_c_in_a_terminal_ends_all_processes_and_the_rest_can_be_had(tmp_path, workers):
@@ -241,6 +243,7 @@ def test_interrupts_are_ignored_while_processes_start_and_only_in_the_main_threa
         assert pool.submit(elsewhere).result() == usual
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(os.name != "posix", reason="needs signals")
 def test_where_the_interrupt_does_not_come_through_the_last_words_are_said():
     program = (
