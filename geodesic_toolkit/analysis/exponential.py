@@ -42,7 +42,7 @@ ASIDE = 1e-9
 @final
 @dataclass(frozen=True, eq=False)
 class ExpMap(FrozenArrays):
-    """Where straightest lines from a point end, and the lines themselves.
+    """Straightest lines from a point: their ends, and the lines themselves.
 
     Attributes
     ----------
@@ -114,7 +114,7 @@ def exp_map(solver: GeodesicSolver, source: Any, vectors: ArrayLike) -> ExpMap:
     source : int, array-like of float, or SurfacePoint
         One place, as :meth:`GeodesicSolver.distance` takes it.
     vectors : array-like of shape (Q, 3) or (3,), float64
-        In space, in the unit of the mesh; what counts is how they lie in the tangent plane.
+        In space, in the unit of the mesh; only their parts in the tangent plane count.
 
     Returns
     -------
@@ -183,7 +183,7 @@ def _kept(solver: GeodesicSolver) -> IntArray:
 
 
 class _Starts(NamedTuple):
-    """Where lines begin, in which directions, and how long they are."""
+    """Places where lines begin, their directions, and their lengths."""
 
     faces: IntArray
     weights: FloatArray
@@ -193,7 +193,7 @@ class _Starts(NamedTuple):
 
     @property
     def lines(self) -> tuple[IntArray, FloatArray, FloatArray, FloatArray]:
-        """What is to be followed."""
+        """The arguments of the kernel: places, directions, lengths on the surface."""
         return self.faces, self.weights, self.angles, self.lengths - self.outside
 
 

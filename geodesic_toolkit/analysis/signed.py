@@ -44,8 +44,8 @@ def signed_distance(
 ) -> FloatArray:
     """Return the distance from curves, positive on their left and negative on their right.
 
-    The curves may be open, closed, or pieces of one: the normals of what is there diffuse, and what
-    they become far away tells the sides, across gaps too. Refined, the distance itself is swept
+    The curves may be open, closed, or pieces of one: their normals diffuse, and give the sides far
+    away, across gaps too. Refined, the distance itself is swept
     from the curves, and from where the plain one is zero in their gaps; only its sign is that of
     heat.
 
@@ -149,8 +149,9 @@ def _laid(solver: GeodesicSolver, curve: Curve, name: str) -> LaidCurve:
         bad = int(steps.argmax())
         segment = int(np.searchsorted(samples.places, bad, side="right")) - 1
         raise InvalidCurveError(
-            f"{name} leaves the surface between its points {segment} and {segment + 1}: what is "
-            f"nearest to it there jumps by {steps[bad]:.4g}; give points that follow the surface"
+            f"{name} leaves the surface between its points {segment} and {segment + 1}: the "
+            f"place nearest to it jumps by {steps[bad]:.4g} there; give points that follow the "
+            "surface"
         )
     laid = LaidCurve(points, vertices, weights, samples, curve.closed)
     if solver.mask is not None:

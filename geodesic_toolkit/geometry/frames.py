@@ -125,12 +125,12 @@ class Fans:
     origin : ndarray of int64
         The vertex of the mesh that each vertex of the faces is.
     turned : ndarray of shape (F,), bool
-        Faces that were given the other way round: with their columns from the last to the first.
+        Faces that were given in the opposite order: their columns are reversed.
     mirrored : ndarray of shape (F,), bool
         Faces that run clockwise, seen from where the normals point.
     angles, scales : ndarray of shape (3 F,), float64
         The direction of each half-edge in the frame of the vertex that it leaves, corner c + 1, and
-        what angles between half-edges are multiplied by there; negative where faces are mirrored.
+        the factor of angles between half-edges there; negative where faces are mirrored.
     """
 
     faces: IntArray
@@ -310,7 +310,7 @@ def _check_two_sided(faces: IntArray, count: int) -> None:
 def frames_in_space(
     places: FloatArray, elements: IntArray, normals: FloatArray, *, stars: bool
 ) -> Frames:
-    """Return frames of elements in space, with turns by the least rotations between normals.
+    """Return frames of elements in space; turns are the least rotations between normals.
 
     Parameters
     ----------

@@ -13,7 +13,7 @@ ASIDE = 1e-12
 
 
 class Chain(NamedTuple):
-    """Where a level set crosses one edge after the other.
+    """A part of a level set, from one edge that it crosses to the next.
 
     Attributes
     ----------

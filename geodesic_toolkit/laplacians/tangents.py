@@ -34,7 +34,7 @@ def default_frames(domain: Domain, metric: Discretization) -> Frames:
         normals = np.where(domain.present[:, None], domain.normals, UPWARDS)
         return _frames(positions, metric, elements, normals)
     edges, gradient = _edges_of(elements), metric.gradient
-    # Edges of next to no weight come and go as the cloud is turned.
+    # Edges of tiny weight appear and vanish as the cloud is turned.
     weights = gradient.edge_weights if isinstance(gradient, EdgeGradient) else None
     normals = oriented_normals(positions, normals_from_edges(positions, edges, weights), edges)
     return _frames(positions, metric, elements, normals)

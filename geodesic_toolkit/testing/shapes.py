@@ -147,7 +147,7 @@ def tube(rings: int, around: int, *, edge: float = 1.0) -> TriangleMesh:
 
 
 def pyramid(sides: int, rings: int, *, height: float = 1.0) -> TriangleMesh:
-    """Return a pyramid without a base, flat but for its tip and straight edges.
+    """Return a pyramid without a base, flat except at its tip and straight edges.
 
     At its tip, vertex 0, the angles add up to ``sides * arccos((cos(2π / sides) + height²) /
     (1 + height²))``.

@@ -63,7 +63,7 @@ class Connection:
             )
         scale = np.ascontiguousarray(np.broadcast_to(times, (count,)))
         alone = np.maximum(mass, np.where(np.diff(self.pattern.indptr) > 1, 0.0, 1.0))
-        diagonal = np.where(mass > 0, mass, alone)  # vertices of no element: any pivot will do
+        diagonal = np.where(mass > 0, mass, alone)  # vertices of no element take any pivot
         places = self.pattern.indptr, self.pattern.indices
         return CompressedRows(*_native.real_form(*places, self.entries, scale, diagonal))
 
@@ -119,7 +119,7 @@ def connection_along_edges(
     frames : Frames
     """
     gradient, rows = metric.gradient, diffusion.rows
-    assert isinstance(gradient, ElementGradient | EdgeGradient)  # or there would be no frames
+    assert isinstance(gradient, ElementGradient | EdgeGradient)  # others have no frames
     elements = gradient.edges if isinstance(gradient, EdgeGradient) else gradient.elements
     _check_turns(frames, elements.shape)
     turns = frames.turns.view(np.float64)

@@ -63,12 +63,12 @@ class VectorFlow:
         """Return the same as lengths and directions, however small the lengths become.
 
         As in :func:`geodesic_toolkit.heat.log_range.log_solve`: where a vector has sunk below a
-        threshold, the solve starts anew with what those above it load on the others, scaled.
+        threshold, the solve starts again with the load of those above it on the others, scaled.
         """
         count = len(load)
         log_sizes, directions = np.full(count, -np.inf), np.zeros(count, dtype=np.complex128)
         settled, log_scale = np.zeros(count, dtype=np.bool_), 0.0
-        for _ in range(count + 1):  # each stage settles a vertex at least
+        for _ in range(count + 1):  # each stage finishes a vertex at least
             vectors = self.solve(load)
             sizes = np.abs(vectors)
             new = ~settled & (sizes > self._least)

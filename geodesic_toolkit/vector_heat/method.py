@@ -140,7 +140,7 @@ class VectorHeatMethod:
         ----------
         points : SourcePoints
         vectors : array-like of shape (P, 3), float64
-            In space; what counts is how they lie in the tangent planes.
+            In space; only their parts in the tangent planes count.
 
         Returns
         -------

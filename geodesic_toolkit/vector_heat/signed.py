@@ -34,7 +34,7 @@ def signed_potential(heat: VectorHeatMethod, curves: list[LaidCurve]) -> FloatAr
         )
     load = np.sum([_normals(curve, frames) for curve in curves], axis=0)
     log_sizes, directions = heat.diffuse(load)
-    corners = log_sizes[gradient.elements]  # what counts is their ratio inside an element
+    corners = log_sizes[gradient.elements]  # only their ratio inside an element counts
     largest = corners.max(axis=1, keepdims=True)
     sizes = np.exp(corners - np.where(np.isfinite(largest), largest, 0.0))
     mean = (frames.turns * directions[gradient.elements] * sizes).sum(axis=1)
@@ -57,7 +57,7 @@ def levelled(
     along : bool
         Take off at each vertex what the potential is at the nearest place of the curves, by an
         extension: as near to a constraint as its own solve is, at the cost of two columns of the
-        factor at hand. Otherwise the mean on the curves of each component.
+        present factor. Otherwise the mean on the curves of each component.
     """
     metric = heat.heat.metric
     on = np.concatenate([curve.readings(potential) for curve in curves])

@@ -89,7 +89,7 @@ class Tracer {
       points.push_back(crossing);
       if (mate < 0) return left;
       const Planar edge = laid.places[(out + 1) % 3] - laid.places[out];
-      ahead *= -std::conj(edge) / std::abs(edge);  // the twin leads the other way
+      ahead *= -std::conj(edge) / std::abs(edge);  // the twin leads back
       ahead = {ahead.real(), std::max(ahead.imag(), kAside)};
       ahead /= std::abs(ahead);
       laid = Laid(lengths_, mate);

@@ -17,7 +17,7 @@ struct StraightLines {
 };
 
 // Lines from places in faces, (Q, 3) weights, in directions that are angles to half-edge 3 f of the
-// face f, as long as told.
+// face f, of the given lengths.
 //
 // `lengths` has the edge opposite each corner, `twin` is that of `twins`, coherent. A line of more
 // crossings than `most` ends there.

@@ -36,7 +36,7 @@ double angle_at(std::span<const double> lengths, Index corner) {
   return angle_between(lengths[next(corner)], lengths[previous(corner)], lengths[corner]);
 }
 
-// The corners about one vertex from one end of the surface to the other, or all the way round.
+// The corners about one vertex from one end of the surface to the other, or around all of it.
 class Fan {
  public:
   Fan(std::span<const double> lengths, std::span<const Index> twin)

@@ -132,7 +132,7 @@ def test_lines_end_where_more_than_two_faces_meet():
         ("abc", "must be numbers"),
     ],
 )
-def test_vectors_that_lead_nowhere_are_refused(vectors, message):
+def test_vectors_without_an_end_are_refused(vectors, message):
     with pytest.raises(InvalidOptionError, match=message):
         gt.exp_map(gt.GeodesicSolver(irregular_plate(5)), 0, vectors)
 

@@ -206,7 +206,7 @@ def test_tangent_frames_turn_numbers_into_vectors_and_back():
 
 
 @pytest.mark.parametrize("values", [np.ones((3, 2)), "abc", None])
-def test_what_is_no_table_of_vectors_is_refused(values):
+def test_something_else_than_a_table_of_vectors_is_refused(values):
     frames = gt.tangent_frames(gt.GeodesicSolver(irregular_plate(5)))
     with pytest.raises(InvalidOptionError, match="coordinates must"):
         frames.to_space(values)

@@ -59,7 +59,7 @@ def test_refined_it_is_the_distance_with_a_sign(solver):
     np.testing.assert_allclose(np.abs(distance), solver.distance(curve), atol=0.05 * SPACING)
 
 
-def test_the_other_way_round_it_has_the_other_sign(solver):
+def test_along_the_reversed_curve_it_has_the_opposite_sign(solver):
     curve = latitude(1.2)
     back = gt.Curve(curve.points[::-1], closed=True)
     for refine in (False, True):

@@ -56,7 +56,7 @@ def test_the_connection_laplacian_is_hermitian_and_semidefinite(name, operator):
 
 
 @pytest.mark.parametrize("name", SHAPES)
-def test_with_turns_of_one_it_is_the_laplacian(name):
+def test_without_turning_it_is_the_laplacian(name):
     solver = gt.GeodesicSolver(SHAPES[name])
     metric = solver.method.metric
     trivial = dataclasses.replace(solver.frames, turns=np.ones_like(solver.frames.turns))
@@ -188,7 +188,7 @@ def test_a_vector_without_a_direction_is_refused_by_its_number(vector):
         transported(solver, [0, 5], [AXIS, vector])
 
 
-def test_a_solver_that_does_not_resolve_small_values_does_without_restarts():
+def test_a_solver_that_does_not_resolve_small_values_makes_one_solve():
     mesh = irregular_plate(12)
     solver = gt.GeodesicSolver(mesh, solver=gt.CG(allow_heat=True, rtol=1e-12))
     got = transported(solver, 40, [AXIS])
@@ -204,7 +204,7 @@ def test_boundaries_are_insulated_whatever_holds_for_distances():
     assert (got[:, 0] >= 1 - 1e-9).all()
 
 
-def test_a_solver_travels_without_its_vector_heat_and_makes_it_anew():
+def test_a_solver_travels_without_its_vector_heat_and_makes_it_again():
     solver = gt.GeodesicSolver(irregular_plate(6))
     own = transported(solver, 0, [AXIS])
     other = pickle.loads(pickle.dumps(solver))

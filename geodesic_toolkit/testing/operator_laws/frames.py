@@ -1,4 +1,4 @@
-"""Tangent frames and turns: what makes vectors at different vertices comparable."""
+"""Tangent frames and turns, which make vectors at different vertices comparable."""
 
 from collections.abc import Iterable, Iterator
 
@@ -105,7 +105,7 @@ def holonomy_is_the_angle_defect(subject: OperatorSubject) -> Iterable[Measured]
 
 
 def moving_the_shape_moves_its_frames(subject: OperatorSubject) -> Iterable[Measured]:
-    """A rigid motion turns normals along, but for their sign, and leaves ``|L_c|`` (relative)."""
+    """A rigid motion turns normals along, up to their sign, and leaves ``|L_c|`` (relative)."""
     for kind in subject.samples:
         if kind.moved is None:
             continue
