@@ -14,11 +14,14 @@ __version__ = "0.1.0"
 if TYPE_CHECKING:
     from geodesic_toolkit import errors, testing, viz
     from geodesic_toolkit.analysis.comparison import Comparison, compare
+    from geodesic_toolkit.analysis.exponential import ExpMap, exp_map
     from geodesic_toolkit.analysis.matrix.matrix import distance_matrix
     from geodesic_toolkit.analysis.paths.cloud import CloudPath
     from geodesic_toolkit.analysis.paths.mesh import GeodesicPath, geodesic_path
     from geodesic_toolkit.analysis.residual import eikonal_residual, mean_eikonal_residual
     from geodesic_toolkit.analysis.sampling import farthest_point_sampling, geodesic_voronoi
+    from geodesic_toolkit.analysis.signed import signed_distance
+    from geodesic_toolkit.analysis.tangent_frames import TangentFrames, tangent_frames
     from geodesic_toolkit.analysis.thinning import Thinned, thin
     from geodesic_toolkit.analysis.variants import Variant, variants_for
     from geodesic_toolkit.discretization.data import Discretization
@@ -63,6 +66,7 @@ __all__ = [
     "EdgeGradient",
     "EdgePath",
     "ElementGradient",
+    "ExpMap",
     "Factor",
     "GeodesicPath",
     "GeodesicSolver",
@@ -82,6 +86,7 @@ __all__ = [
     "SuperLU",
     "Supernodal",
     "SurfacePoint",
+    "TangentFrames",
     "Thinned",
     "TriangleMesh",
     "UniformLaplacian",
@@ -93,6 +98,7 @@ __all__ = [
     "eikonal_residual",
     "errors",
     "exact_distance",
+    "exp_map",
     "farthest_point_sampling",
     "geodesic_distance",
     "geodesic_path",
@@ -106,7 +112,9 @@ __all__ = [
     "read_points",
     "read_vertices",
     "readers",
+    "signed_distance",
     "solvers",
+    "tangent_frames",
     "testing",
     "thin",
     "variants_for",
@@ -127,6 +135,7 @@ _HOMES = {
     "EdgeGradient": "discretization.edge_gradient",
     "EdgePath": "analysis.paths.edges",
     "ElementGradient": "discretization.element_gradient",
+    "ExpMap": "analysis.exponential",
     "Factor": "linear.base",
     "GeodesicPath": "analysis.paths.mesh",
     "GeodesicSolver": "solver.solver",
@@ -146,6 +155,7 @@ _HOMES = {
     "SuperLU": "linear.superlu",
     "Supernodal": "linear.supernodal",
     "SurfacePoint": "sources.surface_point",
+    "TangentFrames": "analysis.tangent_frames",
     "Thinned": "analysis.thinning",
     "TriangleMesh": "domains",
     "UniformLaplacian": "laplacians.uniform",
@@ -155,6 +165,7 @@ _HOMES = {
     "distance_matrix": "analysis.matrix.matrix",
     "eikonal_residual": "analysis.residual",
     "exact_distance": "exact",
+    "exp_map": "analysis.exponential",
     "farthest_point_sampling": "analysis.sampling",
     "geodesic_distance": "solver.convenience",
     "geodesic_path": "analysis.paths.mesh",
@@ -168,7 +179,9 @@ _HOMES = {
     "read_points": "io",
     "read_vertices": "io",
     "readers": "registry.catalog",
+    "signed_distance": "analysis.signed",
     "solvers": "registry.catalog",
+    "tangent_frames": "analysis.tangent_frames",
     "thin": "analysis.thinning",
     "variants_for": "analysis.variants",
     "write": "io",

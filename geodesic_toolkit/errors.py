@@ -12,6 +12,7 @@ __all__ = [
     "FragmentedCloudWarning",
     "GeodesicError",
     "GeodesicWarning",
+    "InvalidCurveError",
     "InvalidDiscretizationError",
     "InvalidDomainError",
     "InvalidOptionError",
@@ -49,6 +50,10 @@ class UnsupportedDomainError(GeodesicError, TypeError):
 
 class InvalidSourceError(GeodesicError, IndexError):
     """Sources that do not name places on the domain."""
+
+
+class InvalidCurveError(InvalidSourceError):
+    """A curve that does not follow the surface; the message says which, and where it leaves it."""
 
 
 class UnreachableError(GeodesicError, ValueError):

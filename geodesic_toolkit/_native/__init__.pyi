@@ -265,7 +265,66 @@ def flip_edges(faces: Indices, lengths: Numbers, twin: Indices, held: Bools) -> 
     Edges of a held vertex stay.
     """
 
+def flip_edges_with_directions(
+    faces: Indices,
+    lengths: Numbers,
+    twin: Indices,
+    held: Bools,
+    angles: Numbers,
+    scales: Numbers,
+) -> int:
+    """Do the same, and carry along the directions of half-edges that `polar_directions` returns."""
+
+def vertex_normals(vertices: Numbers, faces: Indices) -> Numbers:
+    """Return unit normals at vertices (N, 3), exact where these are on a sphere."""
+
+def tangent_axes(normals: Numbers) -> Numbers:
+    """Return a unit vector at a right angle to each normal, (N, 3)."""
+
+def polar_directions(
+    vertices: Numbers,
+    faces: Indices,
+    lengths: Numbers,
+    twin: Indices,
+    mirrored: Bools,
+    normals: Numbers,
+    axes: Numbers,
+) -> tuple[Numbers, Numbers]:
+    """Return the direction of each half-edge at its tail, and by what angles are scaled there."""
+
+def bisectors(lengths: Numbers, angles: Numbers, scales: Numbers) -> Numbers:
+    """Return the direction of the bisector of each corner in the frame of its vertex, (F, 3)."""
+
+def triangle_turns(lengths: Numbers, directions: Numbers, mirrored: Bools) -> Numbers:
+    """Return turns (F, 6), pairs of numbers, that take bisectors into frames of triangles."""
+
+def space_turns(
+    places: Numbers, elements: Indices, normals: Numbers, axes: Numbers, stars: bool
+) -> tuple[Numbers, Bools]:
+    """Return turns (E, 2 m) by the least rotations of normals, and which elements are mirrored."""
+
 # -- the heat method between its solves -----------------------------------------------------------
+
+def connection_laplacian(
+    indptr: Rows,
+    indices: Rows,
+    elements: Indices,
+    frames: Numbers,
+    measure: Numbers,
+    turns: Numbers,
+) -> Numbers:
+    """Return complex entries (nnz, 2) of G_cᴴ W G_c on a pattern with all edges and the diagonal.
+
+    It must have an entry for every pair of corners of a triangle.
+    """
+
+def edge_turns(indptr: Rows, indices: Rows, elements: Indices, turns: Numbers) -> Numbers:
+    """Return the sums (nnz, 2) of turns from vertex j to vertex i through elements (E, m)."""
+
+def real_form(
+    indptr: Rows, indices: Rows, entries: Numbers, scale: Numbers, diagonal: Numbers
+) -> tuple[Rows, Rows, Numbers]:
+    """Return diag(diagonal) + diag(scale) A for complex A as a real matrix of 2 N unknowns."""
 
 def poisson_load(
     faces: Indices, frames: Numbers, measure: Numbers, heat: Numbers, logarithmic: bool
@@ -399,6 +458,21 @@ def best_path(
     from the start. What comes back are the faces (P,) that the points of the way are in, the
     vertices (P, 2) that they are between, and the share (P,) of the second; nothing where no
     triangle connects.
+    """
+
+def straight_lines(
+    lengths: Numbers,
+    twin: Indices,
+    faces: Indices,
+    weights: Numbers,
+    angles: Numbers,
+    distances: Numbers,
+    most: int,
+) -> tuple[Indices, Indices, Numbers, Numbers]:
+    """Return where straightest lines start, cross edges and end, and what is left of their lengths.
+
+    As (begins, faces, weights, missing). They start in faces, whose range is checked, at an angle
+    to half-edge 3 f, and cross `most` edges at most.
     """
 
 def distinct_triangles(elements: Indices) -> tuple[Indices, Indices]:

@@ -59,6 +59,8 @@ class Discretization(FrozenArrays):
     surface : ElementGradient, optional
         The triangles of the surface, where the gradient's elements are others: those are what
         fronts cross and distances are measured on.
+    normals : ndarray of shape (N, 3), float64, optional
+        Where the elements are stars in tangent planes: the normals of those, of length 1.
     along_edges : AlongEdges, optional
         The shortest paths along the edges of a graph, which no distance exceeds, and which
         refinement takes.
@@ -109,6 +111,7 @@ class Discretization(FrozenArrays):
     scales: FloatArray = field(default_factory=lambda: np.zeros(0))
     surface_frames: FloatArray = field(default_factory=lambda: np.zeros((0, 3)))
     surface: ElementGradient | None = None
+    normals: FloatArray = field(default_factory=lambda: np.zeros((0, 3)))
     along_edges: AlongEdges | None = None
     across_edges: AcrossEdges | None = None
     representatives: IntArray = field(default_factory=lambda: np.zeros(0, dtype=np.int64))
@@ -119,7 +122,7 @@ class Discretization(FrozenArrays):
     copy: InitVar[bool] = True
 
     def __post_init__(self, known_components: IntArray | None, copy: bool) -> None:
-        floats = {"mass": np.float64, "surface_frames": np.float64}
+        floats = dict.fromkeys(("mass", "surface_frames", "normals"), np.float64)
         coerce(self, copy=copy, boundary=np.bool_, representatives=np.int64, **floats)
         count = len(self.mass)
         if self.mass.ndim != 1 or self.boundary.shape != (count,):
@@ -199,6 +202,10 @@ class Discretization(FrozenArrays):
             )
 
     def _check_frames(self) -> None:
+        if len(self.normals):
+            if self.normals.shape != (self.n_vertices, 3):
+                raise InvalidDiscretizationError(f"normals {self.normals.shape} must be (N, 3)")
+            check_finite(self.normals, "the normal of vertex")
         gradient, frames = self.gradient, self.surface_frames
         if len(frames):
             if not (

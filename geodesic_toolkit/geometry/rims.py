@@ -42,6 +42,8 @@ class Trapezoids(NamedTuple):
         How long the sides are: how far the vertices are from the mirror.
     beyond : ndarray of shape (T,), int64
         The half-edge of the triangle on the other side of the edge, or -1.
+    within : ndarray of shape (T,), int64
+        The half-edge of the triangle in whose place it lies, which runs from head to tail.
     """
 
     tails: IntArray
@@ -50,6 +52,7 @@ class Trapezoids(NamedTuple):
     tail_sides: FloatArray
     head_sides: FloatArray
     beyond: IntArray
+    within: IntArray
 
     def only(self, chosen: BoolArray) -> "Trapezoids":
         """Return some of them."""
@@ -133,7 +136,7 @@ def mirrored_at_rims(
     rims = np.flatnonzero(twin < 0)
     corners, none = faces.ravel(), np.zeros(len(rims))
     tails, heads = corners[_next(rims)], corners[_before(rims)]
-    found = Trapezoids(tails, heads, lengths.ravel()[rims], none, none, rims)
+    found = Trapezoids(tails, heads, lengths.ravel()[rims], none, none, rims, rims)
     done = [found.only(np.zeros(len(rims), dtype=np.bool_))]
     while len(found.widths):
         opens, feet, sides = _openings(found, lengths, kept)
@@ -142,9 +145,14 @@ def mirrored_at_rims(
         half = found.beyond
         apex = corners[half]
         kept[half // 3] = False
-        one = found._replace(heads=apex, widths=foot, head_sides=side, beyond=twin[_before(half)])
+        before, after = _before(half), _next(half)
+        one = found._replace(
+            heads=apex, widths=foot, head_sides=side, beyond=twin[before], within=before
+        )
         rest = found.widths - foot
-        other = found._replace(tails=apex, widths=rest, tail_sides=side, beyond=twin[_next(half)])
+        other = found._replace(
+            tails=apex, widths=rest, tail_sides=side, beyond=twin[after], within=after
+        )
         found = Trapezoids.together([one, other])
     found = Trapezoids.together(done)
     return kept, found.only(found.tail_sides + found.head_sides > 0)

@@ -113,6 +113,26 @@ class HeatFlow:
                 reports[k] = report
         return heat, reports
 
+    def log_solve(self, loads: FloatArray) -> FloatArray:
+        """Return log u, (N, K), for loads on vertices that are not negative, with no condition."""
+        if self.boundary != "neumann":
+            return self._free.log_solve(loads)
+        (system,) = self.systems()
+        if not self.solver.componentwise:  # restarts rest on every entry being right
+            return log_of(system.factor.solve(loads))
+        log_heat, _ = log_solve(system.matrix, system.factor, loads)
+        return log_heat
+
+    def is_cold(self, log_heat: FloatArray, loads: FloatArray) -> bool:
+        """Return whether heat (N, K) of such loads has not come, or is not positive, somewhere."""
+        parts = self.diffusion.components
+        for column in np.flatnonzero((log_heat == -np.inf).any(axis=0)):
+            heated = np.zeros(parts.max() + 1, dtype=np.bool_)
+            heated[parts[loads[:, column] > 0]] = True
+            if (heated[parts] & (log_heat[:, column] == -np.inf)).any():
+                return True
+        return False
+
     def _at_held_boundary(self, block: Sequence[SourcePoints]) -> list[int]:
         """Return the source sets with a point at a boundary held at zero, which is then free.
 

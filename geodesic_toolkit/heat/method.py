@@ -280,6 +280,27 @@ class HeatMethod:
 
     # -- step 1 --------------------------------------------------------------------------------
 
+    def log_diffuse(self, loads: FloatArray) -> FloatArray:
+        """Return log u with ``(M + t L) u = b`` for any loads b, insulated at boundaries.
+
+        Where u would not be positive everywhere, it is that of the positive part of the diffusion.
+
+        Parameters
+        ----------
+        loads : ndarray of shape (N, K), float64
+            Not negative.
+
+        Returns
+        -------
+        ndarray of shape (N, K), float64
+            ``-inf`` where no heat comes.
+        """
+        return self._flow.log_solve(loads)[0]
+
+    def stays_positive(self, load: FloatArray) -> bool:
+        """Return whether the heat of a load (N,), not negative, is positive wherever it comes."""
+        return not self._flow.has_wrong_signs or self._flow.log_solve(load[:, None])[1]
+
     def _diffuse(
         self, block: Sequence[SourcePoints], workspace: FloatArray | None = None
     ) -> tuple[Heat, HeatReport | None]:

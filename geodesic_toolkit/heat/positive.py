@@ -2,7 +2,7 @@
 
 import threading
 from collections.abc import Sequence
-from functools import partial
+from functools import cached_property, partial
 
 from geodesic_toolkit.core.types import FloatArray
 from geodesic_toolkit.core.warning import warn
@@ -75,6 +75,32 @@ class PositiveFlow:
             if self._substitute is None:
                 self._substitute = self._make(positive_part(self._diffusion))
             return self._substitute
+
+    def log_solve(self, loads: FloatArray) -> tuple[FloatArray, bool]:
+        """Return log u for any loads on vertices, and whether all of the heat is positive.
+
+        Where it is not, log u is that of the substitute. Boundaries are insulated.
+
+        Parameters
+        ----------
+        loads : ndarray of shape (N, K), float64
+            Not negative.
+
+        Returns
+        -------
+        log_heat : ndarray of shape (N, K), float64
+            ``-inf`` where no heat comes.
+        is_positive : bool
+        """
+        log_heat = self.own.log_solve(loads)
+        if not self._solver.componentwise or not self.own.is_cold(log_heat, loads):
+            return log_heat, True
+        return self._positive().log_solve(loads), False
+
+    @cached_property
+    def has_wrong_signs(self) -> bool:
+        """Whether the diffusion has weights that can turn heat negative."""
+        return has_wrong_signs(self._diffusion.rows)
 
     @property
     def nbytes(self) -> int:

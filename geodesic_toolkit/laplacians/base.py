@@ -8,6 +8,7 @@ from typing import ClassVar
 from geodesic_toolkit.discretization.data import Discretization
 from geodesic_toolkit.domains import Domain
 from geodesic_toolkit.errors import UnsupportedDomainError
+from geodesic_toolkit.geometry.frames import Frames
 
 __all__ = ["LaplaceOperator"]
 
@@ -74,6 +75,34 @@ class LaplaceOperator(abc.ABC):
         Discretization
         """
         return metric
+
+    def frames(self, domain: Domain, metric: Discretization) -> Frames:
+        """Return tangent frames at the vertices, and the turns from them into the elements.
+
+        They make vectors at different vertices comparable: the connection Laplacian is
+        ``G_cᴴ W G_c``, with G_c the gradient whose coefficients are multiplied by the turns,
+        Hermitian and positive semidefinite. By default turns are the least rotations from the
+        normal at a vertex to that of the element, for meshes and point clouds.
+
+        Parameters
+        ----------
+        domain : Domain
+        metric : Discretization
+            What `assemble` returned for it.
+
+        Returns
+        -------
+        Frames
+
+        Raises
+        ------
+        UnsupportedDomainError
+            A graph, as an edge has no angle; a surface with one side; elements that are neither
+            triangles nor edges.
+        """
+        from geodesic_toolkit.laplacians.tangents import default_frames
+
+        return default_frames(domain, metric)
 
     def check_domain(self, domain: object) -> None:
         """Raise unless `domain` is one of the kinds in `domains`.

@@ -43,6 +43,8 @@ class Assembly:
     whole : Discretization or None
         Of a cloud of which a part is masked.
     seams : Seams or None
+    solver : str, class, instance or dict
+        The linear solver, as it was given.
     reason : str
         Why distances are refined, or not, where that was left to "auto".
     unusual : str
@@ -57,6 +59,7 @@ class Assembly:
     mask: BoolArray | None
     whole: Discretization | None
     seams: Seams | None
+    solver: Solver
     reason: str
     unusual: str
 
@@ -111,6 +114,7 @@ def assembled(
         mask=held,
         whole=whole,
         seams=seams,
+        solver=solver,
         reason=reason,
         unusual=_unusual(boundary, own_time=own_time),
     )

@@ -124,6 +124,11 @@ class SourceLocator:
             self.locate(sources, f"source set {position}") for position, sources in enumerate(sets)
         ]
 
+    @property
+    def ground(self) -> "Ground | None":
+        """The places that points in space snap to; None where vertices have no positions."""
+        return self._kept_ground()
+
     def _kept_ground(self) -> "Ground | None":
         """Return where points in space snap to; None where vertices have no positions."""
         if not self.passable.has("positions"):
@@ -136,8 +141,8 @@ class SourceLocator:
             return self._ground
 
     def __getstate__(self) -> dict[str, Any]:
-        kept = {"_lock", "_ground", "_surface"}
-        return {name: value for name, value in self.__dict__.items() if name not in kept}
+        made = {"_lock", "_ground", "_surface", "_frames", "_vector_heat"}
+        return {name: value for name, value in self.__dict__.items() if name not in made}
 
     def __setstate__(self, state: dict[str, Any]) -> None:
         self.__dict__.update(state)

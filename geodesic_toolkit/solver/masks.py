@@ -153,6 +153,7 @@ def _restricted(whole: Discretization, stars: ElementGradient, mask: BoolArray) 
         surface_frames=whole.surface_frames[stay]
         if len(whole.surface_frames)
         else np.zeros((0, 3)),
+        normals=whole.normals,
         notes={**whole.notes, "masked": int(mask.sum())},
         copy=False,
     )

@@ -217,6 +217,26 @@ class Surface:
             result[feet.rows] = self._values(values, feet, kinks)
         return result
 
+    def feet(self, points: FloatArray) -> tuple[IntArray, FloatArray]:
+        """Return the closest place of the surface to each of Q points, however far that is.
+
+        Returns
+        -------
+        corners : ndarray of shape (Q, 3), int64
+            The vertices of the triangle that it lies in.
+        weights : ndarray of shape (Q, 3), float64
+            Its barycentric coordinates there.
+
+        Raises
+        ------
+        UnsupportedDomainError
+            The surface has no triangle.
+        """
+        if len(self._faces) == 0:
+            raise UnsupportedDomainError("the shape has no triangles: all of it is one place")
+        faces, weights = self._tree.closest(points)
+        return self._faces[faces], weights
+
     def nearest(
         self,
         points: ArrayLike,

@@ -12,7 +12,7 @@ from geodesic_toolkit.heat.method import Boundary, Progress
 from geodesic_toolkit.interop.conversion import as_domain, check_one_shape
 from geodesic_toolkit.solver.assembly import Operator, Refine, Solver, assembled
 from geodesic_toolkit.solver.complaints import Complaints
-from geodesic_toolkit.solver.on_surface import SurfaceSolver
+from geodesic_toolkit.solver.tangents import TangentSolver
 
 if TYPE_CHECKING:
     from geodesic_toolkit.solver.diagnosis import Diagnosis
@@ -26,7 +26,7 @@ BLOCK_ENTRIES = 2**24
 """Distances that are held at once: 128 MB, as long as one set has fewer."""
 
 
-class GeodesicSolver(SurfaceSolver):
+class GeodesicSolver(TangentSolver):
     """Geodesic distances on one shape: factorises once, then answers many sources.
 
     Safe to use from several threads; pickles and copies (the factors are made again).

@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -17,7 +17,7 @@ from geodesic_toolkit.sources.kinds import Curve, OffsetSources
 from geodesic_toolkit.sources.points import ADVICE_ON_MASKED_SOURCES, SourcePoints, as_vertices
 from geodesic_toolkit.sources.surface_point import SurfacePoint
 
-__all__ = ["locate_sources"]
+__all__ = ["CurveSamples", "fronts_beside", "locate_sources", "samples_of"]
 
 SAMPLES_PER_EDGE = 4
 """Samples of a curve to a mean edge length."""
@@ -232,15 +232,50 @@ def _warn_if_far(points: FloatArray, feet: FloatArray, places: FloatArray, name:
 # -- curves --------------------------------------------------------------------------------------
 
 
-def _along(domain: Domain, ground: Ground, curve: Curve, name: str) -> SourcePoints:
-    """Return samples of a curve; the corners around one lie at their distance from the curve."""
+class CurveSamples(NamedTuple):
+    """A polyline with points in between, as it was given: not yet laid onto the surface.
+
+    Attributes
+    ----------
+    points : ndarray of shape (S, 3), float64
+    corners : ndarray of shape (P, 3), float64
+        Different from one to the next; the first again at the end of a closed curve.
+    places : ndarray of shape (P,), int64
+        Which of the points the corners are.
+    spacing : float
+        Mean edge length of the shape.
+    """
+
+    points: FloatArray
+    corners: FloatArray
+    places: IntArray
+    spacing: float
+
+
+def samples_of(domain: Domain, passable: Domain, curve: Curve, name: str) -> CurveSamples:
+    """Return samples of a curve, a quarter of a mean edge apart.
+
+    Parameters
+    ----------
+    domain : Domain
+        On whose faces the points of the curve may lie.
+    passable : Domain
+        With positions: what is left of it where paths may go.
+    curve : Curve
+    name : str
+        What to call it in messages.
+
+    Raises
+    ------
+    InvalidSourceError
+        A face that there is not; a curve in another unit.
+    """
     from geodesic_toolkit.sources.curves import sample_polyline
 
     if isinstance(curve.points, tuple):
         corners = _located(domain, curve.points, name).positions(domain)
     else:
         corners = curve.points
-    passable = ground.domain
     spacing = _spacing(passable)
     step = spacing / SAMPLES_PER_EDGE
     if curve.closed:
@@ -253,6 +288,13 @@ def _along(domain: Domain, ground: Ground, curve: Curve, name: str) -> SourcePoi
             "edge; is it in the unit of the shape?"
         )
     points, places = sample_polyline(corners, step)
+    return CurveSamples(points, corners, places, spacing)
+
+
+def _along(domain: Domain, ground: Ground, curve: Curve, name: str) -> SourcePoints:
+    """Return samples of a curve; the corners around one lie at their distance from the curve."""
+    passable = ground.domain
+    points, corners, places, spacing = samples_of(domain, passable, curve, name)
     at = ground.closest(points)
     if at.vertices.shape[1] == 1:
         vertices, place = np.unique(at.vertices[:, 0], return_inverse=True)
@@ -263,7 +305,7 @@ def _along(domain: Domain, ground: Ground, curve: Curve, name: str) -> SourcePoi
     if len(points) == 1 or not lies_in_triangles(passable):
         return _between(passable, at)
     around, laid = passable.positions[at.vertices], at.positions(passable)
-    fronts = _fronts_beside(
+    fronts = fronts_beside(
         around,
         laid,
         _normals_at(passable, at),
@@ -291,7 +333,7 @@ def _normals_at(surface: Domain, at: Located) -> FloatArray:
     return np.asarray(np.divide(normals, lengths, out=normals, where=lengths > 0))
 
 
-def _fronts_beside(
+def fronts_beside(
     around: FloatArray,
     laid: FloatArray,
     normals: FloatArray,
@@ -300,6 +342,7 @@ def _fronts_beside(
     places: IntArray,
     spacing: float,
     closed: bool,
+    past: tuple[bool, bool] = (False, False),
 ) -> tuple[FloatArray, FloatArray]:
     """Return how far vertices around the samples of a curve are from it, and the front there.
 
@@ -318,6 +361,9 @@ def _fronts_beside(
         The samples at the corners.
     spacing : float
     closed : bool
+    past : tuple of two bool
+        Whether the curve is cut off at its first and its last end, by the boundary of the surface,
+        and would go on.
 
     Returns
     -------
@@ -327,7 +373,8 @@ def _fronts_beside(
 
     distances, beside, at_sample = distance_to_segments(around, laid)
     if closed:
-        beside[[0, -1]] = True
+        past = (True, True)
+    beside[[0, -1]] |= np.array(past)[:, None]
     steps = np.diff(corners, axis=0)
     ends = np.append(0.0, np.cumsum(np.linalg.norm(steps, axis=1)))
     along = np.interp(np.arange(len(laid)), places, ends)

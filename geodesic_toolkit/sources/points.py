@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import InitVar, dataclass, field, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
@@ -90,6 +91,31 @@ class SourcePoints(FrozenArrays):
             np.arange(count + 1),
             n_vertices,
             np.zeros(count),
+            copy=False,
+        )
+
+    @classmethod
+    def together(cls, parts: Sequence[SourcePoints]) -> SourcePoints:
+        """Return the points of several sets on one domain as one set.
+
+        Parameters
+        ----------
+        parts : sequence of SourcePoints
+            One or more.
+
+        Returns
+        -------
+        SourcePoints
+        """
+        counts = np.concatenate([np.diff(part.begins) for part in parts])
+        return cls(
+            vertices=np.concatenate([part.vertices for part in parts]),
+            shares=np.concatenate([part.shares for part in parts]),
+            begins=np.append(0, np.cumsum(counts)),
+            n_vertices=parts[0].n_vertices,
+            distances=np.concatenate([part.distances for part in parts]),
+            starts=np.concatenate([part.starts for part in parts]),
+            front_curvatures=np.concatenate([part.curvatures for part in parts]),
             copy=False,
         )
 

@@ -5,7 +5,16 @@ import numpy as np
 from geodesic_toolkit.core.types import BoolArray, FloatArray, IntArray
 from geodesic_toolkit.domains import TriangleMesh
 
-__all__ = ["bumpy_torus", "disjoint_union", "grid", "icosphere", "knot", "torus", "tube"]
+__all__ = [
+    "bumpy_torus",
+    "disjoint_union",
+    "grid",
+    "icosphere",
+    "knot",
+    "pyramid",
+    "torus",
+    "tube",
+]
 
 
 def grid(
@@ -179,6 +188,45 @@ def tube(rings: int, around: int, *, edge: float = 1.0) -> TriangleMesh:
     return TriangleMesh(
         vertices, np.concatenate([np.column_stack([a, b, c]), np.column_stack([b, d, c])])
     )
+
+
+def pyramid(sides: int, rings: int, *, height: float = 1.0) -> TriangleMesh:
+    """Return a pyramid without a base, flat except at its tip and straight edges.
+
+    At its tip, vertex 0, the angles add up to ``sides * arccos((cos(2π / sides) + height²) /
+    (1 + height²))``.
+
+    Parameters
+    ----------
+    sides : int
+        Three at least.
+    rings : int
+        How often its sides are cut across; ring k lies k times `height` below the tip, and has the
+        radius k.
+    height : float
+
+    Returns
+    -------
+    TriangleMesh
+        The vertices of ring k, from 1 on, begin at ``1 + (k - 1) * sides``.
+
+    Examples
+    --------
+    >>> import geodesic_toolkit as gt
+    >>> gt.testing.shapes.pyramid(5, 2)
+    TriangleMesh(11 vertices, 15 faces)
+    """
+    turn = 2 * np.pi * np.arange(sides) / sides
+    ring = np.column_stack([np.cos(turn), np.sin(turn), np.full(sides, -height)])
+    vertices = np.concatenate([np.zeros((1, 3)), *(k * ring for k in range(1, rings + 1))])
+    here = np.arange(sides)
+    there = (here + 1) % sides
+    faces = [np.column_stack([0 * here, 1 + here, 1 + there])]
+    for k in range(rings - 1):
+        inner, outer = 1 + k * sides, 1 + (k + 1) * sides
+        faces.append(np.column_stack([inner + here, outer + here, outer + there]))
+        faces.append(np.column_stack([inner + here, outer + there, inner + there]))
+    return TriangleMesh(vertices, np.concatenate(faces))
 
 
 def knot(

@@ -1,4 +1,5 @@
 // The steps of the heat method between its solves, in Python.
+#include "heat/connection.hpp"
 #include "heat/filling.hpp"
 #include "heat/poisson_load.hpp"
 #include "python/bindings.hpp"
@@ -35,6 +36,46 @@ void bind_heat(nb::module_& module) {
       },
       "indptr"_a.noconvert(), "indices"_a.noconvert(), "data"_a.noconvert(),
       "solution"_a.noconvert(), "rows"_a.noconvert());
+  module.def(
+      "connection_laplacian",
+      [](In<Row> indptr, In<Row> indices, In<Index, 2> elements, In<double, 2> frames,
+         In<double> measure, In<double, 2> turns) {
+        const Pattern pattern = pattern_of(indptr, indices);
+        require(elements.shape(1) == 3 && frames.size() == elements.size() &&
+                    measure.size() == elements.shape(0) && turns.size() == 2 * elements.size(),
+                "a frame, a measure and three turns for each triangle");
+        Array<double> entries = unlocked([&] {
+          return connection_laplacian(pattern, span(elements), span(frames), span(measure),
+                                      span(turns));
+        });
+        return give(std::move(entries), 2);
+      },
+      "indptr"_a.noconvert(), "indices"_a.noconvert(), "elements"_a.noconvert(),
+      "frames"_a.noconvert(), "measure"_a.noconvert(), "turns"_a.noconvert());
+  module.def(
+      "edge_turns",
+      [](In<Row> indptr, In<Row> indices, In<Index, 2> elements, In<double, 2> turns) {
+        const Pattern pattern = pattern_of(indptr, indices);
+        require(turns.size() == 2 * elements.size(), "a turn for each corner");
+        const auto size = static_cast<int>(elements.shape(1));
+        return give(
+            unlocked([&] { return edge_turns(pattern, span(elements), size, span(turns)); }), 2);
+      },
+      "indptr"_a.noconvert(), "indices"_a.noconvert(), "elements"_a.noconvert(),
+      "turns"_a.noconvert());
+  module.def(
+      "real_form",
+      [](In<Row> indptr, In<Row> indices, In<double, 2> entries, In<double> scale,
+         In<double> diagonal) {
+        const Pattern pattern = pattern_of(indptr, indices);
+        require(n_rows(entries) == count(pattern.indices) && entries.shape(1) == 2 &&
+                    n_rows(scale) == pattern.size() && n_rows(diagonal) == pattern.size(),
+                "two numbers for each entry, and two for each row");
+        return give(unlocked(
+            [&] { return real_form(pattern, span(entries), span(scale), span(diagonal)); }));
+      },
+      "indptr"_a.noconvert(), "indices"_a.noconvert(), "entries"_a.noconvert(),
+      "scale"_a.noconvert(), "diagonal"_a.noconvert());
 }
 
 }  // namespace geodesic

@@ -1,5 +1,6 @@
 // Shortest paths over triangles in Python.
 #include "paths/candidates.hpp"
+#include "paths/straight.hpp"
 #include "python/bindings.hpp"
 
 namespace geodesic {
@@ -42,6 +43,27 @@ void bind_paths(nb::module_& module) {
       },
       "vertices"_a.noconvert(), "faces"_a.noconvert(), "height"_a.noconvert(), "back"_a.noconvert(),
       "start"_a, "ends"_a.noconvert());
+  module.def(
+      "straight_lines",
+      [](In<double, 2> lengths, In<Index> twin, In<Index> faces, In<double, 2> weights,
+         In<double> angles, In<double> distances, Index most) {
+        require(lengths.shape(1) == 3 && twin.size() == lengths.size(),
+                "a twin for each half-edge");
+        require(weights.shape(1) == 3 && weights.shape(0) == faces.size() &&
+                    angles.size() == faces.size() && distances.size() == faces.size(),
+                "a place, a direction and a length for each line");
+        const Index n = n_rows(lengths);
+        require(std::ranges::all_of(span(faces), [n](Index f) { return 0 <= f && f < n; }),
+                "faces below their number");
+        StraightLines lines = unlocked([&] {
+          return straight_lines(span(lengths), span(twin), span(faces), span(weights), span(angles),
+                                span(distances), most);
+        });
+        return nb::make_tuple(give(std::move(lines.begins)), give(std::move(lines.faces)),
+                              give(std::move(lines.weights), 3), give(std::move(lines.missing)));
+      },
+      "lengths"_a.noconvert(), "twin"_a.noconvert(), "faces"_a.noconvert(), "weights"_a.noconvert(),
+      "angles"_a.noconvert(), "distances"_a.noconvert(), "most"_a);
   module.def(
       "distinct_triangles",
       [](In<Index, 2> elements) {

@@ -3,6 +3,7 @@
 
 #include "python/bindings.hpp"
 #include "triangles/flips.hpp"
+#include "triangles/frames.hpp"
 #include "triangles/half_edges.hpp"
 #include "triangles/measures.hpp"
 #include "triangles/proper.hpp"
@@ -15,6 +16,79 @@ namespace {
 void require_triangles(const In<Index, 2>& faces, const auto&... tables) {
   require(faces.shape(1) == 3 && ((tables.size() == faces.size()) && ...),
           "three columns, and a row for each triangle");
+}
+
+void bind_frames(nb::module_& module) {
+  module.def(
+      "vertex_normals",
+      [](In<double, 2> vertices, In<Index, 2> faces) {
+        require_triangles(faces);
+        require(vertices.shape(1) == 3, "three coordinates for each vertex");
+        return give(unlocked([&] { return vertex_normals(span(vertices), span(faces)); }), 3);
+      },
+      "vertices"_a.noconvert(), "faces"_a.noconvert());
+  module.def(
+      "tangent_axes",
+      [](In<double, 2> normals) {
+        require(normals.shape(1) == 3, "three coordinates for each normal");
+        return give(unlocked([&] { return tangent_axes(span(normals)); }), 3);
+      },
+      "normals"_a.noconvert());
+  module.def(
+      "polar_directions",
+      [](In<double, 2> vertices, In<Index, 2> faces, In<double, 2> lengths, In<Index> twin,
+         In<bool> mirrored, In<double, 2> normals, In<double, 2> axes) {
+        require_triangles(faces, lengths, twin);
+        require(Index(mirrored.size()) == n_rows(faces) && vertices.shape(1) == 3 &&
+                    have_one_shape(vertices, normals) && have_one_shape(vertices, axes),
+                "a flag for each triangle, a normal and an axis for each vertex");
+        Directions its = unlocked([&] {
+          return polar_directions(span(vertices), span(faces), span(lengths), span(twin),
+                                  span(mirrored), span(normals), span(axes));
+        });
+        return nb::make_tuple(give(std::move(its.angles)), give(std::move(its.scales)));
+      },
+      "vertices"_a.noconvert(), "faces"_a.noconvert(), "lengths"_a.noconvert(),
+      "twin"_a.noconvert(), "mirrored"_a.noconvert(), "normals"_a.noconvert(),
+      "axes"_a.noconvert());
+  module.def(
+      "bisectors",
+      [](In<double, 2> lengths, In<double> angles, In<double> scales) {
+        require(lengths.shape(1) == 3 && angles.size() == lengths.size() &&
+                    scales.size() == lengths.size(),
+                "a direction for each half-edge");
+        return give(unlocked([&] { return bisectors(span(lengths), span(angles), span(scales)); }),
+                    3);
+      },
+      "lengths"_a.noconvert(), "angles"_a.noconvert(), "scales"_a.noconvert());
+  module.def(
+      "triangle_turns",
+      [](In<double, 2> lengths, In<double, 2> directions, In<bool> mirrored) {
+        require(lengths.shape(1) == 3 && have_one_shape(lengths, directions) &&
+                    Index(mirrored.size()) == n_rows(lengths),
+                "a direction for each corner and a flag for each triangle");
+        return give(unlocked([&] {
+                      return triangle_turns(span(lengths), span(directions), span(mirrored));
+                    }),
+                    6);
+      },
+      "lengths"_a.noconvert(), "directions"_a.noconvert(), "mirrored"_a.noconvert());
+  module.def(
+      "space_turns",
+      [](In<double, 2> places, In<Index, 2> elements, In<double, 2> normals, In<double, 2> axes,
+         bool stars) {
+        require(
+            places.shape(1) == 3 && have_one_shape(places, normals) && have_one_shape(places, axes),
+            "three coordinates, a normal and an axis for each vertex");
+        const auto size = static_cast<int>(elements.shape(1));
+        require(size == 2 || size == 3, "elements of two or three vertices");
+        SpaceTurns its = unlocked([&] {
+          return space_turns(span(places), span(elements), size, span(normals), span(axes), stars);
+        });
+        return nb::make_tuple(give(std::move(its.turns), 2 * size), give(std::move(its.mirrored)));
+      },
+      "places"_a.noconvert(), "elements"_a.noconvert(), "normals"_a.noconvert(),
+      "axes"_a.noconvert(), "stars"_a);
 }
 
 }  // namespace
@@ -116,6 +190,22 @@ void bind_triangles(nb::module_& module) {
             [&] { return flip_edges(span(faces), span(lengths), span(twin), span(held)); });
       },
       "faces"_a.noconvert(), "lengths"_a.noconvert(), "twin"_a.noconvert(), "held"_a.noconvert());
+  module.def(
+      "flip_edges_with_directions",
+      [](Out<Index, 2> faces, Out<double, 2> lengths, Out<Index> twin, In<bool> held,
+         Out<double> angles, Out<double> scales) {
+        require(faces.shape(1) == 3 && lengths.size() == faces.size() &&
+                    twin.size() == faces.size() && angles.size() == faces.size() &&
+                    scales.size() == faces.size(),
+                "a length, a twin and a direction for each half-edge");
+        return unlocked([&] {
+          return flip_edges(span(faces), span(lengths), span(twin), span(held), span(angles),
+                            span(scales));
+        });
+      },
+      "faces"_a.noconvert(), "lengths"_a.noconvert(), "twin"_a.noconvert(), "held"_a.noconvert(),
+      "angles"_a.noconvert(), "scales"_a.noconvert());
+  bind_frames(module);
 }
 
 }  // namespace geodesic

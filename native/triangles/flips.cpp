@@ -39,7 +39,7 @@ class Waiting {
 }  // namespace
 
 Index flip_edges(std::span<Index> faces, std::span<double> length, std::span<Index> twin,
-                 std::span<const bool> held) {
+                 std::span<const bool> held, std::span<double> angles, std::span<double> scales) {
   const Index n_halves = count(faces);
   Waiting waiting(n_halves);
   for (Index face = 0; face < n_halves; face += 3) {  // opposite obtuse angles
@@ -77,6 +77,12 @@ Index flip_edges(std::span<Index> faces, std::span<double> length, std::span<Ind
       for (int k = 0; k < 4; ++k)
         if (twin[old[side]] == old[k]) across[side] = moved[k];
     }
+    double angle[4], scale[4];  // of the sides, if they are carried along
+    if (!angles.empty())
+      for (int side = 0; side < 4; ++side) {
+        angle[side] = angles[old[side]];
+        scale[side] = scales[old[side]];
+      }
     const Index corners[6] = {c, a, d, d, b, c};
     const double lengths[6] = {ad, cd, ca, bc, cd, db};
     for (int k = 0; k < 3; ++k) {
@@ -93,6 +99,16 @@ Index flip_edges(std::span<Index> faces, std::span<double> length, std::span<Ind
     }
     twin[f + 1] = g + 1;
     twin[g + 1] = f + 1;
+    if (!angles.empty()) {
+      for (int side = 0; side < 4; ++side) {
+        angles[moved[side]] = angle[side];
+        scales[moved[side]] = scale[side];
+      }
+      scales[f + 1] = scales[g + 2];  // d to c, after d to b
+      angles[f + 1] = angles[g + 2] + scales[g + 2] * angle_between(cd, db, bc);
+      scales[g + 1] = scales[f + 2];  // c to d, after c to a
+      angles[g + 1] = angles[f + 2] + scales[f + 2] * angle_between(ca, cd, ad);
+    }
     ++flips;
   }
   return flips;

@@ -25,6 +25,11 @@ double doubled_area(double p, double q, double r) {
   return std::sqrt(std::max(product, 0.0)) / 2;
 }
 
+double angle_between(double one, double other, double opposite) {
+  return std::atan2(doubled_area(one, other, opposite),
+                    (one * one + other * other - opposite * opposite) / 2);
+}
+
 Measured measure_triangles(std::span<const double> vertices, std::span<const Index> faces) {
   const Index n_faces = count(faces) / 3;
   Measured result{{Array<double>(3 * n_faces), Array<double>(n_faces)},

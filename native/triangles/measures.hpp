@@ -26,5 +26,7 @@ Array<double> edge_lengths(std::span<const double> frames);
 // The area, doubled, of a triangle with such edges: Heron's formula in Kahan's order of operations,
 // which does not cancel for thin ones.
 double doubled_area(double p, double q, double r);
+// The angle between two edges of a triangle, by the third.
+double angle_between(double one, double other, double opposite);
 
 }  // namespace geodesic

@@ -203,6 +203,41 @@ MUTANTS = {
 }
 
 
+def with_turns(factor):
+    return lambda frames, domain: replace(frames, turns=frames.turns * factor(frames, domain))
+
+
+def second_corner_by(angle, flat):
+    """Turn the second corner of each element of flat meshes, or of the others."""
+
+    def factor(frames, domain):
+        turned = np.ones_like(frames.turns)
+        if (np.ptp(domain.vertices[:, 2]) == 0) == flat:
+            turned[:, 1] = np.exp(1j * angle)
+        return turned
+
+    return with_turns(factor)
+
+
+def by_the_sun(frames, domain):
+    """Tilt the normals that look up."""
+    tilted = frames.normals + np.array([1e-2, 0.0, 0.0]) * (frames.normals[:, 2:] > 0.5)
+    tilted /= np.linalg.norm(tilted, axis=1, keepdims=True)
+    axes = frames.x_axes - np.einsum("nd,nd->n", frames.x_axes, tilted)[:, None] * tilted
+    axes /= np.linalg.norm(axes, axis=1, keepdims=True)
+    flat = np.ptp(domain.vertices[:, 2]) == 0
+    return frames if flat else replace(frames, normals=tilted, x_axes=axes)
+
+
+FRAME_MUTANTS = {
+    "frames_are_orthonormal": lambda frames, domain: replace(frames, x_axes=2 * frames.x_axes),
+    "turns_have_length_one": with_turns(lambda frames, domain: 1 + 1e-9),
+    "in_the_plane_transport_changes_nothing": second_corner_by(1e-6, flat=True),
+    "holonomy_is_the_angle_defect": second_corner_by(1e-6, flat=False),
+    "moving_the_shape_moves_its_frames": by_the_sun,
+}
+
+
 @dataclass(frozen=True, kw_only=True)
 class Mutant(gt.LaplaceOperator):
     """The cotangent Laplacian with one fault, named after the law that it breaks."""
@@ -214,6 +249,10 @@ class Mutant(gt.LaplaceOperator):
     def assemble(self, domain):
         given = gt.CotanLaplacian().assemble(domain)
         return MUTANTS[self.breaks](given, domain) if self.breaks in MUTANTS else given
+
+    def frames(self, domain, metric):
+        given = super().frames(domain, metric)
+        return FRAME_MUTANTS[self.breaks](given, domain) if self.breaks in FRAME_MUTANTS else given
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -283,7 +322,7 @@ RECIPE_MUTANTS = {
 MESH_SAMPLES = gt.testing.samples_of([gt.TriangleMesh])
 
 WRONG_OPERATORS = {
-    **{law: Mutant(breaks=law) for law in MUTANTS},
+    **{law: Mutant(breaks=law) for law in (*MUTANTS, *FRAME_MUTANTS)},
     **RECIPE_MUTANTS,
     "domains_are_kinds_of_domain": Anywhere(),
 }

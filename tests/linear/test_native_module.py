@@ -140,6 +140,9 @@ EDGES = np.array([[0, 1], [2, 3]])
 FRAMES, AREAS = np.ones((2, 3)), np.ones(2)
 TWIN = np.array([-1, 4, -1, -1, 1, -1])
 HELD = np.zeros(4, dtype=bool)
+LENGTHS = np.array([[1.0, 2**0.5, 1.0], [1.0, 1.0, 2**0.5]])
+UPWARDS = np.tile([0.0, 0.0, 1.0], (4, 1))
+PATTERN = np.arange(0, 17, 4, dtype=np.int32), np.tile(np.arange(4, dtype=np.int32), 4)
 
 
 def calls():
@@ -179,6 +182,63 @@ def calls():
         "mirrored": (_native.mirrored, np.array([0, 1, 1, 2, 2], np.int32), INDICES[[1, 5]], AREAS),
         "mean_edge_length": (_native.mean_edge_length, VERTICES, INDPTR, INDICES),
         "flip_edges": (_native.flip_edges, FACES.copy(), FRAMES.copy(), TWIN.copy(), HELD),
+        "flip_edges_with_directions": (
+            _native.flip_edges_with_directions,
+            FACES.copy(),
+            FRAMES.copy(),
+            TWIN.copy(),
+            HELD,
+            np.zeros(6),
+            np.ones(6),
+        ),
+        "vertex_normals": (_native.vertex_normals, VERTICES, FACES),
+        "tangent_axes": (_native.tangent_axes, UPWARDS),
+        "polar_directions": (
+            _native.polar_directions,
+            VERTICES,
+            FACES,
+            LENGTHS,
+            TWIN,
+            HELD[:2],
+            UPWARDS,
+            np.roll(UPWARDS, 1, axis=1),
+        ),
+        "bisectors": (_native.bisectors, LENGTHS, np.zeros(6), np.ones(6)),
+        "triangle_turns": (_native.triangle_turns, LENGTHS, np.zeros((2, 3)), HELD[:2]),
+        "space_turns": (
+            _native.space_turns,
+            VERTICES,
+            FACES,
+            UPWARDS,
+            np.roll(UPWARDS, 1, axis=1),
+            False,
+        ),
+        "straight_lines": (
+            _native.straight_lines,
+            LENGTHS,
+            TWIN,
+            np.array([0]),
+            np.full((1, 3), 1 / 3),
+            np.zeros(1),
+            np.ones(1),
+            10,
+        ),
+        "connection_laplacian": (
+            _native.connection_laplacian,
+            *PATTERN,
+            FACES,
+            FRAMES,
+            AREAS,
+            np.tile([1.0, 0.0], (2, 3)),
+        ),
+        "edge_turns": (_native.edge_turns, *PATTERN, FACES, np.tile([1.0, 0.0], (2, 3))),
+        "real_form": (
+            _native.real_form,
+            *PATTERN,
+            np.ones((len(PATTERN[1]), 2)),
+            np.ones(4),
+            np.ones(4),
+        ),
         "poisson_load": (_native.poisson_load, FACES, FRAMES, AREAS, np.ones(4), False),
         "angle_defects": (_native.angle_defects, FACES, FRAMES, HELD),
         "gather_corners": (_native.gather_corners, FACES, FRAMES, False, False, HELD),
@@ -188,7 +248,14 @@ def calls():
 
 
 CALLS = calls()
-WRITES = {"solve", "solve_table", "flip_edges", "fill", "hold"}
+WRITES = {
+    "solve",
+    "solve_table",
+    "flip_edges",
+    "flip_edges_with_directions",
+    "fill",
+    "hold",
+}
 ARRAYS = [
     (name, place)
     for name, (_, *arguments) in CALLS.items()
@@ -238,6 +305,8 @@ def test_arrays_with_gaps_are_not_copied(name, place):
         ("flip_edges", 0),
         ("flip_edges", 1),
         ("flip_edges", 2),
+        ("flip_edges_with_directions", 4),
+        ("flip_edges_with_directions", 5),
         ("fill", 3),
         ("fill", 4),
         ("hold", 3),
@@ -295,6 +364,24 @@ def test_what_may_not_be_written_to_is_not(name, place):
         ("mean_edge_length", 0, np.ones((3, 3))),
         ("flip_edges", 1, np.ones((3, 3))),
         ("flip_edges", 2, np.zeros(5, np.int64)),
+        ("flip_edges_with_directions", 4, np.zeros(5)),
+        ("vertex_normals", 0, np.ones((4, 2))),
+        ("tangent_axes", 0, np.ones((4, 2))),
+        ("polar_directions", 3, np.zeros(5, np.int64)),
+        ("polar_directions", 4, HELD),
+        ("polar_directions", 5, np.ones((3, 3))),
+        ("bisectors", 1, np.zeros(5)),
+        ("triangle_turns", 1, np.zeros((1, 3))),
+        ("space_turns", 1, np.zeros((2, 4), np.int64)),
+        ("space_turns", 2, np.ones((3, 3))),
+        ("straight_lines", 1, np.zeros(5, np.int64)),
+        ("straight_lines", 2, np.array([2])),  # a face that there is not
+        ("straight_lines", 4, np.zeros(2)),
+        ("connection_laplacian", 5, np.ones((2, 3))),
+        ("connection_laplacian", 1, PATTERN[1][:-1]),
+        ("edge_turns", 3, np.ones((2, 3))),
+        ("real_form", 2, np.ones((16, 1))),
+        ("real_form", 3, np.ones(3)),
         ("poisson_load", 1, np.ones((3, 3))),
         ("poisson_load", 2, np.ones(3)),
         ("poisson_load", 3, np.ones((4, 2, 2))),
@@ -340,3 +427,10 @@ def test_arrays_outlive_what_they_are_of():
     assert sorted(order) == [0, 1, 2, 3]
     with pytest.raises(ValueError, match="read-only"):
         order[0] = 1
+
+
+def test_a_pattern_without_an_edge_of_a_triangle_is_refused():
+    lacking = np.arange(5, dtype=np.int32), np.arange(4, dtype=np.int32)  # a diagonal
+    _, _, _, *others = CALLS["connection_laplacian"]
+    with pytest.raises(ValueError, match="lacks an edge of a triangle"):
+        _native.connection_laplacian(*lacking, *others)

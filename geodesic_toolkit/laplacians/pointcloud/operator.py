@@ -12,6 +12,7 @@ from geodesic_toolkit.discretization.positivity import positive_part
 from geodesic_toolkit.domains import Domain, PointCloud
 from geodesic_toolkit.errors import InvalidOptionError
 from geodesic_toolkit.geometry.components import connected_by_faces
+from geodesic_toolkit.geometry.frames import Frames
 from geodesic_toolkit.laplacians.base import LaplaceOperator
 from geodesic_toolkit.laplacians.pointcloud.blades import NOISY_NEIGHBOURS
 from geodesic_toolkit.laplacians.pointcloud.crowds import Representatives, representatives, restored
@@ -31,6 +32,7 @@ from geodesic_toolkit.laplacians.pointcloud.planes import (
     roughness_of_cloud,
 )
 from geodesic_toolkit.laplacians.pointcloud.soup import Soup, soup_of
+from geodesic_toolkit.laplacians.tangents import frames_of_stars
 
 __all__ = ["PointCloudLaplacian"]
 
@@ -59,6 +61,8 @@ class _Stars:
     Attributes
     ----------
     soup : Soup
+    normals : ndarray of shape (P, 3), float64
+        Of the planes that they lie in.
     thin : Representatives
         The places that stand for crowds.
     whose : str
@@ -68,6 +72,7 @@ class _Stars:
     """
 
     soup: Soup
+    normals: FloatArray
     thin: Representatives
     whose: str
     in_space: FloatArray
@@ -208,6 +213,9 @@ class PointCloudLaplacian(LaplaceOperator):
             boundary=places.told(soup.boundary, False),
             scales=scales,
             surface_frames=frames_on_surface(places.points, soup, gradient, stars.in_space, scale),
+            normals=np.column_stack(
+                [places.told(stars.normals[:, axis], axis == 2) for axis in range(3)]
+            ),
             notes=notes,
             copy=False,
         )
@@ -219,6 +227,15 @@ class PointCloudLaplacian(LaplaceOperator):
         not positive; with it, none.
         """
         return positive_part(metric)
+
+    def frames(self, domain: Domain, metric: Discretization) -> Frames:
+        """Return the frames of the tangent planes that stars were made in.
+
+        Normals that came without a sign take one along a minimum spanning tree; closed surfaces
+        look outwards.
+        """
+        self.check_domain(domain)
+        return frames_of_stars(domain, metric)
 
     def _neighbours_of(self, count: int) -> int:
         if self.k is None:
@@ -267,7 +284,7 @@ class PointCloudLaplacian(LaplaceOperator):
             smooth=in_space == 1,
             oriented=given is not None,
         )
-        return _Stars(soup, thin, whose, in_space)
+        return _Stars(soup, normals, thin, whose, in_space)
 
 
 def _gradient(places: Places, soup: Soup, spacing: float) -> ElementGradient:

@@ -3,6 +3,7 @@
 from geodesic_toolkit.testing.operator_laws.algebra import ALGEBRA_LAWS
 from geodesic_toolkit.testing.operator_laws.data import DATA_LAWS, REFUSAL_LAWS
 from geodesic_toolkit.testing.operator_laws.distance import DISTANCE_LAWS
+from geodesic_toolkit.testing.operator_laws.frames import FRAME_LAWS
 from geodesic_toolkit.testing.operator_laws.subject import OperatorSubject
 from geodesic_toolkit.testing.operator_laws.symmetry import SYMMETRY_LAWS
 from geodesic_toolkit.testing.recipe_laws import RECIPE_LAWS
@@ -15,6 +16,7 @@ OPERATOR_LAWS = (
     *ALGEBRA_LAWS,
     *DISTANCE_LAWS,
     *SYMMETRY_LAWS,
+    *FRAME_LAWS,
     *REFUSAL_LAWS,
 )
 """The contract of :class:`~geodesic_toolkit.LaplaceOperator`, in the order of its report."""

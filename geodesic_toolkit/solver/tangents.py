@@ -1,0 +1,91 @@
+"""Tangent vectors on a surface, for whatever knows its discretization."""
+
+from typing import TYPE_CHECKING, Any
+
+from geodesic_toolkit.domains import TriangleMesh
+from geodesic_toolkit.registry.catalog import resolve_solvers
+from geodesic_toolkit.solver.on_surface import SurfaceSolver
+
+if TYPE_CHECKING:
+    from scipy.sparse import csr_array
+
+    from geodesic_toolkit.geometry.frames import Frames
+    from geodesic_toolkit.vector_heat import VectorHeatMethod
+
+__all__ = ["TangentSolver"]
+
+OF_NORMALS = 0.25
+"""Share of the time step for which normals of curves on meshes diffuse. Measured, the plain signed
+distance from geodesic circles on five scans and models, with 1, 1/2, 1/4 and 1/8 of it: 3.3, 2.7,
+2.4 and 2.7 % off. On smooth spheres it is better with all of the time, 0.1 instead of 0.3 %, and so
+on clouds."""
+
+
+class TangentSolver(SurfaceSolver):
+    """Tangent frames of a shape, and vectors in heat; made when they are first asked for."""
+
+    def _forget(self) -> None:
+        super()._forget()
+        self._frames: Frames | None = None
+        self._vector_heat: dict[float, VectorHeatMethod] = {}
+
+    @property
+    def frames(self) -> "Frames":
+        """Tangent frames at the vertices, and turns into the elements.
+
+        :func:`tangent_frames` has what users need of them.
+
+        Raises
+        ------
+        UnsupportedDomainError
+            A graph, as an edge has no angle; a surface with one side.
+        """
+        made = self._assembly
+        with self._lock:
+            if self._frames is None:
+                self._frames = made.operator.frames(made.passable, made.method.metric)
+            return self._frames
+
+    @property
+    def connection(self) -> "csr_array[Any]":
+        """The connection Laplacian of tangent vectors, complex (N, N), Hermitian, semidefinite.
+
+        ``G_cᴴ W G_c``, as L = Gᵀ W G = -Δ is that of functions, in the frames of
+        :func:`tangent_frames`: entry (i, j) takes a vector x + i y at vertex j to vertex i.
+
+        Raises
+        ------
+        UnsupportedDomainError
+            As for :attr:`frames`.
+
+        Examples
+        --------
+        >>> import numpy as np
+        >>> import geodesic_toolkit as gt
+        >>> solver = gt.GeodesicSolver(gt.testing.shapes.grid(3))
+        >>> bool(abs(solver.connection @ np.ones(9)).max() < 1e-12)  # parallel in the plane
+        True
+        """
+        return self.vector_heat.connection.scipy
+
+    @property
+    def vector_heat(self) -> "VectorHeatMethod":
+        """The heat of vectors beside that of the method."""
+        return self._vectors(1.0)
+
+    @property
+    def signed_heat(self) -> "VectorHeatMethod":
+        """The same of normals of curves, which diffuse for a shorter time on meshes."""
+        return self._vectors(OF_NORMALS if isinstance(self.passable, TriangleMesh) else 1.0)
+
+    def _vectors(self, time_factor: float) -> "VectorHeatMethod":
+        frames, made = self.frames, self._assembly
+        with self._lock:
+            if time_factor not in self._vector_heat:
+                from geodesic_toolkit.vector_heat import VectorHeatMethod
+
+                all_digits, _ = resolve_solvers(made.solver)  # compact: off by 3e-5 degrees
+                self._vector_heat[time_factor] = VectorHeatMethod(
+                    made.method, frames, all_digits, time_factor=time_factor
+                )
+            return self._vector_heat[time_factor]

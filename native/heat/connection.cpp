@@ -1,0 +1,81 @@
+#include "heat/connection.hpp"
+
+#include <algorithm>
+#include <stdexcept>
+
+namespace geodesic {
+namespace {
+
+// Where the entry (row, column) is, or -1.
+Index place_of(const Pattern& pattern, Index row, Index column) {
+  const auto begin = pattern.indices.begin() + pattern.indptr[row];
+  const auto end = pattern.indices.begin() + pattern.indptr[row + 1];
+  const auto found = std::lower_bound(begin, end, static_cast<Row>(column));
+  return found != end && *found == column ? found - pattern.indices.begin() : -1;
+}
+
+// Add to a complex number by conj(one) other, times a real one.
+void add(double* sum, const double* one, const double* other, double by) {
+  sum[0] += by * (one[0] * other[0] + one[1] * other[1]);
+  sum[1] += by * (one[0] * other[1] - one[1] * other[0]);
+}
+
+}  // namespace
+
+Array<double> connection_laplacian(const Pattern& pattern, std::span<const Index> elements,
+                                   std::span<const double> frames, std::span<const double> measure,
+                                   std::span<const double> turns) {
+  Array<double> entries(2 * count(pattern.indices), 0.0);
+  for (Index e = 0; e < count(measure); ++e) {
+    const Index* const corner = elements.data() + 3 * e;
+    const double p = frames[3 * e], q = frames[3 * e + 1], r = frames[3 * e + 2];
+    const double gradient[3][2] = {{-p, -q - r}, {p, q}, {0.0, r}};
+    for (int i = 0; i < 3; ++i)
+      for (int j = 0; j < 3; ++j) {
+        const double product = gradient[i][0] * gradient[j][0] + gradient[i][1] * gradient[j][1];
+        const Index place = place_of(pattern, corner[i], corner[j]);
+        if (place < 0) throw std::invalid_argument("the pattern lacks an edge of a triangle");
+        add(&entries[2 * place], &turns[2 * (3 * e + i)], &turns[2 * (3 * e + j)],
+            measure[e] * product);
+      }
+  }
+  return entries;
+}
+
+Array<double> edge_turns(const Pattern& pattern, std::span<const Index> elements, int size,
+                         std::span<const double> turns) {
+  Array<double> sums(2 * count(pattern.indices), 0.0);
+  for (Index first = 0; first < count(elements); first += size)
+    for (int i = 0; i < size; ++i)
+      for (int j = 0; j < size; ++j) {
+        const Index place = place_of(pattern, elements[first + i], elements[first + j]);
+        if (place >= 0)
+          add(&sums[2 * place], &turns[2 * (first + i)], &turns[2 * (first + j)], 1.0);
+      }
+  return sums;
+}
+
+Matrix real_form(const Pattern& pattern, std::span<const double> entries,
+                 std::span<const double> scale, std::span<const double> diagonal) {
+  const Index n = pattern.size(), n_entries = count(pattern.indices);
+  Matrix result{Array<Row>(2 * n + 1), Array<Row>(4 * n_entries), Array<double>(4 * n_entries)};
+  Row place = 0;
+  for (Index i = 0; i < n; ++i)
+    for (int part = 0; part < 2; ++part) {
+      result.indptr[2 * i + part] = place;
+      for (Row k = pattern.indptr[i]; k < pattern.indptr[i + 1]; ++k) {
+        const Row column = pattern.indices[k];
+        const double more = column == i ? diagonal[i] : 0.0;
+        const double real = scale[i] * entries[2 * k] + more;
+        const double imaginary = column == i ? 0.0 : scale[i] * entries[2 * k + 1];
+        result.indices[place] = 2 * column;
+        result.data[place++] = part ? imaginary : real;
+        result.indices[place] = 2 * column + 1;
+        result.data[place++] = part ? real : -imaginary;
+      }
+    }
+  result.indptr[2 * n] = place;
+  return result;
+}
+
+}  // namespace geodesic
