@@ -83,6 +83,15 @@ class ExpMap(FrozenArrays):
     def path(self, i: int) -> GeodesicPath:
         """Return line i, as a polyline that runs straight through one face after the other.
 
+        Parameters
+        ----------
+        i : int
+            The number of the line, from 0.
+
+        Returns
+        -------
+        GeodesicPath
+
         Raises
         ------
         InvalidOptionError

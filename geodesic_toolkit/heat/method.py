@@ -298,7 +298,17 @@ class HeatMethod:
         return self._flow.log_solve(loads)[0]
 
     def stays_positive(self, load: FloatArray) -> bool:
-        """Return whether the heat of a load (N,), not negative, is positive wherever it comes."""
+        """Return whether the heat of a load is positive at every vertex that it reaches.
+
+        Parameters
+        ----------
+        load : ndarray of shape (N,), float64
+            Heat at time 0, not negative.
+
+        Returns
+        -------
+        bool
+        """
         return not self._flow.has_wrong_signs or self._flow.log_solve(load[:, None])[1]
 
     def _diffuse(
