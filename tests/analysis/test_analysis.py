@@ -1,4 +1,4 @@
-"""What is said about distances: residuals that need no exact ones, and comparisons."""
+"""Analysis of distances: residuals without exact distances, and comparisons."""
 
 import json
 
@@ -123,7 +123,7 @@ def test_a_variant_that_fails_is_a_row_that_says_so():
         comparison.row("worse")
 
 
-def test_where_exact_is_dear_the_reference_is_refined():
+def test_the_reference_is_refined_where_exact_distance_is_expensive():
     mesh = shapes.icosphere(2)
     comparison = compare(mesh, 0, variants=[Variant("auto", "default")], affordable_faces=10)
     assert comparison.reference_name == "refined distance"
@@ -144,7 +144,7 @@ def test_of_parallel_edges_the_shortest_is_the_reference_and_loops_are_none():
     np.testing.assert_array_equal(compare(graph, 0).reference, [0.0, 2.0, 5.0])
 
 
-def test_progress_is_told():
+def test_progress_is_reported():
     told = []
     two = [Variant("auto", "default"), Variant("again", "default")]
     compare(shapes.grid(4), 0, variants=two, progress=lambda *done: told.append(done))

@@ -181,7 +181,7 @@ def test_a_path_along_a_narrow_band_is_the_arc_and_stays_on_the_points(height, k
     assert gap < 1.5 * spacing
 
 
-# -- large clouds: what lies away from the path is left alone --------------------------------------
+# -- large clouds: points away from the path are not visited ----------------------------------------
 
 SQUARE = np.random.default_rng(3).uniform(size=(6000, 2))
 LARGE = solver_of(np.column_stack([SQUARE, np.zeros(6000)]))
@@ -279,7 +279,7 @@ def test_large_clouds_lead_around_masks_and_refuse_what_is_not_connected(swept):
         gt.geodesic_path(closed, source, target)
 
 
-def test_between_opposite_places_of_a_large_sphere_any_way_round_will_do(swept):
+def test_any_path_between_opposite_places_of_a_large_sphere_is_accepted(swept):
     points, _ = random_sphere(5000)
     points[:2] = [0, 0, 1], [0, 0, -1]
     path = gt.geodesic_path(solver_of(points), 0, 1)

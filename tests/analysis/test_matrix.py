@@ -362,7 +362,7 @@ def test_rows_that_were_lost_are_computed_again(solver, tmp_path):
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="folders are not locked there")
-def test_a_file_system_without_locks_will_do(solver, tmp_path, monkeypatch):
+def test_a_file_system_without_locks_is_enough(solver, tmp_path, monkeypatch):
     import fcntl
 
     def flock(*_):
@@ -509,7 +509,7 @@ def test_a_folder_that_is_not_sound_is_refused(solver, tmp_path, spoil, message)
         gt.distance_matrix(solver, out=tmp_path / "D.npy")
 
 
-def test_a_run_that_ended_before_its_record_was_written_begins_anew(solver, tmp_path):
+def test_a_run_that_ended_before_its_record_was_written_starts_again(solver, tmp_path):
     folder = tmp_path / "D.npy.partial"
     folder.mkdir()
     (folder / "lock").touch()
@@ -584,7 +584,7 @@ def test_an_interrupted_run_cancels_what_has_not_begun(solver):
         assert pool.submit(int).result() == 0  # the pool is open and idle
 
 
-def test_a_worker_that_is_not_known_is_told_what_to_do(solver):
+def test_an_unknown_worker_gets_an_error_with_advice(solver):
     assert workers.compute(workers.Parcel("nobody's"), None) is None
 
 
@@ -597,7 +597,7 @@ def test_a_worker_keeps_one_solver(monkeypatch, solver):
     assert workers.Parcel("a").opened() is None
 
 
-def test_warnings_of_workers_are_heard():
+def test_warnings_of_workers_are_passed_on():
     coarse = gt.GeodesicSolver(gt.TriangleMesh(np.eye(3), [[0, 1, 2]]), refine=False)
     with (
         spawned(1) as pool,

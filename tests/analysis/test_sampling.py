@@ -1,4 +1,4 @@
-"""Farthest point sampling and Voronoi cells: what they promise, on shapes of every kind."""
+"""Farthest point sampling and Voronoi cells keep their promises on shapes of every kind."""
 
 import numpy as np
 import pytest

@@ -45,7 +45,7 @@ def flat():
 
 @settings(max_examples=25, deadline=None)
 @given(data=st.data())
-def test_points_are_the_spacing_apart_and_leave_no_room(data):
+def test_points_are_the_spacing_apart_and_leave_no_gap(data):
     rng = np.random.default_rng(data.draw(st.integers(0, 99)))
     flatness = data.draw(st.sampled_from([1.0, 0.1, 0.0]))
     points = rng.uniform(-1, 1, (data.draw(st.integers(2, 600)), 3)) * [1, 1, flatness]
@@ -126,7 +126,7 @@ def test_distances_on_a_plane_come_back(flat):
     ],
     ids=["sphere", "noisy sphere", "noisy plane"],
 )
-def test_distances_come_back_as_good_as_they_are_on_the_thinned_cloud(points, spacing, bound):
+def test_distances_carried_back_are_as_accurate_as_on_the_thinned_cloud(points, spacing, bound):
     points, exact = points
     thinned = gt.thin(gt.PointCloud(points), spacing, keep=0)
     solver = gt.GeodesicSolver(thinned.cloud)

@@ -12,7 +12,7 @@ from geodesic_toolkit.errors import PluginLoadError
 
 
 def greet(name: str, *, times: Annotated[int, typer.Option(min=1)] = 1) -> None:
-    """Greet somebody."""
+    """Greet a person."""
     for _ in range(times):
         typer.echo(f"hello {name}")
 
@@ -22,7 +22,7 @@ def test_a_function_becomes_a_command_with_its_options(register):
     result = run("greet", "Ada", "--times", 2)
     assert (result.exit_code, result.stdout) == (0, "hello Ada\nhello Ada\n")
     assert "greet" in run("--help").stdout
-    assert "Greet somebody." in run("greet", "-h").stdout
+    assert "Greet a person." in run("greet", "-h").stdout
     fails(run("greet", "Ada", "--times", 0), 2, "--times")
 
 
@@ -58,7 +58,7 @@ def test_a_command_that_does_not_load_hurts_only_itself(monkeypatch):
     assert "no such wheel" in run("plugins").stdout
 
 
-def test_what_is_no_function_is_no_command():
+def test_a_command_must_be_a_function():
     with pytest.raises(PluginLoadError, match="cannot be called"):
         commands.register("three", 3)
 
@@ -68,7 +68,7 @@ def test_a_command_that_is_not_installed_says_what_has_it(monkeypatch):
     fails(run("study", "mesh.off"), 2, "pip install geodesic-toolkit-study")
 
 
-def test_a_command_that_nobody_knows_is_wrong_usage():
+def test_an_unknown_command_is_wrong_usage():
     result = run("stdy")
     assert result.exit_code == 2
     assert "No such command" in result.stderr

@@ -1,4 +1,4 @@
-"""What comes of checking a back end: figures, declared failures, errors that say what is wrong."""
+"""Reports of checks of a back end: figures, declared failures, errors that name the fault."""
 
 import subprocess
 import sys
@@ -47,7 +47,7 @@ def test_a_check_called_as_a_test_raises_with_the_figure():
         one(checks, "distance_is_accurate")()
 
 
-def test_a_solver_that_breaks_a_law_is_told_which():
+def test_the_report_names_the_law_that_a_solver_breaks():
     with pytest.raises(ConformanceError, match="factor_tells_its_size is broken"):
         gt.testing.check_linear_solver(WrongSolver(fault="weightless"))
 
@@ -102,7 +102,7 @@ def test_only_an_instance_of_a_solver_can_be_checked(other):
 
 
 class Cube(gt.Domain):
-    """A kind of domain that the core has never heard of."""
+    """A kind of domain that the core does not know."""
 
     @property
     def n_vertices(self):

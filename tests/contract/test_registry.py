@@ -136,7 +136,7 @@ def test_a_name_a_class_and_an_instance_are_all_accepted():
 
 
 @pytest.mark.parametrize("choice", [42, int, gt.SuperLU, gt.SuperLU(), None])
-def test_what_is_no_plugin_is_refused(choice):
+def test_an_object_that_is_not_a_plugin_is_refused(choice):
     with pytest.raises(InvalidOptionError, match="is not an operator"):
         gt.operators.resolve(choice)
 

@@ -240,7 +240,7 @@ def test_lengths_beyond_single_precision_hold_distances_too(scale):
 
 
 @pytest.mark.parametrize("face", [(0, 0, 3), (0, 3, 3), (0, 3, 0)])
-def test_a_face_with_a_repeated_vertex_is_no_way_through_a_solid(face):
+def test_a_face_with_a_repeated_vertex_does_not_lead_through_a_solid(face):
     sphere = shapes.icosphere(3)
     assert np.linalg.norm(sphere.vertices[0] + sphere.vertices[3]) < 1e-12  # opposite
     with_line = gt.TriangleMesh(sphere.vertices, np.concatenate([sphere.faces, [face]]))

@@ -60,7 +60,7 @@ def test_a_curve_of_surface_points_is_that_of_their_places():
     ],
     ids=repr,
 )
-def test_what_is_no_curve_is_refused(points):
+def test_points_that_are_not_a_curve_are_refused(points):
     with pytest.raises(InvalidSourceError):
         gt.Curve(points)
 
@@ -104,7 +104,7 @@ def test_a_front_leaves_a_curve_with_the_bend_of_that(polar, turn):
     assert np.log2(errors[0] / errors[2]) / 2 > 1.5
 
 
-def test_turns_about_kinks_are_no_bends():
+def test_turns_at_kinks_are_not_bends():
     corner = gt.Curve([[0.2, 0.5, 0], [0.5, 0.5, 0], [0.5, 0.8, 0]])
     grid = shapes.grid(81)
     distance = gt.geodesic_distance(grid, corner, refine=True)
@@ -131,7 +131,7 @@ def test_bends_are_turns_over_lengths(count, radius, closed):
     np.testing.assert_allclose(under, -bends)
 
 
-def test_the_steps_of_a_staircase_are_no_kinks():
+def test_the_steps_of_a_staircase_are_not_kinks():
     step = np.arange(0, 41)
     x, y = 0.3 + 0.01 * ((step + 1) // 2), 0.3 + 0.01 * (step // 2)
     corners = np.column_stack([x, y, 0 * x])

@@ -75,7 +75,7 @@ def test_the_logarithm_of_heat_on_a_path_has_its_closed_form():
     np.testing.assert_allclose(np.diff(log_heat)[:2900], np.log(ratio), rtol=1e-9)
 
 
-def test_restarts_agree_with_one_solve_where_both_can_be_had():
+def test_restarts_agree_with_one_solve_where_both_are_possible():
     mesh = shapes.grid(60)
     discretization = gt.CotanLaplacian().assemble(mesh)
     method = gt.HeatMethod(  # so short a time that one solve passes the threshold of a restart

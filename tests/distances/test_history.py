@@ -1,4 +1,4 @@
-"""Results do not depend on what the process, or another one, has done before."""
+"""Results do not depend on earlier work of the process or of another one."""
 
 import subprocess
 import sys

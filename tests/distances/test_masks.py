@@ -1,4 +1,4 @@
-"""What paths may not cross: masks of meshes, clouds and graphs, and their files."""
+"""Masks of meshes, clouds and graphs, which paths may not cross, and their files."""
 
 import numpy as np
 import pytest
@@ -202,13 +202,13 @@ def test_a_mask_is_booleans_or_indices(tmp_path, name, content, masked):
         ("a.txt", None, ReadError, "does not exist"),
     ],
 )
-def test_a_file_that_is_no_mask_is_refused_by_name(tmp_path, name, content, error, message):
+def test_a_file_that_is_not_a_mask_is_refused_by_name(tmp_path, name, content, error, message):
     with pytest.raises(error, match=message) as caught:
         read_mask(_written(tmp_path / name, content), 4)
     assert name in str(caught.value)
 
 
-def test_an_archive_is_no_mask(tmp_path):
+def test_an_archive_is_not_a_mask(tmp_path):
     np.savez(tmp_path / "a.npz", np.ones(4))
     (tmp_path / "a.npz").rename(tmp_path / "a.npy")
     with pytest.raises(ReadError, match="an archive"):

@@ -106,7 +106,7 @@ def test_next_to_a_source_distance_is_round():
 
 
 @pytest.mark.parametrize("domain", ["mesh", "cloud"])
-def test_on_a_sphere_queries_are_as_good_as_vertices(sphere, domain):
+def test_queries_on_a_sphere_are_as_accurate_as_vertices(sphere, domain):
     solver = sphere
     if domain == "cloud":
         solver = gt.GeodesicSolver(gt.PointCloud(sphere.domain.vertices))
@@ -252,7 +252,7 @@ def test_points_that_are_none_are_refused_by_name(flat, points, message):
 
 
 @pytest.mark.parametrize("reach", [0, -1.0, np.nan, "far", True])
-def test_a_reach_that_is_no_length_is_refused(flat, reach):
+def test_a_reach_that_is_not_a_length_is_refused(flat, reach):
     with pytest.raises(InvalidOptionError, match="reach must be a positive length"):
         flat["mesh"].query([0.5, 0.5, 0], 0, reach=reach)
 
@@ -345,7 +345,7 @@ def test_a_solver_that_was_asked_pickles_and_answers_alike(flat):
         np.testing.assert_array_equal(copy.copy(solver).query(points, [0.2, 0.3, 0.0]), asked)
 
 
-def test_a_solver_interpolates_distances_that_are_at_hand(flat):
+def test_a_solver_interpolates_given_distances(flat):
     points = np.random.default_rng(6).uniform(0.1, 0.9, (50, 3)) * [1, 1, 0]
     for solver in flat.values():
         found = solver.interpolate(solver.distance(7), points, sources=7)
@@ -389,7 +389,7 @@ def test_the_nearest_source_is_that_of_the_least_query(flat, kind, batch, monkey
     assert seen[-4:] == [(0, 11), (4, 11), (8, 11), (11, 11)]
 
 
-def test_sources_closer_than_the_vertices_are_told_apart():
+def test_sources_closer_than_the_vertices_are_distinguished():
     solver = gt.GeodesicSolver(GRID)
     middle = GRID.vertices[GRID.faces[100]].mean(axis=0)
     sources = middle + 0.1 * H * np.array([[1.0, 0, 0], [-1, 0, 0], [0, 1, 0]])
@@ -488,7 +488,7 @@ def test_a_file_without_points_is_refused_by_name(tmp_path, name, content, messa
         read_points(path)
 
 
-def test_an_array_of_another_shape_is_no_list_of_points(tmp_path):
+def test_an_array_of_another_shape_is_not_a_list_of_points(tmp_path):
     for number, table in enumerate([np.zeros((4, 2)), np.zeros((2, 2, 3)), np.array(["a"])]):
         np.save(tmp_path / f"{number}.npy", table)
         with pytest.raises(ReadError, match=f"{number}.npy: points must"):

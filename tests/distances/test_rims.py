@@ -1,4 +1,4 @@
-"""Where a surface ends: slivers there, sources there, and fronts that nothing lies behind."""
+"""The boundary of a surface: slivers there, sources there, and fronts that do not enter there."""
 
 import dataclasses
 import re
@@ -38,7 +38,7 @@ def in_space(points, faces):
 
 
 def without(points, faces, gone):
-    """Return the plane mesh without the faces whose middles `gone` tells of."""
+    """Return the plane mesh without the faces for whose middles `gone` is true."""
     kept = faces[~gone(*points[faces].mean(axis=1).T)]
     used, kept = np.unique(kept, return_inverse=True)
     return in_space(points[used], kept.reshape(-1, 3))
@@ -144,7 +144,7 @@ def test_parts_that_are_left_alone_keep_their_rims():
     )
 
 
-def test_a_rim_without_slivers_is_no_reason_to_flip():
+def test_a_rim_without_slivers_is_not_flipped():
     points, faces = jittered(30)
     found = gt.CotanLaplacian(intrinsic_delaunay="auto").assemble(in_space(points, faces))
     assert found.notes["triangulation"] == "given"

@@ -186,7 +186,7 @@ def test_an_unknown_operator_is_named(sphere):
         gt.GeodesicSolver(sphere, operator="cotangent")
 
 
-def test_what_is_no_domain_is_refused(sphere):
+def test_an_object_that_is_not_a_domain_is_refused(sphere):
     for thing in (7, {"vertices": sphere.vertices}, None, "bunny.off"):
         with pytest.raises(UnsupportedDomainError, match="is not a shape"):
             gt.GeodesicSolver(thing)
@@ -283,7 +283,7 @@ def test_it_works_in_process_pools(solver, context):
     np.testing.assert_array_equal(rows[1], solver.distance(5))
 
 
-def test_the_representation_tells_sizes(solver):
+def test_the_representation_shows_sizes(solver):
     text = repr(solver)
     for part in ("642 vertices", "CotanLaplacian", "time=", "Supernodal", "MB"):
         assert part in text
@@ -298,7 +298,7 @@ def test_integrating_the_gradient_of_a_function_gives_it_back(sphere):
     np.testing.assert_allclose(found - found[0], height - height[0], atol=1e-10)
 
 
-def test_the_diagnosis_tells_what_was_found():
+def test_the_diagnosis_shows_the_findings():
     mesh = shapes.disjoint_union(shapes.grid(6), shapes.icosphere(1))
     lonely = gt.TriangleMesh(np.vstack([mesh.vertices, [[9.0, 9, 9]]]), mesh.faces)
     diagnosis = gt.GeodesicSolver(lonely).diagnosis
@@ -319,7 +319,7 @@ def test_a_held_boundary_that_holds_every_vertex_of_a_part_breaks_nothing():
     mesh = shapes.disjoint_union(lone, strip)
     solver = gt.GeodesicSolver(mesh, boundary="dirichlet").method
     with warnings.catch_warnings():
-        # None, or next to none: the diagonals of right triangles have no weight but rounding.
+        # None, or almost none: the weights of the diagonals of right triangles are rounding.
         warnings.simplefilter("ignore", NonPositiveHeatWarning)
         distances = solver.distances([0, 3])
     assert (distances[0, :3] >= 0).all()

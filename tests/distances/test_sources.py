@@ -1,4 +1,4 @@
-"""What a source may be: many vertices at once, and places that start later than others."""
+"""Sources: many vertices at once, and sources with offsets."""
 
 from contextlib import nullcontext
 
@@ -56,7 +56,9 @@ def test_pinning_gives_the_potential_closest_to_the_field(count):
     sources = np.random.default_rng(count).choice(mesh.n_vertices, count, replace=False)
     method = gt.GeodesicSolver(mesh, refine=False).method
     gradient = method.metric.gradient
-    load = gradient.adjoint(gradient.unit(method.log_heat(sources)))  # what heat descends along
+    load = gradient.adjoint(
+        gradient.unit(method.log_heat(sources))
+    )  # the load of the descent of heat
     free = np.setdiff1d(np.arange(mesh.n_vertices), sources)
     stiffness = method.metric.stiffness.toarray()
     expected = np.zeros(mesh.n_vertices)
@@ -237,6 +239,6 @@ def test_floats_that_cannot_be_three_vertices_are_a_point(point):
         np.testing.assert_array_equal(distance, gt.geodesic_distance(square, [point]))
 
 
-def test_floats_on_a_graph_are_told_that_it_has_no_positions():
+def test_floats_as_sources_of_a_graph_get_an_error_about_positions():
     with pytest.raises(InvalidSourceError, match="a Graph has no positions; give vertex indices"):
         gt.geodesic_distance(gt.Graph(11, [[k, k + 1] for k in range(10)]), [5.0, 7.0, 9.0])

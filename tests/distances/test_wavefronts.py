@@ -136,7 +136,7 @@ def test_every_vertex_has_its_corners_and_those_of_its_own_star_first(sweeper):
 
 
 @pytest.mark.parametrize("name", ["sphere", "right angles", "obtuse", "scrambled"])
-def test_corners_go_round_every_vertex_inside(name):
+def test_corners_surround_every_interior_vertex(name):
     metric = assembled(DOMAINS[name])
     corners = WavefrontSweeper(metric)._corners
     for v in np.flatnonzero(~metric.boundary):

@@ -16,7 +16,7 @@ from geodesic_toolkit.io import read_mask, read_points, read_vertices
 
 
 def damaged(data, rng):
-    """Cut the file, flip bits, overwrite or insert: what broken copies and broken writers do."""
+    """Cut the file, flip bits, overwrite or insert, as broken copies and broken writers do."""
     if rng.random() < 0.2:
         return data[: rng.randrange(len(data))]
     mutated = bytearray(data)

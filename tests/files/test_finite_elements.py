@@ -93,7 +93,7 @@ def test_single_points_of_a_finite_element_file_are_a_cloud(tmp_path):
     assert isinstance(gt.read(path), gt.PointCloud)
 
 
-def test_cells_that_are_no_surface_and_no_solid_are_named(tmp_path):
+def test_cells_that_are_neither_surface_nor_solid_are_named(tmp_path):
     path = write_cells(tmp_path / "lines.vtu", [("line", np.array([[0, 1], [1, 2]]))])
     with pytest.raises(ReadError, match="no surface and no solid: the cells are line"):
         gt.read(path)

@@ -75,7 +75,7 @@ def test_a_matrix_market_file_without_entries_is_a_graph_without_edges(tmp_path)
         ("array real general", "0 0\n", "0 x 0 entries"),
     ],
 )
-def test_a_matrix_market_file_that_is_no_graph_is_refused(kind, body, says, tmp_path):
+def test_a_matrix_market_file_that_is_not_a_graph_is_refused(kind, body, says, tmp_path):
     with pytest.raises(ReadError, match=says):
         gt.read(place(tmp_path, "g.mtx", banner(kind) + body))
 

@@ -102,7 +102,7 @@ def test_a_ply_that_announces_no_faces_is_a_cloud(form, tmp_path):
     assert isinstance(gt.read(place(tmp_path, "p.ply", header + body)), gt.PointCloud)
 
 
-def test_elements_of_a_ply_that_are_no_surface_are_passed_over(tmp_path):
+def test_elements_of_a_ply_other_than_the_surface_are_skipped(tmp_path):
     header = ply_header(
         "ascii", ("edge 1", ["int vertex1", "list uchar int tags"]), ("vertex 3", XYZ)
     )
@@ -146,7 +146,7 @@ def test_unused_and_repeated_vertices_and_flat_faces_stay(tmp_path):
     assert (mesh.n_vertices, mesh.n_faces) == (5, 2)
 
 
-def test_colours_of_obj_vertices_are_no_coordinates(tmp_path):
+def test_colours_of_obj_vertices_are_not_coordinates(tmp_path):
     text = "v 0 0 0 1 0 0\nv 1 0 0 1 0 0\nv 0 1 0 1 0 0\nf 1 2 3\n"
     np.testing.assert_array_equal(gt.read(place(tmp_path, "t.obj", text)).vertices[1], [1, 0, 0])
 
@@ -321,7 +321,7 @@ def test_an_old_surface_of_quadrangles_is_read(magic, tmp_path):
         gt.read(place(tmp_path, "lh.old", data[:-1]))
 
 
-def test_what_is_no_surface_of_freesurfer_is_refused_by_name(tmp_path):
+def test_a_file_that_is_not_a_surface_of_freesurfer_is_refused_by_name(tmp_path):
     freesurfer = pytest.importorskip("nibabel.freesurfer")
     freesurfer.write_morph_data(str(tmp_path / "lh.thickness"), np.ones(6))
     with pytest.raises(ReadError, match=r"lh\.thickness: it holds a number for each vertex"):

@@ -39,14 +39,14 @@ def test_a_missing_file_does_not_exist(tmp_path):
         gt.read(tmp_path / "none.off")
 
 
-def test_a_directory_is_no_file(tmp_path):
+def test_a_directory_is_not_a_file(tmp_path):
     (tmp_path / "folder.off").mkdir()
     with pytest.raises(ReadError, match="is a directory"):
         gt.read(tmp_path / "folder.off")
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="there are no device files")
-def test_a_device_is_no_file():
+def test_a_device_is_not_a_file():
     with pytest.raises(ReadError, match="not a regular file"):
         gt.read("/dev/zero")
 
@@ -280,7 +280,7 @@ def test_a_gltf_without_shapes_is_refused(tmp_path):
         gt.read(place(tmp_path, "empty.gltf", text))
 
 
-def test_an_array_alone_is_no_archive(tmp_path):
+def test_an_array_alone_is_not_an_archive(tmp_path):
     np.save(tmp_path / "a.npy", POINTS)
     with pytest.raises(ReadError):
         gt.read((tmp_path / "a.npy").rename(tmp_path / "a.npz"))
@@ -330,7 +330,7 @@ def test_a_panic_of_the_laz_decompressor_is_an_error_of_ours(tmp_path, monkeypat
     data = WRITTEN["las"][1](tmp_path)
 
     class PanicException(BaseException):
-        """What lazrs raises."""
+        """The exception that lazrs raises."""
 
     def panic(*_, **__):
         raise PanicException("mid > len")

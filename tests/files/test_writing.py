@@ -199,7 +199,7 @@ def test_what_vtk_cannot_write_is_an_error_with_its_words(sphere, tmp_path, capf
     vtk_library = pytest.importorskip("geodesic_toolkit.io.readers.vtk_library")
     pytest.importorskip("vtk")
     with pytest.raises(WriteError, match=r"d\.vtp cannot be written: .*rror"):
-        vtk_library.write_vtk(tmp_path / "nowhere" / "d.vtp", sphere, np.zeros(42))
+        vtk_library.write_vtk(tmp_path / "missing" / "d.vtp", sphere, np.zeros(42))
     assert capfd.readouterr().err == ""
 
 
@@ -237,17 +237,17 @@ def test_a_gifti_whose_name_promises_something_else_is_refused(name, sphere, tmp
 
 
 def test_a_missing_directory_is_named(tmp_path):
-    with pytest.raises(WriteError, match=r"there is no directory .*nowhere"):
-        check_output(tmp_path / "nowhere" / "d.ply", (".ply",))
+    with pytest.raises(WriteError, match=r"there is no directory .*missing"):
+        check_output(tmp_path / "missing" / "d.ply", (".ply",))
 
 
-def test_a_directory_is_no_output(tmp_path):
+def test_a_directory_is_not_an_output(tmp_path):
     (tmp_path / "d.ply").mkdir()
     with pytest.raises(WriteError, match="is a directory"):
         check_output(tmp_path / "d.ply", (".ply",))
 
 
-def test_a_file_is_no_directory_to_write_into(tmp_path):
+def test_a_file_is_not_a_directory_to_write_into(tmp_path):
     (tmp_path / "file").write_text("")
     with pytest.raises(WriteError, match="there is no directory"):
         check_output(tmp_path / "file" / "d.ply", (".ply",))

@@ -40,7 +40,7 @@ os.execvp(sys.argv[3], sys.argv[3:])
 
 
 class Page:
-    """One page: what it asks of the network, what it says on the console, how it looks."""
+    """A page: its requests to the network, its messages on the console, its picture."""
 
     def __init__(self, to_browser, from_browser):
         self._write, self._read = to_browser, from_browser

@@ -20,7 +20,7 @@ def on_sphere(mesh, source, radius=1.0):
 
 
 def on_tube(rings, around, edge=1.0, source=0):
-    """Distances on ``shapes.tube``: those of the unrolled plane, the shorter way around."""
+    """Distances on ``shapes.tube``: those of the unrolled plane, the shorter direction around."""
     ring = np.repeat(np.arange(rings), around)
     angle = np.tile(np.arange(around), rings) + 0.5 * ring
     across = (angle - angle[source]) % around

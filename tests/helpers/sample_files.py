@@ -319,7 +319,7 @@ WRITTEN = {
     "las": ("laspy", las),
     "laz": ("lazrs", lambda folder: las(folder, "laz")),
 }
-"""Package and function of a folder, by suffix (and what else tells two apart)."""
+"""Package and function of a folder, by suffix (and what else distinguishes them)."""
 
 OWN = [(suffix, make) for suffix, makes in SAMPLES.items() for make in makes]
 """Suffix and function of every format that needs no other package."""

@@ -1,4 +1,4 @@
-"""Readable forms of the compiled kernels, in NumPy, SciPy and libigl: what those are held against.
+"""Readable forms of the compiled kernels, in NumPy, SciPy and libigl, to compare them with.
 
 Each takes and returns what the kernel of its name in ``geodesic_toolkit._native`` does.
 """

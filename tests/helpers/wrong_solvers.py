@@ -137,7 +137,7 @@ WRONG_SOLVERS = {
 
 IMPLIED_BY_SOLVERS = {
     "solution_solves_the_system": {"analysis_serves_any_matrix", "tiny_entries_are_resolved"},
-    # What changes from one solve to the next changes between a block and its columns, too.
+    # A change from one solve to the next is a change between a block and its columns, too.
     "factor_can_be_used_again": {
         "blocks_equal_their_columns",
         "memory_order_does_not_matter",

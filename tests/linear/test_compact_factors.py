@@ -58,7 +58,7 @@ def test_solutions_have_six_digits(sphere_system, columns):
 
 @pytest.mark.parametrize("mesh", [grid(350, 350), shapes.tube(300, 8)], ids=["grid", "tube"])
 def test_heat_is_right_in_every_entry_however_small(mesh):
-    """Single precision ends at 1e-45, and the way across a long separator with it."""
+    """Single precision ends at 1e-45, which a long separator exceeds."""
     system = heat_system(mesh)
     load = np.zeros(system.shape[0])
     load[0] = 1.0
@@ -77,7 +77,7 @@ def test_distances_agree_with_those_of_a_full_factor():
 
 
 def test_a_matrix_that_needs_all_its_digits_keeps_them():
-    """A chain that hardly anything holds in its place."""
+    """A chain that is almost not grounded."""
     n, held = 3000, 1e-9
     chain = diags_array(
         [np.full(n - 1, -1.0), np.r_[1.0, np.full(n - 2, 2.0), 1.0] + held, np.full(n - 1, -1.0)],

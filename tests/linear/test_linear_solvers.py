@@ -1,4 +1,4 @@
-"""Linear solvers: agreement, tiny entries, errors that speak."""
+"""Linear solvers: agreement, tiny entries, clear errors."""
 
 import numpy as np
 import pytest

@@ -1,4 +1,4 @@
-"""What would not fit into memory is refused before the work."""
+"""Work that would not fit into memory is refused before it starts."""
 
 import numpy as np
 import pytest

@@ -17,7 +17,7 @@ ROUNDING = 1e-9  # levels differ in whether a product and a sum are rounded once
 def run(code, *arguments, level=""):
     """Run `code` in a process of its own, with a level chosen in its environment."""
     options = ["-P"]  # not the checkout beside it
-    if sys.flags.no_site:  # nor an editable install that this process does without
+    if sys.flags.no_site:  # nor an editable install, which this process does not see
         options.append("-S")
     return subprocess.run(
         [sys.executable, *options, "-c", code, *map(str, arguments)],
@@ -74,7 +74,7 @@ def test_distances_do_not_depend_on_the_level(level, tmp_path):
 
 
 @pytest.mark.parametrize("level", ["1", "5", "best"])
-def test_a_level_that_cannot_be_is_told(level):
+def test_an_impossible_level_is_reported(level):
     finished = run("import geodesic_toolkit._native", level=level)
     assert finished.returncode == 1
     message = finished.stderr.splitlines()[-1]
@@ -101,7 +101,7 @@ def missing(name):
     raise ModuleNotFoundError(f"No module named {name!r}", name=name)
 
 
-def test_modules_that_are_missing_are_told_with_what_to_do(monkeypatch):
+def test_missing_modules_are_reported_with_advice(monkeypatch):
     monkeypatch.setattr(_native, "_processor_level", lambda: 3)
     monkeypatch.delenv("GEODESIC_TOOLKIT_LEVEL", raising=False)
     monkeypatch.setattr(_native.importlib, "import_module", missing)
@@ -346,7 +346,7 @@ def test_what_may_not_be_written_to_is_not(name, place):
         ("Factor", 1, np.append(DATA, 1.0)),
         ("solve", 0, np.ones(5)),
         ("solve", 0, np.ones((5, 1))),
-        ("solve", 0, np.ones((4, 2))),  # for which there is no room
+        ("solve", 0, np.ones((4, 2))),  # for which there is no space
         ("solve", 0, np.ones((2, 2))),
         ("solve", 1, np.ones(3)),
         ("solve_table", 0, np.ones((4, 3, 1))),
@@ -389,7 +389,7 @@ def test_what_may_not_be_written_to_is_not(name, place):
         ("fill", 3, np.ones(4)[::-1]),
     ],
 )
-def test_shapes_that_do_not_fit_are_told(name, place, array):
+def test_shapes_that_do_not_match_are_reported(name, place, array):
     with pytest.raises(ValueError, match="arrays do not fit together: "):
         call(name, place, array)
 
@@ -407,7 +407,7 @@ def test_memory_for_numbers_is_had_and_given_back():
         _native.empty(-1)
 
 
-def test_a_number_is_no_column():
+def test_a_number_is_not_a_column():
     with pytest.raises(ValueError, match="arrays do not fit together: "):
         call("solve", 0, np.array(1.0))
 

@@ -68,7 +68,9 @@ def test_the_order_is_the_same_every_time(laplacian):
 
 def test_an_order_of_a_graph_whose_fill_outgrows_the_first_lists_has_every_vertex_once():
     n = 1500
-    edges = np.random.default_rng(0).integers(0, n, size=(5 * n, 2))  # hardly a vertex is close
+    edges = np.random.default_rng(0).integers(
+        0, n, size=(5 * n, 2)
+    )  # almost all vertices are far apart
     matrix = graph_laplacian(n, edges[edges[:, 0] != edges[:, 1]])
     order = ordered(matrix)
     np.testing.assert_array_equal(np.sort(order), np.arange(n))
@@ -180,5 +182,5 @@ def test_the_permuted_triangle_has_every_entry_once_and_knows_its_place(matrix):
 
 
 def filled_places(matrix):
-    """Where a matrix has entries, zeros among them."""
+    """Return the pattern of a matrix, explicit zeros included."""
     return csr_array((np.ones(matrix.nnz), matrix.indices, matrix.indptr), matrix.shape).toarray()

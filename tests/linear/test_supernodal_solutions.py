@@ -1,4 +1,4 @@
-"""What the built-in solver makes: dense fronts, factors and solutions, against libraries."""
+"""The built-in solver: dense fronts, factors and solutions, compared with libraries."""
 
 from decimal import Decimal, localcontext
 from itertools import pairwise

@@ -1,4 +1,4 @@
-"""What may be handed to the built-in solver, what it refuses, and the memory it takes."""
+"""Systems that the built-in solver takes, those that it refuses, and its memory."""
 
 import pickle
 import sys
@@ -28,7 +28,9 @@ from geodesic_toolkit.linear.patterns import SharedAnalysis
 
 
 @pytest.mark.slow
-@pytest.mark.skipif(sys.platform != "linux", reason="the C library is told to fill what it lends")
+@pytest.mark.skipif(
+    sys.platform != "linux", reason="the C library must fill the memory that it gives"
+)
 def test_what_memory_held_before_does_not_matter(tmp_path):
     program = """
         import sys
@@ -136,7 +138,7 @@ def test_an_untidy_matrix_of_the_pattern_shares_the_analysis(sphere_system):
     np.testing.assert_array_equal(found.solve(load), solution(sphere_system))
 
 
-def test_values_are_no_part_of_an_analysis(sphere_system):
+def test_an_analysis_does_not_depend_on_values(sphere_system):
     hollow = csr_array(
         (np.full(sphere_system.nnz, np.nan), sphere_system.indices, sphere_system.indptr)
     )
@@ -356,7 +358,7 @@ def test_the_size_of_a_factor_does_not_overflow(monkeypatch, sphere_system):
 
 
 @pytest.mark.slow
-@pytest.mark.skipif(sys.platform != "linux", reason="a process cannot be held to so much memory")
+@pytest.mark.skipif(sys.platform != "linux", reason="the memory of a process cannot be limited")
 def test_memory_that_the_system_refuses_is_an_error():
     program = """
         import resource

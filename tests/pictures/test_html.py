@@ -110,7 +110,7 @@ def test_title_and_legend_are_text_on_the_page(browser):
     assert browser.evaluate("document.getElementById('gt-none').textContent") == "not reached"
 
 
-def test_the_title_stands_above_the_shape_and_not_behind_it(browser):
+def test_the_title_is_above_the_shape_and_not_behind_it(browser):
     bottom = browser.evaluate("document.getElementById('gt-title').getBoundingClientRect().bottom")
     canvas = "document.querySelector('#canvasTarget canvas').getBoundingClientRect()"
     assert browser.evaluate(f"{canvas}.top") >= bottom

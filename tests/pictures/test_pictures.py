@@ -66,19 +66,19 @@ def bar_free(image):
 
 
 def count_near(image, colour, tolerance=40):
-    """How many pixels are of a colour, in light or shade."""
+    """Count the pixels of a colour, in light or shade."""
     wanted = np.round(255 * np.array(colour))
     return int((np.abs(image.astype(int) - wanted).max(axis=-1) < tolerance).sum())
 
 
 def count_grey(image):
-    """How many pixels are grey: neither white nor black nor coloured."""
+    """Count the grey pixels: neither white nor black nor coloured."""
     low, high = image.min(axis=-1), image.max(axis=-1)
     return int(((high - low < 4) & (low > 90) & (high < 240)).sum())
 
 
 def count_coloured(image):
-    """How many pixels are neither white nor grey nor black."""
+    """Count the pixels that are neither white nor grey nor black."""
     return int((image.max(axis=-1) - image.min(axis=-1) > 30).sum())
 
 
@@ -409,7 +409,7 @@ def test_polyscope_is_asked_for_by_its_extra(sphere, angles, monkeypatch):
 
 @pytest.mark.skipif(sys.platform != "linux", reason="elsewhere OpenGL is part of the system")
 def test_a_system_without_opengl_is_an_error_and_no_crash(sphere, angles, monkeypatch):
-    # what VTK falls back to where neither X nor EGL is there
+    # the fallback of VTK without X and EGL
     monkeypatch.setenv("VTK_DEFAULT_OPENGL_WINDOW", "vtkOSOpenGLRenderWindow")
     monkeypatch.setattr("ctypes.util.find_library", lambda name: None)
     with pytest.raises(MissingDependencyError, match="libegl1"):

@@ -1,4 +1,4 @@
-"""The command ``check``: what it says of a back end, and how it ends."""
+"""The command ``check``: its report on a back end, and its exit status."""
 
 import json
 

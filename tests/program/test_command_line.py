@@ -25,7 +25,7 @@ def test_the_program_runs_end_to_end(sphere_file, tmp_path):
 
 @pytest.mark.slow
 @pytest.mark.skipif(sys.platform != "linux", reason="needs file names that are any bytes")
-def test_a_file_name_that_is_no_text_does_no_harm(sphere_file, tmp_path):
+def test_a_file_name_that_is_not_text_does_no_harm(sphere_file, tmp_path):
     odd = os.fsdecode(b"\xff\xe9.off")
     sphere_file.rename(tmp_path / odd)
     done = run_process("distance", tmp_path / odd, "--source", 3, "--json")
@@ -86,7 +86,7 @@ def test_plugins_shows_broken_ones(tmp_path):
     information.mkdir()
     (information / "METADATA").write_text("Metadata-Version: 2.1\nName: halfbaked\nVersion: 1.2\n")
     (information / "entry_points.txt").write_text(
-        "[geodesic_toolkit.operators]\nraw = halfbaked.nowhere:Operator\n"
+        "[geodesic_toolkit.operators]\nraw = halfbaked.missing:Operator\n"
     )
     listing = run_process("plugins", PYTHONPATH=str(tmp_path))
     assert listing.returncode == 0

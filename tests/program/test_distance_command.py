@@ -1,4 +1,4 @@
-"""The command ``distance``: what it prints where, and what it writes."""
+"""The command ``distance``: its output on stdout and stderr, and its files."""
 
 import csv
 import json
@@ -101,7 +101,7 @@ def test_options_reach_the_solver(options, keywords, tmp_path):
     np.testing.assert_array_equal(np.load(output), expected)
 
 
-def test_distance_refines_unless_it_is_told_not_to(sphere_file):
+def test_distance_refines_by_default(sphere_file):
     plain = json.loads(run("distance", sphere_file, "--source", 3, "--no-refine", "--json").stdout)
     refined = json.loads(run("distance", sphere_file, "--source", 3, "--json").stdout)
     assert (plain["refine"], refined["refine"]) == (False, True)
@@ -240,7 +240,7 @@ def test_missing_points_of_at_stay_in_their_rows(sphere_file, tmp_path):
     assert np.isfinite(np.load(out)).tolist() == [True, False, True]
 
 
-def test_the_reach_of_at_can_be_told(sphere_file, tmp_path):
+def test_the_reach_of_at_can_be_given(sphere_file, tmp_path):
     np.save(tmp_path / "at.npy", [[0, 0, 2.0]])
     told = ["distance", sphere_file, "--source", 0, "--at", tmp_path / "at.npy", "--json"]
     near, far = run(*told), run(*told, "--reach", 1.5)
@@ -272,7 +272,7 @@ def test_points_that_cannot_be_asked_for_are_refused(sphere_file, graph_file, tm
 def test_a_mask_keeps_paths_out(tmp_path):
     square = shapes.grid(7)
     path, wall = write_off(tmp_path / "square.off", square), np.zeros(49, dtype=bool)
-    wall[3:35:7] = True  # the middle column, but for its end
+    wall[3:35:7] = True  # the middle column, except its end
     np.save(tmp_path / "wall.npy", wall)
     (tmp_path / "wall.txt").write_text(" ".join(map(str, np.flatnonzero(wall))))
     expected = gt.geodesic_distance(square, [0.0, 0.0, 0.0], mask=wall)
@@ -331,7 +331,7 @@ def annotation(folder):
     return path
 
 
-def test_sources_may_stand_in_a_file_or_be_a_region_of_one(sphere_file, tmp_path):
+def test_sources_may_come_from_a_file_or_from_a_region_of_one(sphere_file, tmp_path):
     label = tmp_path / "lh.V1.label"
     label.write_text("#!ascii label\n3\n0 0 0 0 0\n1 0 0 0 0\n2 0 0 0 0\n")
     (tmp_path / "v.csv").write_text("vertex\n0\n1\n2\n")
@@ -430,7 +430,7 @@ def test_distance_draws_a_picture_and_a_page(sphere_file, tmp_path):
     assert json.loads(result.stdout)["outputs"] == [str(picture), str(page)]
 
 
-# -- what stands on stdout and what on stderr ----------------------------------------------------
+# -- stdout and stderr ---------------------------------------------------------------------------
 
 
 def test_a_source_that_is_connected_to_nothing_is_warned_of(tmp_path):

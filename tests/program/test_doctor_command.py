@@ -1,4 +1,4 @@
-"""The command ``doctor``: what it finds out about a shape, and about the installation."""
+"""The command ``doctor``: its findings about a shape, and about the installation."""
 
 import json
 from importlib import metadata

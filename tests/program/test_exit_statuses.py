@@ -1,4 +1,4 @@
-"""How the program ends: each failure with its exit status and one short, clear line."""
+"""Exit statuses: each failure has its own, and one short, clear line."""
 
 import os
 import signal
@@ -21,7 +21,7 @@ from geodesic_toolkit.cli import exits
 @pytest.mark.parametrize(
     "source", ["x", "1.5", "1,2", "1,2,3,4", "1,2,x", "nan,0,0", "inf,0,0", "", ",,"]
 )
-def test_a_source_that_is_no_place_is_wrong_usage(sphere_file, source):
+def test_a_source_that_is_not_a_place_is_wrong_usage(sphere_file, source):
     fails(run("distance", sphere_file, "--source", source), 2, "--source")
 
 
@@ -94,7 +94,7 @@ def test_a_missing_file_is_wrong_usage(command, tmp_path):
     fails(run(command, tmp_path / "nope.off", *options), 2, "nope.off", "does not exist")
 
 
-def test_a_directory_is_no_input(tmp_path):
+def test_a_directory_is_not_an_input(tmp_path):
     fails(run("distance", tmp_path, "--source", "0"), 2, "directory")
 
 
@@ -126,7 +126,7 @@ def test_a_picture_without_the_package_that_draws_it_is_refused_before_the_work(
 
 @dataclass(frozen=True, kw_only=True)
 class Failing(gt.LinearSolver):
-    """A solver that raises what it is told to."""
+    """A solver that raises the exception that it was given."""
 
     componentwise: ClassVar[bool] = True
     what: ClassVar[BaseException]

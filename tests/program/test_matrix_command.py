@@ -1,4 +1,4 @@
-"""The command ``matrix``: what it writes, how it is interrupted and goes on, and how it ends."""
+"""The command ``matrix``: its files, interrupts and resumed runs, and its exit statuses."""
 
 import json
 import os
@@ -150,7 +150,7 @@ def test_an_interrupted_run_says_how_it_goes_on_and_does(sphere_file, tmp_path, 
     assert not (tmp_path / "D.npy.partial").exists()
 
 
-def test_another_command_does_not_go_on_but_may_begin_anew(
+def test_another_command_does_not_resume_but_may_start_again(
     sphere_file, tmp_path, interrupted_after
 ):
     output = tmp_path / "D.npy"
@@ -175,7 +175,7 @@ def test_an_interrupt_before_there_are_rows_promises_nothing(sphere_file, tmp_pa
 @pytest.mark.slow
 @pytest.mark.skipif(os.name != "posix", reason="needs process groups")
 @pytest.mark.parametrize("workers", [1, 2])
-def test_ctrl_c_in_a_terminal_ends_all_processes_and_the_rest_can_be_had(tmp_path, workers):
+def test_ctrl_c_in_a_terminal_ends_all_processes_and_the_run_can_be_resumed(tmp_path, workers):
     mesh = write_off(tmp_path / "mesh.off", shapes.icosphere(4))
     sources = tmp_path / "sources.npy"
     np.save(sources, np.arange(320))
@@ -203,7 +203,7 @@ def test_ctrl_c_in_a_terminal_ends_all_processes_and_the_rest_can_be_had(tmp_pat
 
 
 def process_group_ends(group):
-    """Whether no process of a group is left, within a while."""
+    """Return whether no process of a group is left, within a while."""
     for _ in range(1000):
         try:
             os.killpg(group, 0)

@@ -1,4 +1,4 @@
-"""Progress: what people are shown while they wait, on a terminal and off it."""
+"""Progress: the lines that people see while they wait, on a terminal and off it."""
 
 import contextlib
 import os
@@ -69,7 +69,7 @@ def test_progress_has_a_bar_and_says_how_long_it_will_take():
         shown.advance(400, 1000)  # resumed
         clock.now = 105.0
         shown.advance(450, 1000)
-        assert shown._line == "computing: 450 of 1000 (5 s)"  # too early to tell
+        assert shown._line == "computing: 450 of 1000 (5 s)"  # too early for a forecast
         clock.now = 120.0
         shown.advance(600, 1000)
         assert shown._bar == f"{'━' * 14}{'─' * 10} computing: 600 of 1000 (20 s, about 40 s to go)"

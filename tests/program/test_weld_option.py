@@ -1,4 +1,4 @@
-"""The option --weld: commands work on merged vertices and speak of those of the file."""
+"""The option --weld: commands work on merged vertices and report those of the file."""
 
 import json
 

@@ -1,4 +1,4 @@
-"""The benchmarks run, and their own arithmetic is right; what they measure is not looked at."""
+"""The benchmarks run, and their own arithmetic is right; their figures are not checked."""
 
 import importlib
 import os

@@ -222,7 +222,7 @@ def complaints(path):
 
 
 def raised_in(function):
-    """Return the names of this project's errors that stand in a ``raise`` of the function."""
+    """Return the names of this project's errors in the ``raise`` statements of the function."""
     tree = ast.parse(textwrap.dedent(inspect.getsource(function)))
     calls = [
         node.exc.func
@@ -233,7 +233,7 @@ def raised_in(function):
 
 
 def written_constructors(kind):
-    """Return the constructors that stand in the source, not those that dataclasses generate."""
+    """Return the constructors in the source, not those that dataclasses generate."""
     found = [vars(kind)[name] for name in ("__init__", "__post_init__") if name in vars(kind)]
     return [function for function in found if function.__code__.co_filename != "<string>"]
 
@@ -259,7 +259,10 @@ def test_a_public_class_or_function_is_documented(path, value):
         if issubclass(value, Exception) or inspect.isabstract(value):
             missing -= {"EX01"}  # an error is shown where it is raised; of a contract there is none
         if "Attributes\n" in value.__doc__ and "Parameters\n" not in value.__doc__:
-            missing -= {"PR01", "EX01"}  # the record that something returns: nobody constructs it
+            missing -= {
+                "PR01",
+                "EX01",
+            }  # the record that something returns, which users do not construct
     assert not missing
     for function in written_constructors(value) if inspect.isclass(value) else [value]:
         assert not [error for error in raised_in(function) if error not in value.__doc__]

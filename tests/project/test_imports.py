@@ -48,7 +48,7 @@ def test_a_wrong_name_is_an_attribute_error():
 
 
 @pytest.mark.slow
-def test_the_way_from_a_mesh_to_its_distances_does_without_scipy():
+def test_the_path_from_a_mesh_to_its_distances_does_not_import_scipy():
     statement = """
 import geodesic_toolkit as gt, numpy as np
 mesh = gt.TriangleMesh(np.eye(4)[:, :3], [[0, 1, 2], [0, 1, 3], [1, 2, 3], [2, 0, 3]])
@@ -60,7 +60,7 @@ for refine in (False, True):
 
 
 @pytest.mark.slow
-def test_the_way_from_a_mesh_with_a_boundary_to_its_distances_does_without_masked_arrays():
+def test_the_path_from_a_mesh_with_a_boundary_to_its_distances_does_not_import_masked_arrays():
     code = """
 import sys, numpy as np
 import geodesic_toolkit as gt

@@ -1,4 +1,4 @@
-"""What type checkers read as a user's program runs, too."""
+"""The program of a user that type checkers read runs, too."""
 
 import runpy
 from pathlib import Path

@@ -111,7 +111,7 @@ def test_between_smooth_and_noisy_edges_are_between_both():
 # -- which triangles -------------------------------------------------------------------------------
 
 
-def test_a_vertex_is_told_what_both_others_have_and_it_has_not():
+def test_a_vertex_gets_the_triangles_that_both_others_have():
     own, bridge, missed, known = [(1, 2), (2, 3)], (4, 5), (3, 1), (2, 1)
     others = [bridge, known, missed, known, missed[::-1]]
     stars = np.array([(0, a, b) for a, b in own] + [(a, b, 0) for a, b in others])

@@ -136,7 +136,7 @@ def test_a_point_of_one_neighbour_on_its_sheet_has_no_star():
     assert is_open.tolist() == [True, True]
 
 
-def test_no_neighbours_are_no_stars():
+def test_without_neighbours_there_are_no_stars():
     nothing = np.zeros((3, 0), dtype=np.int64)
     points = random_sphere(3)[1]
     triangles, frames, is_open = delaunay_stars(
@@ -288,7 +288,7 @@ def test_arrays_that_do_not_fit_together_are_refused(cloud, kernel, wrong):
 @pytest.mark.parametrize("n_threads", [1, 2])
 @pytest.mark.parametrize("index", [-1, 5000, 2**62, -(2**63)])
 @pytest.mark.parametrize("place", [(0, 0), (4999, 29)])
-def test_neighbours_that_are_no_points_are_refused(cloud, kernel, n_threads, index, place):
+def test_neighbours_that_are_not_points_are_refused(cloud, kernel, n_threads, index, place):
     points, normals, neighbours, weights = cloud
     wrong = neighbours.copy()
     wrong[place] = index

@@ -384,7 +384,7 @@ def test_gifti_images():
     ],
     ids=lambda value: None,
 )
-def test_what_is_no_shape_is_refused_by_name(thing, named):
+def test_an_object_that_is_not_a_shape_is_refused_by_name(thing, named):
     with pytest.raises(
         UnsupportedDomainError, match=f"^{named}.* is not a shape; give a TriangleMesh"
     ):
@@ -446,7 +446,7 @@ def test_freesurfer_surfaces_may_have_metadata_and_a_stamp(tmp_path):
     freesurfer = pytest.importorskip("nibabel.freesurfer")
     freesurfer.write_geometry(str(tmp_path / "lh.pial"), VERTICES, FACES, volume_info=None)
     assert_sphere(gt.as_domain((VERTICES, FACES, {"valid": "1"})))
-    assert_sphere(gt.as_domain((VERTICES, FACES, {}, "created by somebody")))
+    assert_sphere(gt.as_domain((VERTICES, FACES, {}, "created by a program")))
     read = freesurfer.read_geometry(str(tmp_path / "lh.pial"), read_stamp=True)
     assert_sphere(gt.as_domain(read), rtol=1e-6)
     assert isinstance(gt.as_domain([[0, 0, 0], [1, 0, 0], [0, 1, 0]]), gt.PointCloud)

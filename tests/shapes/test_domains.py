@@ -1,4 +1,4 @@
-"""Meshes, clouds and graphs: what they take, what they refuse, and that they never change."""
+"""Meshes, clouds and graphs: accepted input, refused input, and immutability."""
 
 import copy
 import pickle
@@ -96,7 +96,7 @@ def test_a_mesh_that_cannot_be_one_is_refused(vertices, faces, message):
         gt.TriangleMesh(vertices, faces)
 
 
-def test_degenerate_duplicate_and_unreferenced_parts_are_no_errors():
+def test_degenerate_duplicate_and_unreferenced_parts_are_not_errors():
     vertices = [*TRIANGLE, [0, 0, 0], [5, 5, 5], [2, 0, 0]]
     faces = [[0, 1, 2], [0, 0, 1], [0, 1, 5], [0, 1, 2], [0, 1, 3], [2, 1, 0]]
     assert gt.TriangleMesh(vertices, faces).n_faces == 6

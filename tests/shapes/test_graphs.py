@@ -54,7 +54,7 @@ def test_the_edges_of_a_sphere_measure_the_sphere():
 @pytest.mark.slow
 def test_the_graph_of_a_long_tube_is_right_at_its_far_end():
     rings, around = 1200, 48
-    flat = gt.UniformLaplacian(dim=2)  # not an edge leads along the tube, by which to tell
+    flat = gt.UniformLaplacian(dim=2)  # no edge runs along the tube, which would show the dimension
     distance = gt.geodesic_distance(edge_graph(shapes.tube(rings, around)), 0, operator=flat)
     assert abs(distance[-around:].mean() / ((rings - 1) * np.sqrt(3) / 2) - 1) < 0.03
 
@@ -174,7 +174,7 @@ def test_heat_on_bars_plates_and_boxes_of_any_aspect_measures_euclidean_distance
 
 @pytest.mark.slow
 @pytest.mark.parametrize("children", [1, 2, 3, 6])
-def test_on_trees_of_any_branching_the_default_is_the_way_along_edges(children):
+def test_on_trees_of_any_branching_the_default_is_the_path_along_edges(children):
     parents = (np.arange(1, 800) - 1) // children
     lengths = np.random.default_rng(children).uniform(0.3, 2.0, 799)
     exact = np.zeros(800)
@@ -203,7 +203,7 @@ def test_a_sheet_and_the_chain_that_hangs_from_it_have_each_their_own_scale():
 
 
 @pytest.mark.slow
-def test_distances_across_edges_are_held_to_the_ways_along_them_and_sources_read_their_offsets():
+def test_distances_across_edges_are_bounded_by_paths_along_them_and_sources_read_their_offsets():
     graph, _ = boxes(30, 20, diagonals=True)
     solver = gt.GeodesicSolver(graph)
     along = gt.GeodesicSolver(graph, refine=True)
@@ -215,7 +215,7 @@ def test_distances_across_edges_are_held_to_the_ways_along_them_and_sources_read
     np.testing.assert_array_equal(distance[[3, 300]], [0.0, 2.5])
 
 
-def test_refinement_on_a_graph_is_the_way_along_edges_with_offsets_masks_and_rows():
+def test_refinement_on_a_graph_is_the_path_along_edges_with_offsets_masks_and_rows():
     graph, _ = lattice(6, 2)
     mask = np.zeros(36, dtype=bool)
     mask[[7, 13, 19, 25, 31]] = True  # a wall with a gap at its top
@@ -281,7 +281,7 @@ def test_junctions_of_streets_are_measured_along_the_streets(blocks, closed):
     assert "street network" in solver.diagnosis.reason or "one-dim" in solver.diagnosis.reason
 
 
-def test_lattices_quadrangles_and_samples_are_no_streets():
+def test_lattices_quadrangles_and_samples_are_not_streets():
     places, streets, lengths = street_plan(20, np.random.default_rng(0), 0.1)
     lattice = gt.Graph(len(places), streets, np.full(len(streets), 100.0))
     assert not gt.GeodesicSolver(lattice).diagnosis.refined

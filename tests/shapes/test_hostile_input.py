@@ -216,7 +216,7 @@ def test_bad_input_is_one_typed_error(row):
     assert type(caught.value) is error
 
 
-def test_vertices_and_faces_as_two_arguments_are_told_to_be_a_pair():
+def test_vertices_and_faces_as_two_arguments_get_the_advice_to_give_a_pair():
     pair = r"as a pair, {}\(\(vertices, faces\), \.\.\.\)"
     with pytest.raises(UnsupportedDomainError, match=pair.format("GeodesicSolver")):
         gt.GeodesicSolver(V, F)

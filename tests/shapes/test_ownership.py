@@ -1,4 +1,4 @@
-"""Whoever gives arrays to a constructor keeps them: writeable, in their order, and without effect.
+"""Arrays that are given to a constructor stay the caller's: writeable, in order, without effect.
 
 Each case has the arguments of a constructor, by name. After construction all of their arrays are
 to be what they were; then they are filled with nonsense, and the object is to be what it was.

@@ -115,7 +115,7 @@ def test_the_rims_of_holes_do_not_find_the_far_wall(shared_data):
 
 
 @pytest.mark.slow
-def test_an_icosphere_cloud_is_as_good_as_the_mesh():
+def test_an_icosphere_cloud_is_as_accurate_as_the_mesh():
     points = shapes.icosphere(4).vertices
     assert mean_relative_error(cloud_solver(points).distance(0), angles_from(points, 0)) < 0.012
 
@@ -252,7 +252,7 @@ def test_separate_clouds_do_not_reach_each_other():
 
 
 @pytest.mark.slow
-def test_density_that_varies_a_hundredfold_is_no_shortcut():
+def test_density_that_varies_a_hundredfold_is_not_a_shortcut():
     rng = np.random.default_rng(3)
     dense_right = np.log10(1 + 99 * rng.uniform(size=8000)) / 2
     points = np.column_stack([dense_right, rng.uniform(size=8000), np.zeros(8000)])
@@ -305,7 +305,7 @@ def test_a_curve_that_leaves_a_surface_is_linked_to_it():
     assert solver.distance(0)[-1] == pytest.approx(2, rel=0.03)
 
 
-def test_points_all_at_one_place_are_no_distance_apart():
+def test_points_all_at_one_place_have_distance_zero():
     distance = cloud_solver(np.full((40, 3), 7.0)).distance(5)
     np.testing.assert_allclose(distance, 0, atol=1e-8)
 
@@ -328,7 +328,7 @@ def test_no_little_cloud_crashes(points):
 # -- k, and whose normals --------------------------------------------------------------------------
 
 
-def test_an_explicit_k_must_be_had_and_the_default_shrinks():
+def test_an_explicit_k_must_be_available_and_the_default_shrinks():
     cloud = gt.PointCloud(shapes.grid(3).vertices)
     assert PCA.assemble(cloud).notes["k"] == 8
     assert gt.PointCloudLaplacian(k=8, normals="pca").assemble(cloud).notes["k"] == 8

@@ -187,7 +187,7 @@ def test_a_polygon_that_crosses_itself_is_named(name):
 
 
 @pytest.mark.parametrize("name", CROSSED)
-def test_edges_that_pass_each_other_in_space_are_no_crossing(name):
+def test_edges_that_pass_each_other_in_space_are_not_a_crossing(name):
     ring = CROSSED[name]
     heights = np.random.default_rng(0).uniform(0, np.ptp(ring), len(ring))
     faces, remarks = split(np.column_stack([ring, heights]))
@@ -201,7 +201,7 @@ def test_many_polygons_that_cross_themselves_are_counted():
     assert "polygons 0, 1, 2, 3, 4 and 3 more cross themselves" in remarks[1]
 
 
-# -- whoever gives them ---------------------------------------------------------------------------
+# -- every input ----------------------------------------------------------------------------------
 
 
 def files():

@@ -193,7 +193,7 @@ def test_places_are_merged_as_if_one_after_the_other():
 
 
 @pytest.mark.parametrize("tolerance", [-1.0, np.nan, np.inf, "1", True, None])
-def test_a_tolerance_that_is_no_length_is_refused(tolerance):
+def test_a_tolerance_that_is_not_a_length_is_refused(tolerance):
     with pytest.raises(InvalidOptionError, match="tolerance must be"):
         gt.merge_vertices(BALL, tolerance=tolerance)
 

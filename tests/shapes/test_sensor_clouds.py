@@ -107,7 +107,7 @@ def test_one_sweep_of_sixteen_beams_reaches_its_outermost_ring(noise):
     ("slope", "degrees", "noise"), [(0.15, 0.2, 0.02), (0.15, 0.1, 0.03), (0.3, 0.1, 0.02)]
 )
 def test_rings_next_to_a_scanner_on_a_slope_are_ground_and_not_blades(slope, degrees, noise):
-    # What noise in range spreads out lies on the cones of the beams, 33 degrees from the ground.
+    # Noise in range spreads points along the cones of the beams, 33 degrees from the ground.
     # With a point every tenth of a degree such a blade holds all neighbours of its points.
     rng = np.random.default_rng(0)
     down, turn = np.meshgrid(
@@ -210,7 +210,7 @@ def test_a_wire_keeps_its_length():
     np.testing.assert_allclose(solver_of(wire).distance(0), along, rtol=1e-6, atol=1e-9)
 
 
-def test_two_lines_alone_are_no_surface():
+def test_two_lines_alone_are_not_a_surface():
     line = np.column_stack([np.linspace(0, 10, 400), np.zeros(400), np.zeros(400)])
     distance = solver_of(np.concatenate([line, line + np.array([0.0, 3.0, 0.0])])).distance(0)
     np.testing.assert_allclose(distance[:400], line[:, 0], atol=1e-6)
@@ -253,7 +253,7 @@ def test_a_curve_in_space_is_as_long_as_it_is(curve, refine):
     np.testing.assert_allclose(distance, length_along(curve), rtol=2e-3, atol=1e-9)
 
 
-def test_a_shaken_curve_is_hardly_longer():
+def test_a_shaken_curve_is_only_slightly_longer():
     curve = helix(3, 300, 1.9)
     shaken = curve + 0.1 * 0.07 * np.random.default_rng(0).normal(size=curve.shape)
     distance = solver_of(shaken).distance(0)
@@ -269,7 +269,7 @@ def test_wires_that_cross_are_connected_there():
     np.testing.assert_allclose(distance[201:], 1 + np.abs(along + 0.003), atol=0.01)
 
 
-def test_a_coil_that_passes_for_a_surface_is_told():
+def test_a_coil_that_passes_for_a_surface_is_reported():
     with pytest.warns(CurveWarning, match="of the points follow one line.*gt.Graph"):
         solver_of(helix(10, 1000, 0.3))
 
@@ -296,7 +296,7 @@ def test_a_slit_wider_than_near_points_is_not_bridged():
     assert np.isinf(distance[1600:]).all()
 
 
-# -- who stands for whom -------------------------------------------------------------------------
+# -- representatives -----------------------------------------------------------------------------
 
 
 def test_the_first_of_a_heap_stands_for_it():
@@ -343,7 +343,7 @@ def test_kernels_of_crowds_refuse_what_does_not_fit():
 
 @pytest.mark.slow
 @pytest.mark.parametrize("spread", ["even", "random"])
-def test_creases_and_thin_sheets_are_no_blades(spread):
+def test_creases_and_thin_sheets_are_not_blades(spread):
     rng = np.random.default_rng(0)
     flat = rng.uniform(-1, 1, (20_000, 2))
     if spread == "even":
@@ -377,7 +377,7 @@ def test_each_part_has_a_time_step_of_its_own():
     np.testing.assert_allclose(scales[400:], 100 * scales[:400], rtol=1e-6)
 
 
-def test_parts_that_lie_among_others_are_counted_and_told():
+def test_parts_that_lie_among_others_are_counted_and_reported():
     points = np.column_stack([np.arange(200.0), np.zeros((200, 2))])
     near = nearest_neighbours(points, 10)
     nothing = np.empty((0, 3))
@@ -410,7 +410,7 @@ def test_separate_clouds_are_parts_and_nothing_is_said():
 @pytest.mark.slow
 @pytest.mark.parametrize("seed", range(3))
 @pytest.mark.parametrize("width", [0.002, 0.004, 0.006, 0.02, 0.1])  # 1 to 7 spacings
-def test_a_narrow_band_is_no_line_of_a_scan(width, seed):
+def test_a_narrow_band_is_not_a_line_of_a_scan(width, seed):
     rng = np.random.default_rng(seed)
     turn, height = rng.uniform(0, 2 * np.pi, 3000), rng.uniform(-width / 2, width / 2, 3000)
     points = np.column_stack([np.cos(turn), np.sin(turn), height])
