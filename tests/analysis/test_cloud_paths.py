@@ -181,7 +181,7 @@ def test_a_path_along_a_narrow_band_is_the_arc_and_stays_on_the_points(height, k
     assert gap < 1.5 * spacing
 
 
-# -- large clouds: points away from the path are not visited ----------------------------------------
+# -- large clouds: points away from the path are not visited ---------------------------------------
 
 SQUARE = np.random.default_rng(3).uniform(size=(6000, 2))
 LARGE = solver_of(np.column_stack([SQUARE, np.zeros(6000)]))
