@@ -1,7 +1,6 @@
 """Configuration of Sphinx for this documentation."""
 
 import os
-import re
 import sys
 from pathlib import Path
 
@@ -106,26 +105,37 @@ html_theme_options = {
 }
 
 
-# -- bases of a class, as its page shows them: those that have a page of their own -----------------
+# -- bases of a class: pages link public ones, and list the members of the others ----------------
+
+PUBLIC = {
+    getattr(space, name): f"geodesic_toolkit.{prefix}{name}"
+    for space, prefix in ((gt, ""), (gt.errors, "errors."))
+    for name in space.__all__
+    if isinstance(getattr(space, name), type)
+}
 
 
 def public_bases(kind):
-    """Return the bases of a class without private mixins and helpers of other packages."""
-    names = [(base, base.__module__) for base in kind.__bases__ if isinstance(base, type)]
-    return [base for base, home in names if re.match(r"geodesic_toolkit\.(?!_|core\.)", home)]
+    """Return the bases of a class that have a page of their own."""
+    return [base for base in kind.__bases__ if base in PUBLIC]
+
+
+def has_private_bases(kind):
+    """Return whether members of a class are defined in a base of this package without a page."""
+    home = [base for base in kind.__mro__[1:] if base.__module__.startswith("geodesic_toolkit.")]
+    return any(
+        base not in PUBLIC and "geodesic_toolkit.core." not in base.__module__ for base in home
+    )
 
 
 def show_public_bases(_app, _name, kind, _options, bases):
-    """Leave the other bases out of the line that says them."""
+    """Leave the other bases out of the line that names them."""
     bases[:] = public_bases(kind)
 
 
 autosummary_context = {
-    "derived": [
-        f"geodesic_toolkit.{name}"
-        for name in gt.__all__
-        if isinstance(getattr(gt, name), type) and public_bases(getattr(gt, name))
-    ]
+    "derived": [name for kind, name in PUBLIC.items() if public_bases(kind)],
+    "composed": [name for kind, name in PUBLIC.items() if has_private_bases(kind)],
 }
 
 

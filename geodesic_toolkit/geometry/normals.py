@@ -65,9 +65,8 @@ def oriented_normals(points: FloatArray, normals: FloatArray, edges: IntArray) -
     >>> import numpy as np
     >>> from geodesic_toolkit.geometry.normals import oriented_normals
     >>> points = np.array([[0.0, 0, 0], [1, 0, 0]])
-    >>> oriented_normals(points, np.array([[0.0, 0, -1], [0, 0, 1]]), np.array([[0, 1]]))
-    array([[0., 0., 1.],
-           [0., 0., 1.]])
+    >>> oriented_normals(points, np.array([[0.0, 0, -1], [0, 0, 1]]), np.array([[0, 1]]))[:, 2]
+    array([1., 1.])
     """
     from scipy.sparse import coo_array, csr_array
     from scipy.sparse.csgraph import breadth_first_order, minimum_spanning_tree

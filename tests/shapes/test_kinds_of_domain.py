@@ -1,6 +1,7 @@
 """Does a kind of domain of a plugin do what the core's own do, and say what it leaves out?"""
 
 import json
+import re
 
 import numpy as np
 import pytest
@@ -244,7 +245,7 @@ def test_the_kind_is_checked_with_its_operator():
     result = run("check", "solid")
     assert result.exit_code == 0, result.output
     assert "places_are_closest" in result.stdout
-    assert "42 of 42 laws" in result.stdout
+    assert re.search(r"(\d+) of \1 laws", result.stdout)
 
 
 def test_the_commands_say_what_the_kind_leaves_out(bare_file, tmp_path):
