@@ -1,4 +1,4 @@
-"""Ways to compute distances on one shape, side by side: errors, symmetry, times, memory."""
+"""Comparison of variants on one shape: errors, symmetry, times, memory."""
 
 import time
 import warnings
@@ -25,7 +25,7 @@ from geodesic_toolkit.sources.locate import locate_sources
 __all__ = ["Comparison", "Row", "compare"]
 
 AFFORDABLE_FACES = 60_000
-"""Faces up to which the exact algorithm is the reference: half a minute."""
+"""Faces up to which the exact algorithm is the reference (about half a minute)."""
 
 N_SYMMETRY_PROBES = 6
 """Vertices between which symmetry is measured."""
@@ -39,22 +39,22 @@ class Row:
     ----------
     variant : Variant
     distance : ndarray of shape (N,), or None
-        None where it failed.
+        None if the variant failed.
     mean, largest : float
-        Mean and largest relative error over the vertices but the sources; NaN where it failed.
+        Mean and largest relative error over all vertices but the sources; NaN if it failed.
     of_diameter : float
-        The largest error over the largest distance of the reference.
+        The largest error, divided by the largest distance of the reference.
     asymmetry : float
-        Mean of ``|d(i, j) - d(j, i)|`` over pairs of probes, over the largest distance.
+        Mean of ``|d(i, j) - d(j, i)|`` over pairs of probes, divided by the largest distance.
     unreached : int
-        Vertices with a distance in the reference and none here.
+        Number of vertices that have a distance in the reference but not here.
     build, per_source : float
-        Seconds to build the solver, and for a further source in a block of probes.
+        Seconds to build the solver, and for each further source in a block of probes.
     factor_bytes : int
         Memory of the factors.
     warnings : tuple of str
     failure : str or None
-        Why there are no figures.
+        The reason why there are no figures.
     """
 
     variant: Variant
@@ -71,7 +71,7 @@ class Row:
     failure: str | None = None
 
     def as_dict(self) -> dict[str, Any]:
-        """Return the figures and what they are of as plain objects, without the distances."""
+        """Return the figures and the variant as plain objects, without the distances."""
         kept = {
             item.name: getattr(self, item.name)
             for item in fields(self)
@@ -96,7 +96,7 @@ class Comparison:
     sources : ndarray of shape (S,), int64
         Vertices.
     reference_name : str
-        What the errors are measured against.
+        Name of the distances against which errors are measured.
     reference : ndarray of shape (N,), float64
     rows : tuple of Row
         The default first.
@@ -122,13 +122,13 @@ class Comparison:
         Raises
         ------
         InvalidOptionError
-            There is none of that name.
+            There is not a variant of that name.
         """
         for row in self.rows:
             if row.variant.name == name:
                 return row
         names = ", ".join(repr(row.variant.name) for row in self.rows)
-        raise InvalidOptionError(f"nothing was compared under the name {name!r}; there are {names}")
+        raise InvalidOptionError(f"there is not a variant {name!r}; those compared are {names}")
 
     def error(self, name: str = DEFAULT) -> FloatArray:
         """Return the relative error of a variant at every vertex: 0 at sources, NaN where unknown.
@@ -144,11 +144,11 @@ class Comparison:
         Raises
         ------
         InvalidOptionError
-            There is none of that name, or it failed.
+            There is not a variant of that name, or it failed.
         """
         row = self.row(name)
         if row.distance is None:
-            raise InvalidOptionError(f"{name!r} has no errors to show, as it failed: {row.failure}")
+            raise InvalidOptionError(f"{name!r} failed and has no errors to show: {row.failure}")
         return _relative_error(row.distance, self.reference)
 
 
@@ -160,21 +160,21 @@ def compare(
     affordable_faces: int = AFFORDABLE_FACES,
     progress: Callable[[int, int], None] | None = None,
 ) -> Comparison:
-    """Compute distances in many ways and measure each against the best reference there is.
+    """Compute distances with several variants and compare each with the best reference.
 
     Parameters
     ----------
     domain : Domain or object
-        What :func:`as_domain` takes.
+        A domain, or an object that :func:`as_domain` accepts.
     sources : int, array-like of int, array-like of float, SurfacePoint or sequence of them
-        As :meth:`GeodesicSolver.distance` takes them; each is moved to the nearest vertex, as
-        a graph and a cloud have no points between.
+        As for :meth:`GeodesicSolver.distance`; each is moved to the nearest vertex, because
+        graphs and clouds have no points between vertices.
     variants : sequence of Variant, optional
         :func:`~geodesic_toolkit.variants_for` the domain by default.
     affordable_faces : int
-        Up to so many faces of a mesh the reference is :func:`exact_distance`; of graphs it is the
-        shortest path along edges; else the distance of the default, refined where there are
-        triangles.
+        For a mesh with at most this many faces the reference is :func:`exact_distance`. For a graph
+        it is the shortest path along edges; otherwise it is the distance of the default, refined if
+        there are triangles.
     progress : callable, optional
         Called with the number of variants done and their total after each.
 
@@ -185,7 +185,7 @@ def compare(
     Raises
     ------
     UnsupportedDomainError, InvalidDomainError, InvalidSourceError
-        As for :class:`GeodesicSolver`. A variant that fails is a row that says so.
+        As for :class:`GeodesicSolver`. The row of a variant that fails has the reason.
 
     Examples
     --------
@@ -198,8 +198,8 @@ def compare(
     True
     """
     shape = as_domain(domain)
-    places = locate_sources(shape, sources)
-    vertices = np.unique(np.asarray(places.weights.argmax(axis=1)).ravel()).astype(np.int64)
+    located = locate_sources(shape, sources)
+    vertices = np.unique(np.asarray(located.weights.argmax(axis=1)).ravel()).astype(np.int64)
     name, reference = _reference(shape, vertices, affordable_faces)
     probes = _probes(reference)
     chosen = variants_for(shape) if variants is None else list(variants)
@@ -217,27 +217,27 @@ def _reference(domain: Domain, sources: IntArray, affordable: int) -> tuple[str,
         try:
             return "exact polyhedral distance", exact_distance(domain, sources)
         except SolverError:
-            pass  # the search was given up: what is refined will do
+            pass  # the search was given up; the refined distance replaces it
     with warnings.catch_warnings():
-        warnings.simplefilter("ignore", GeodesicWarning)  # its row has them
+        warnings.simplefilter("ignore", GeodesicWarning)  # the row of the default has them
         solver = GeodesicSolver(domain)
-        ways = solver.method.metric.along_edges
-        if ways is not None:
-            ends, late = np.array([0, len(sources)]), np.zeros(len(sources))
-            return "shortest path along edges", ways.distances(ends, sources, late)[0]
+        graph = solver.method.metric.along_edges
+        if graph is not None:
+            ends, offsets = np.array([0, len(sources)]), np.zeros(len(sources))
+            return "shortest path along edges", graph.distances(ends, sources, offsets)[0]
         name = "refined distance" if solver.method.refine else "the default"
         return name, solver.distance(sources)
 
 
 def _probes(reference: FloatArray) -> IntArray:
-    """Return vertices that a source reaches, spread over their numbers."""
+    """Return vertices that a source reaches, spread evenly over the indices."""
     reached = np.flatnonzero(np.isfinite(reference))
     positions = np.linspace(0, len(reached) - 1, min(N_SYMMETRY_PROBES, len(reached))).round()
     return reached[np.unique(positions.astype(np.int64))]
 
 
 def _warm_up(kinds: set[type[Domain]]) -> None:
-    """Compile and import what is done once a process, so that it is in nobody's time."""
+    """Compile and import what a process needs once, so that no variant's time includes it."""
     row = np.arange(5.0)
     points = np.array([[x, y, 0.0] for y in row for x in row])
     corners = np.array([x + 5 * y for y in range(4) for x in range(4)])
@@ -287,7 +287,7 @@ def _row(
 
 
 def _relative_error(distance: FloatArray, reference: FloatArray) -> FloatArray:
-    """Return ``|d - reference| / reference``: 0 at sources, NaN where one of them is not finite."""
+    """Return ``|d - reference| / reference``: 0 at sources, NaN if one of them is not finite."""
     known = np.isfinite(distance) & np.isfinite(reference)
     relative = np.where(known, 0.0, np.nan)
     away = known & (reference > 0)
@@ -296,7 +296,7 @@ def _relative_error(distance: FloatArray, reference: FloatArray) -> FloatArray:
 
 
 def _asymmetry(between: FloatArray) -> float:
-    """Return the mean of ``|d(i, j) - d(j, i)|`` over the pairs with both."""
+    """Return the mean of ``|d(i, j) - d(j, i)|`` over pairs that have both."""
     rows, columns = np.triu_indices(len(between), 1)
     there, back = between[rows, columns], between[columns, rows]
     both = np.isfinite(there) & np.isfinite(back)

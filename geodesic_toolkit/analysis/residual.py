@@ -1,9 +1,9 @@
 """The eikonal residual: the deviation of the slope of a distance from 1, an indicator of its error.
 
-It needs no exact distance to compare with. The true distance satisfies the eikonal equation
-``|∇φ| = 1`` almost everywhere. Where a computed one does not, on an element or along an edge, it is
-wrong nearby, or the element holds a crease of the true distance: a source, or a place where ways of
-equal length meet.
+It does not need an exact distance for comparison. The true distance satisfies the eikonal equation
+``|∇φ| = 1`` almost everywhere. If a computed one does not, on an element or along an edge, it is
+wrong nearby, or the element holds a crease of the true distance: a source, or points where shortest
+paths of equal length meet.
 """
 
 import numpy as np
@@ -24,21 +24,21 @@ def eikonal_residual(solver: GeodesicSolver, distance: ArrayLike) -> FloatArray:
     Parameters
     ----------
     solver : GeodesicSolver
-        Its metric is where the gradient is taken.
+        The gradient is taken in its metric.
     distance : array-like of shape (N,)
         At the vertices.
 
     Returns
     -------
     ndarray of shape (E,), float64
-        ``||∇φ| - 1|``, without a unit. On elements (triangles of meshes and clouds) by element; on
-        graphs by edge, with the slope pooled at the vertices and averaged over its two ends. NaN
-        where a distance is not finite.
+        ``||∇φ| - 1|``, dimensionless. On elements (triangles of meshes and clouds) by element; on
+        graphs by edge, with the slope pooled at the vertices and averaged over the two ends. NaN
+        if a distance is not finite.
 
     Raises
     ------
     InvalidOptionError
-        Another number of distances than vertices.
+        The number of distances is not the number of vertices.
     UnsupportedDomainError
         A gradient of a plugin's own kind.
 
@@ -55,26 +55,26 @@ def eikonal_residual(solver: GeodesicSolver, distance: ArrayLike) -> FloatArray:
 
 
 def mean_eikonal_residual(solver: GeodesicSolver, distance: ArrayLike) -> float:
-    """Return the mean of :func:`eikonal_residual`, weighted by area (or by the edges' measure).
+    """Return the mean of :func:`eikonal_residual`, weighted by area (or by the measure of edges).
 
-    One number for how far a distance is to be trusted. It compares distances on one shape, and
-    shapes with each other for one method; it is not a bound. Where the true distance has creases it
+    It indicates with one number how accurate a distance is. It compares distances on one shape, and
+    shapes with each other for one method; it is not a bound. If the true distance has creases, it
     is not 0 for the exact distance either, but falls with the mean edge length.
 
     Parameters
     ----------
     solver, distance
-        As there.
+        As for :func:`eikonal_residual`.
 
     Returns
     -------
     float
-        NaN where no element has finite distances.
+        NaN if no element has finite distances.
 
     Raises
     ------
     InvalidOptionError, UnsupportedDomainError
-        As there.
+        As for :func:`eikonal_residual`.
 
     Examples
     --------
@@ -97,7 +97,7 @@ def _measured(solver: GeodesicSolver, distance: ArrayLike) -> tuple[FloatArray, 
     values = np.asarray(distance, dtype=np.float64)
     if values.shape != (gradient.n_vertices,):
         raise InvalidOptionError(
-            f"distance must have shape ({gradient.n_vertices},), one number a vertex, "
+            f"distance must have shape ({gradient.n_vertices},), one number per vertex, "
             f"not {values.shape}"
         )
     if isinstance(gradient, ElementGradient):
@@ -117,10 +117,10 @@ def _measured(solver: GeodesicSolver, distance: ArrayLike) -> tuple[FloatArray, 
         length = np.sqrt(np.divide(pooled, mass, out=np.zeros(len(mass)), where=mass > 0))
         residual = np.abs(length[gradient.edges].mean(axis=1) - 1)
         return residual, gradient.measure[gradient.edges].sum(axis=1)
-    raise UnsupportedDomainError(f"the slope of a distance in {gradient!r} is not known")
+    raise UnsupportedDomainError(f"the slope of a distance cannot be computed from {gradient!r}")
 
 
 def _differences(values: FloatArray, elements: IntArray) -> FloatArray:
-    """Return the values at the corners less that at the first; NaN where one is not finite."""
+    """Return the values at the corners minus that at the first; NaN if one is not finite."""
     corners = np.where(np.isfinite(values), values, np.nan)[elements]
     return np.asarray(corners - corners[:, :1])

@@ -1,4 +1,4 @@
-"""Vertices spread over a shape, and the parts of it that are nearest to each of some sites."""
+"""Samples of vertices spread over a shape, and the Voronoi cells of sites."""
 
 from collections.abc import Iterable
 from typing import Any, Literal, overload
@@ -45,41 +45,41 @@ def farthest_point_sampling(
     return_radii: bool = False,
     progress: Progress | None = None,
 ) -> IntArray | tuple[IntArray, FloatArray]:
-    """Return vertices spread over a shape, each the farthest from all those before it.
+    """Return vertices spread over a shape, each the farthest from all previous ones.
 
-    The greedy choice of Gonzalez covers the shape with balls whose radius is at most twice that of
-    the best choice of as many.
+    Gonzalez's greedy choice covers the shape with balls whose radius is at most twice the optimum
+    for as many balls.
 
     Parameters
     ----------
     solver : GeodesicSolver
     count : int
-        How many.
+        Number of samples.
     start : int, optional
-        The first one. By default the vertex that is farthest from the first vertex of the shape: an
+        The first sample. By default the vertex farthest from vertex 0 of the shape, which is an
         extremity.
     rng : numpy.random.Generator, optional
-        Draws the first one instead. All else is determined by it.
+        Draws the first sample instead. It determines all others.
     return_radii : bool
-        Return the covering radii too.
+        Whether to return the covering radii too.
     progress : callable, optional
         Called with the number of vertices chosen and `count` after each.
 
     Returns
     -------
     samples : ndarray of shape (count,), int64
-        Distinct vertices, in the order of choice. A component without one is infinitely far, and
-        gets the next one. Vertices that no element uses, masked ones and the missing points of a
-        cloud are not candidates, unless there are no others.
+        Distinct vertices, in the order of choice. A component without a sample is infinitely far,
+        and gets the next one. Vertices that no element uses, masked ones and the missing points of
+        a cloud are candidates only if there are no others.
     radii : ndarray of shape (count,), float64
-        With `return_radii`. How far, in the unit of the domain, any candidate is at most from the
-        nearest of the samples up to that one: ``inf`` while a component has none, 0 where all are
-        taken. It never grows.
+        With `return_radii`. The largest distance, in the unit of the domain, of any candidate from
+        the nearest of the samples up to that one: ``inf`` while a component has no sample, 0 if all
+        candidates are taken. It never grows.
 
     Raises
     ------
     InvalidOptionError
-        A count below 1 or above the number of candidates; `start` and `rng` both.
+        A count below 1 or above the number of candidates; or both `start` and `rng`.
     InvalidSourceError
         A start that cannot be a source.
 
@@ -103,7 +103,7 @@ def farthest_point_sampling(
     _check_count(count, len(candidates))
     first = _first(solver, candidates, start, rng)
     chosen, radii = np.empty(count, dtype=np.int64), np.empty(count)
-    nearest = np.full(solver.domain.n_vertices, -np.inf)  # never chosen: no candidate, or taken
+    nearest = np.full(solver.domain.n_vertices, -np.inf)  # never chosen: not a candidate, or taken
     nearest[candidates] = np.inf
     for position in range(count):
         chosen[position] = vertex = first if position == 0 else int(nearest.argmax())
@@ -116,7 +116,7 @@ def farthest_point_sampling(
 
 
 def _candidates(solver: GeodesicSolver) -> IntArray:
-    """Return the vertices that may be chosen: those that elements use, else all there are."""
+    """Return the vertices that may be chosen: those that elements use, or else all."""
     metric = solver.method.metric
     used = np.flatnonzero(np.bincount(metric.components)[metric.components] > 1)
     if len(used):
@@ -146,7 +146,7 @@ def _first(
     if start is not None:
         if isinstance(start, bool) or not isinstance(start, int | np.integer):
             raise InvalidSourceError(f"start must be one vertex index, not {start!r}")
-        return int(start)  # where it is out of range, the first distance says so
+        return int(start)  # the first distance raises if it is out of range
     distance = solver.distance(int(candidates[0]))
     return int(np.where(np.isfinite(distance), distance, -1.0).argmax())
 
@@ -176,18 +176,18 @@ def geodesic_voronoi(
     return_distances: bool = False,
     progress: Progress | None = None,
 ) -> IntArray | tuple[IntArray, FloatArray]:
-    """Return which of some sites is nearest to each vertex: their Voronoi cells on the shape.
+    """Return the index of the nearest site for each vertex: the Voronoi cells of the sites.
 
-    For any other points :meth:`GeodesicSolver.nearest_source` says so.
+    For points other than vertices use :meth:`GeodesicSolver.nearest_source`.
 
     Parameters
     ----------
     solver : GeodesicSolver
-    sites : array-like of int, or iterable of what :meth:`GeodesicSolver.distance` takes
-        A one-dimensional array of integers means that many vertices; a site may also be a point in
-        space, a curve, or a set of vertices.
+    sites : array-like of int, or iterable of sources
+        Each as for :meth:`GeodesicSolver.distance`: a one-dimensional array of integers means as
+        many vertices; a site may also be a point in space, a curve, or a set of vertices.
     return_distances : bool
-        Return the distances from them too.
+        Whether to return the distances from the sites too.
     progress : callable, optional
         Called with the number of sites done and their total after each block.
 
@@ -195,9 +195,9 @@ def geodesic_voronoi(
     -------
     labels : ndarray of shape (N,), int64
         The position of the nearest site in the list, the first of those that are equally near; -1
-        where none connects.
+        if no site is connected.
     distances : ndarray of shape (N,), float64
-        With `return_distances`: from that site, in the unit of the domain; ``inf`` where there is
+        With `return_distances`: from that site, in the unit of the domain; ``inf`` if there is
         none.
 
     Raises
@@ -215,11 +215,11 @@ def geodesic_voronoi(
     array([0, 0, 0, 0, 0, 0, 0, 0, 0])
     """
     check_solver(solver, "a Voronoi diagram")
-    places = solver.locate_sets(sites)
+    located = solver.locate_sets(sites)
     labels = np.full(solver.domain.n_vertices, -1, dtype=np.int64)
     nearest = np.full(solver.domain.n_vertices, np.inf)
     first = 0
-    for distances in solver.blocks(places):
+    for distances in solver.blocks(located):
         best = distances.argmin(axis=0)
         least = np.take_along_axis(distances, best[None], axis=0)[0]
         nearer = least < nearest
@@ -227,5 +227,5 @@ def geodesic_voronoi(
         nearest[nearer] = least[nearer]
         first += len(distances)
         if progress is not None:
-            progress(first, len(places))
+            progress(first, len(located))
     return (labels, nearest) if return_distances else labels

@@ -1,4 +1,4 @@
-"""`thin`: fewer points of a cloud, and distances from these carried back to all of it."""
+"""`thin`: choose fewer points of a cloud, and carry distances at them back to all points."""
 
 import numbers
 import threading
@@ -27,26 +27,26 @@ if TYPE_CHECKING:
 __all__ = ["Thinned", "thin"]
 
 MIN_RELATIVE_SPACING = 2.0**-40
-"""Share of a cloud's size below which a spacing is in another unit."""
+"""Smallest plausible spacing, relative to the cloud's size; a smaller one has another unit."""
 
 POINTS_PER_BATCH = 1_000_000
-"""Points that are looked up at once."""
+"""Number of points per query."""
 
 
 @final
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Thinned:
-    """A cloud with fewer points, and the way back: what :func:`thin` returns.
+    """A cloud with fewer points, and its relation to the full cloud: the result of :func:`thin`.
 
     Attributes
     ----------
     cloud : PointCloud
-        The M points that were kept, with their normals where there are any.
+        The M points that were kept, with their normals if there are any.
     index : ndarray of shape (M,), int64, read-only
-        Which of the N points of `full` these are, ascending: ``cloud.points`` equals
+        Indices of these points among the N points of `full`, ascending: ``cloud.points`` equals
         ``full.points[index]``.
     full : PointCloud
-        What was thinned.
+        The cloud that was thinned.
     spacing : float
     """
 
@@ -58,7 +58,7 @@ class Thinned:
     _lock: Any = field(init=False, default_factory=threading.Lock, repr=False)
 
     def vertices_of(self, points: ArrayLike) -> IntArray:
-        """Return which points of `cloud` some points of `full` have become.
+        """Return the indices in `cloud` of some points of `full`.
 
         Parameters
         ----------
@@ -75,14 +75,14 @@ class Thinned:
             An index out of range, or a point that was not kept.
         """
         wanted = as_vertices(points, self.full.n_vertices, "points")
-        places = np.searchsorted(self.index, wanted)
-        kept = self.index[np.minimum(places, len(self.index) - 1)] == wanted
+        positions = np.searchsorted(self.index, wanted)
+        kept = self.index[np.minimum(positions, len(self.index) - 1)] == wanted
         if not kept.all():
             lost = int(wanted[~kept][0])
             raise InvalidSourceError(
                 f"point {lost} was not kept: thin with keep=[{lost}], or give its position instead"
             )
-        return places
+        return positions
 
     def carry_back(
         self,
@@ -92,28 +92,28 @@ class Thinned:
         sources: Any = None,
         progress: Progress | None = None,
     ) -> FloatArray:
-        """Return distances at all points, from those at the points that were kept.
+        """Return distances at all points, given those at the points that were kept.
 
-        A point that was kept has its own. Any other has what :meth:`GeodesicSolver.interpolate`
-        gives at its foot on the triangles of the thinned cloud, within the spacing.
+        A kept point keeps its distance. Any other point is projected onto the triangles of the
+        thinned cloud, within the spacing, and has the :meth:`GeodesicSolver.interpolate` there.
 
         Parameters
         ----------
         distance : array-like of shape (M,) or (K, M)
             At the points of `cloud`.
         solver : GeodesicSolver, optional
-            One of `cloud`, whose triangles and tree then serve. Else those of
+            A solver of `cloud`, whose triangles and tree are used. Otherwise those of
             :class:`PointCloudLaplacian` are made, once.
         sources : optional
-            What the solver measured from, if one field is given: close to it distances then come
-            out round.
+            The sources of a single distance field; the distances close to them are then more
+            accurate.
         progress : callable, optional
             Called with the number of points done and their total after each batch, for each field.
 
         Returns
         -------
         ndarray of shape (N,) or (K, N), float64
-            ``inf`` where a point is missing, where no triangle is within the spacing, and where
+            ``inf`` if a point is missing, if no triangle is within the spacing, and if
             the triangle has no distance.
 
         Raises
@@ -130,11 +130,11 @@ class Thinned:
                 f"that was kept, or rows of these, not {values.shape}"
             )
         surface = self._surface(solver)
-        places = None
+        located = None
         if sources is not None:
             if solver is None:
-                raise InvalidOptionError("give the solver, too, that the sources were given to")
-            places = solver.locate(sources)
+                raise InvalidOptionError("sources need their solver: give solver= too")
+            located = solver.locate(sources)
         other = self.full.present.copy()
         other[self.index] = False
         rest = np.flatnonzero(other)
@@ -142,7 +142,7 @@ class Thinned:
         result = np.full((*values.shape[:-1], self.full.n_vertices), np.inf)
         for row, whole in zip(np.atleast_2d(values), np.atleast_2d(result), strict=True):
             whole[rest] = surface.interpolate(
-                row, points, reach=self.spacing, sources=places, progress=progress
+                row, points, reach=self.spacing, sources=located, progress=progress
             )
             whole[self.index] = row
         return result
@@ -171,24 +171,24 @@ class Thinned:
 
 
 def thin(cloud: Any, spacing: float, *, keep: ArrayLike | None = None) -> Thinned:
-    """Return a cloud with points `spacing` apart, and the way back to all of them.
+    """Return a cloud with points `spacing` apart, and their relation to the full cloud.
 
-    Points are chosen as Poisson disks are: no two are closer than the spacing, and every point of
-    the cloud has one of them within it. What was chosen keeps its place: nothing is averaged. The
-    same cloud always gives the same points.
+    Points are chosen by Poisson disk sampling: no two are closer than the spacing, and every point
+    of the cloud has a chosen one within it. Chosen points do not move: nothing is averaged. The
+    result is deterministic.
 
-    A cloud that is denser than the distances need takes its time and memory for nothing: half the
-    spacing is four times the points. Sheets of a shape that are closer than the spacing, or two,
-    cannot be distinguished any more.
+    A cloud denser than the accuracy requires wastes time and memory: half the spacing means four
+    times the points. Sheets of a shape that are closer than one or two spacings cannot be
+    distinguished after thinning.
 
     Parameters
     ----------
     cloud : PointCloud or object
-        Or whatever :func:`as_domain` takes for one. Points that are missing are not chosen.
+        A cloud, or an object that :func:`as_domain` makes one of. Missing points are not chosen.
     spacing : float
         In the unit of the cloud.
     keep : int or array-like of int, optional
-        Points that stay, such as sources, however close to each other.
+        Points that always stay, such as sources, however close to each other.
 
     Returns
     -------
@@ -197,7 +197,7 @@ def thin(cloud: Any, spacing: float, *, keep: ArrayLike | None = None) -> Thinne
     Raises
     ------
     UnsupportedDomainError
-        Something else than a cloud.
+        The object is not a cloud.
     InvalidOptionError
         A spacing that is not positive, not finite, larger than the cloud, or vanishingly small.
     InvalidSourceError
@@ -226,13 +226,13 @@ def thin(cloud: Any, spacing: float, *, keep: ArrayLike | None = None) -> Thinne
     full = as_domain(cloud)
     if not isinstance(full, PointCloud):
         raise UnsupportedDomainError(
-            f"thin takes a PointCloud, not a {type(full).__name__}: of a mesh, decimate the faces "
+            f"thin takes a PointCloud, not a {type(full).__name__}; to coarsen a mesh, decimate it "
             "with the library that made it"
         )
     points = full.points[full.present]
     step = _checked(spacing, points)
     stay = _kept(full, keep)
-    place = np.cumsum(full.present) - 1  # of each point among those that are there
+    place = np.cumsum(full.present) - 1  # position of each point among those present
     index = np.flatnonzero(full.present)[_disks(points, step, place[stay])]
     index.sort()
     index.flags.writeable = False
@@ -242,7 +242,7 @@ def thin(cloud: Any, spacing: float, *, keep: ArrayLike | None = None) -> Thinne
 
 
 def _checked(spacing: object, points: FloatArray) -> float:
-    """Return the spacing as a number, or raise where nothing comes of it."""
+    """Return the spacing as a number, or raise if it is not usable."""
     if isinstance(spacing, bool) or not isinstance(spacing, numbers.Real):
         raise InvalidOptionError(f"spacing must be a length, not {spacing!r}")
     step = float(spacing)
@@ -268,9 +268,9 @@ def _kept(full: PointCloud, keep: ArrayLike | None) -> IntArray:
 
 
 def _disks(points: FloatArray, spacing: float, stay: IntArray) -> IntArray:
-    """Return points no two of which, but for those that stay, are closer than the spacing.
+    """Return points no two of which are closer than the spacing, except those that stay.
 
-    As many as there is room for.
+    The set is maximal: no further point could be added.
     """
     from scipy.spatial import cKDTree
 
@@ -281,8 +281,8 @@ def _disks(points: FloatArray, spacing: float, stay: IntArray) -> IntArray:
     if len(stay):
         left = left[_free(points, left, cKDTree(points[stay]), spacing)]
     while len(left):
-        # Of many points in a small cell one will do: else there are too many pairs. What that
-        # leaves room for is found in the next rounds, of which there are few.
+        # One random point per small cell bounds the number of close pairs. Later rounds, usually
+        # few, add points that still fit.
         some = left[_one_a_cell(points[left] - low, spacing / 2, rng)]
         some = some[_apart(points[some], spacing, rng)]
         chosen.append(some)
@@ -291,7 +291,7 @@ def _disks(points: FloatArray, spacing: float, stay: IntArray) -> IntArray:
 
 
 def _free(points: FloatArray, rows: IntArray, taken: "cKDTree", spacing: float) -> IntArray:
-    """Return the positions of the rows whose points have none of `taken` within the spacing."""
+    """Return the positions of the rows whose points are farther than the spacing from `taken`."""
     found = []
     for start in range(0, len(rows), POINTS_PER_BATCH):
         some = points[rows[start : start + POINTS_PER_BATCH]]
@@ -301,7 +301,7 @@ def _free(points: FloatArray, rows: IntArray, taken: "cKDTree", spacing: float) 
 
 
 def _one_a_cell(points: FloatArray, size: float, rng: np.random.Generator) -> IntArray:
-    """Return the position of one point, drawn by lot, in each cell of a grid."""
+    """Return the position of one random point in each cell of a grid."""
     cells = np.floor(points / size).astype(np.int64)
     drawn = rng.permutation(len(points))
     order = drawn[np.lexsort(cells[drawn].T)]
@@ -312,19 +312,19 @@ def _one_a_cell(points: FloatArray, size: float, rng: np.random.Generator) -> In
 
 
 def _apart(points: FloatArray, spacing: float, rng: np.random.Generator) -> IntArray:
-    """Return the positions of points no two of which are closer than the spacing: Luby's rounds.
+    """Return the positions of points no two of which are closer than the spacing, by Luby's method.
 
-    In each round a point that comes by lot before all that are too close to it is chosen, and they
-    are out.
+    In each round, a point is chosen if its random priority precedes those of all points that are
+    too close to it; those are then excluded.
     """
     from scipy.spatial import cKDTree
 
     pairs = cKDTree(points).query_pairs(np.nextafter(spacing, 0), output_type="ndarray")
-    lot = rng.permutation(len(points))
+    priority = rng.permutation(len(points))
     undecided = np.ones(len(points), dtype=np.bool_)
     chosen = np.zeros(len(points), dtype=np.bool_)
     while len(pairs):
-        first = lot[pairs[:, 0]] < lot[pairs[:, 1]]
+        first = priority[pairs[:, 0]] < priority[pairs[:, 1]]
         beaten = np.zeros(len(points), dtype=np.bool_)
         beaten[np.where(first, pairs[:, 1], pairs[:, 0])] = True
         won = undecided & ~beaten

@@ -16,11 +16,11 @@ from geodesic_toolkit.registry import catalog
 __all__ = ["DEFAULT", "PLAIN", "Variant", "variants_for"]
 
 DEFAULT = "auto"
-"""The name of the variant that a :class:`GeodesicSolver` without options is."""
+"""Name of the variant of a :class:`GeodesicSolver` without options."""
 
 PLAIN = "plain heat"
-"""The name of the same with ``refine=False``; all others are plain heat too, unless they say that
-they are refined."""
+"""Name of the same with ``refine=False``; all other variants are plain heat too, unless their name
+says that they are refined."""
 
 
 @dataclass(frozen=True)
@@ -32,12 +32,12 @@ class Variant:
     name : str
         Unique in a comparison.
     group : str
-        What is varied: "default", "operator", "time", "diffusion", "boundary", "solver",
+        The option that varies: "default", "operator", "time", "diffusion", "boundary", "solver",
         "refinement" or "domain".
     options : mapping
-        Of :class:`GeodesicSolver`.
+        Options of :class:`GeodesicSolver`.
     domain : Domain, optional
-        Where it is computed, if elsewhere than on the shape itself; vertices correspond.
+        The domain of the computation, if not the shape itself; vertices correspond.
     """
 
     name: str
@@ -49,10 +49,10 @@ class Variant:
 def variants_for(domain: Domain) -> list[Variant]:
     """Return the variants that are worth comparing on a shape, the default first.
 
-    Every installed operator that takes it; on meshes with its options, other diffusions, and the
-    cloud of the vertices and the graph of the edges. A quarter and four times the default time
-    step; other conditions at a boundary; conjugate gradients for the Poisson step. These are
-    variants of plain heat, on which they tell; of the operators there are refined ones as well.
+    They are: every installed operator that takes the shape, on meshes with its options, other
+    diffusions, the cloud of the vertices and the graph of the edges; a quarter and four times the
+    default time step; other boundary conditions; conjugate gradients for the Poisson step. All are
+    variants of plain heat, which shows the differences; some operators are refined as well.
 
     Parameters
     ----------
@@ -100,7 +100,7 @@ def _operators(domain: Domain) -> Iterator[Variant]:
     for name in catalog.operators:
         try:
             operator = catalog.operators[name]
-        except PluginLoadError:  # a broken plugin hurts only itself; `plugins` shows it
+        except PluginLoadError:  # skip a broken plugin; `geodesic-toolkit plugins` shows it
             continue
         if isinstance(domain, operator.domains):
             yield _plain(name, "operator", operator=name)
@@ -114,7 +114,7 @@ def _operators(domain: Domain) -> Iterator[Variant]:
 
 
 def _elsewhere(mesh: TriangleMesh) -> Iterator[Variant]:
-    """Forget the faces, or all but their edges."""
+    """Yield variants without the faces: the vertices as a cloud, the edges as a graph."""
     faces = mesh.faces[proper_faces(mesh.faces)]
     used = np.isin(np.arange(mesh.n_vertices), faces)
     cloud = PointCloud(np.where(used[:, None], mesh.vertices, np.nan))

@@ -10,7 +10,7 @@ from sample_shapes import random_sphere
 
 import geodesic_toolkit as gt
 from geodesic_toolkit.analysis.paths import reach
-from geodesic_toolkit.analysis.paths.star_ways import stars_connect
+from geodesic_toolkit.analysis.paths.star_paths import stars_connect
 from geodesic_toolkit.discretization.element_gradient import ElementGradient
 from geodesic_toolkit.errors import InvalidSourceError, UnreachableError
 from geodesic_toolkit.testing import shapes

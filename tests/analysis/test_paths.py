@@ -222,7 +222,7 @@ def test_an_unreachable_target_is_refused():
 
 def test_paths_refuse_what_they_cannot_follow():
     solver = gt.GeodesicSolver(shapes.grid(4))
-    with pytest.raises(InvalidSourceError, match="leads to one place, not to 2"):
+    with pytest.raises(InvalidSourceError, match="ends at one point, not at 2"):
         gt.geodesic_path(solver, 0, [1, 2])
     with pytest.raises(InvalidSourceError, match="target: vertex 16"):
         gt.geodesic_path(solver, 0, 16)

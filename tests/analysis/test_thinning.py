@@ -218,5 +218,5 @@ def test_distances_and_solvers_must_be_of_the_thinned_cloud(flat):
         thinned.carry_back(np.zeros(8000), solver)
     with pytest.raises(InvalidOptionError, match="the solver is of another shape"):
         thinned.carry_back(np.zeros(thinned.cloud.n_vertices), gt.GeodesicSolver(shapes.grid(4)))
-    with pytest.raises(InvalidOptionError, match="give the solver, too"):
+    with pytest.raises(InvalidOptionError, match="sources need their solver"):
         thinned.carry_back(np.zeros(thinned.cloud.n_vertices), sources=0)

@@ -275,7 +275,7 @@ def test_last_words_are_for_their_block_only():
     [
         (["--output", "D.txt"], 2, ["D.txt", "cannot write .txt"]),
         (["--output", "D.npz"], 2, ["give max_distance"]),
-        (["--output", "D.npy", "--max-distance", "1"], 2, ["goes to a .npz"]),
+        (["--output", "D.npy", "--max-distance", "1"], 2, ["write a .npz"]),
         (["--output", "D.npz", "--max-distance", "-1"], 2, ["not -1"]),
         (["--output", "no/folder/D.npy"], 2, ["no directory"]),
         (["--output", "D.npy", "--sources", "rows.txt", "--landmarks", "3"], 2, ["not both"]),

@@ -214,7 +214,7 @@ def test_a_path_on_a_graph_follows_the_shorter_of_parallel_edges_and_starts_late
 
 def test_no_path_leads_around_a_wall(solver):
     wall = np.isclose(CUBE.positions[:, 0], 0.5)
-    with pytest.raises(UnreachableError, match=r"corner 728 lies in another part, or behind"):
+    with pytest.raises(UnreachableError, match=r"corner 728 lies in another component, or behind"):
         gt.geodesic_path(gt.GeodesicSolver(CUBE, mask=wall), 0, 728)
 
 

@@ -1,4 +1,4 @@
-"""Tables of distances among many sources: in memory, on disk, on several workers.
+"""Matrices of distances among many sources: in memory, on disk, with several workers.
 
-Imports solvers and what is below; not the paths.
+Imports solvers and lower layers, but not the paths.
 """

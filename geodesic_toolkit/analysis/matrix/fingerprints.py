@@ -1,4 +1,4 @@
-"""The request for a matrix, as words and digests that distinguish it from other requests."""
+"""Words and digests of the request for a matrix, which distinguish it from other requests."""
 
 import dataclasses
 import hashlib
@@ -17,9 +17,9 @@ __all__ = ["digest", "fingerprint_of_solver", "fingerprint_of_sources", "fingerp
 
 
 def digest(*values: Any) -> str:
-    """Return twelve characters that change with any bit of `values`.
+    """Return twelve characters that change if any bit of `values` changes.
 
-    Arrays count by type, shape and contents; objects by their class and what they hold.
+    Arrays count by type, shape and contents; other objects by their class and their attributes.
 
     Examples
     --------
@@ -48,7 +48,7 @@ def _feed(state: Any, value: Any) -> None:
         state.update(f"{type(value).__qualname__} ".encode())
         for item in dataclasses.fields(value):
             _feed(state, getattr(value, item.name))
-    elif isinstance(value, Domain):  # a kind of a plugin's, whose repr may say little
+    elif isinstance(value, Domain):  # a plugin's kind; its repr may omit data
         state.update(f"{type(value).__qualname__} ".encode())
         _feed(state, sorted(vars(value).items()))
     else:
@@ -56,7 +56,7 @@ def _feed(state: Any, value: Any) -> None:
 
 
 def fingerprint_of_solver(solver: GeodesicSolver) -> dict[str, str]:
-    """Return what distances depend on, by name: the shape, the operator, each option.
+    """Return by name everything on which distances depend: the shape, the operator, each option.
 
     Parameters
     ----------
@@ -80,13 +80,13 @@ def fingerprint_of_solver(solver: GeodesicSolver) -> dict[str, str]:
 
 
 def _of_discretization(discretization: Discretization) -> str:
-    """Return a digest that knows the mask too, and options that a repr does not show."""
+    """Return a digest that includes the mask, and options that a repr does not show."""
     kind = type(discretization.gradient).__qualname__
     return digest(discretization.mass, discretization.stiffness, discretization.boundary, kind)
 
 
 def fingerprint_of_sources(sets: Sets) -> str:
-    """Return how many source sets there are and a digest of them."""
+    """Return the number of source sets and their digest."""
     if isinstance(sets, EveryVertex):
         return f"every vertex {digest(sets.vertices)}"
     kind = "vertices" if isinstance(sets, np.ndarray) else "source sets"
@@ -94,6 +94,6 @@ def fingerprint_of_sources(sets: Sets) -> str:
 
 
 def fingerprint_of_versions() -> str:
-    """Return the versions on which the last bit of a distance may depend."""
+    """Return the versions of packages on which the last bit of a distance may depend."""
     names = ("geodesic-toolkit", "numpy", "scipy")
     return ", ".join(f"{name} {metadata.version(name)}" for name in names)

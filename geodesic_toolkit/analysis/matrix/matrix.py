@@ -1,4 +1,4 @@
-"""`distance_matrix`: distances of many sources, to memory or to disk, in one process or many."""
+"""`distance_matrix`: distances of many sources, in memory or on disk, in one process or many."""
 
 import os
 from concurrent.futures import Executor
@@ -61,57 +61,58 @@ def distance_matrix(
 ) -> Any:
     """Return the matrix of geodesic distances from K source sets to N vertices.
 
-    Rows are computed in tasks of fixed ranges, so that the result has the same bits to the last
-    whether it goes to memory or to a file, in one process or in many, at once or resumed.
+    Rows are computed in tasks of fixed ranges. The result therefore has the same bits in memory
+    and in a file, in one process and in many, in one run and resumed.
 
     Parameters
     ----------
     solver : GeodesicSolver
-    sources : array-like of int, or iterable of what :meth:`GeodesicSolver.distance` takes, optional
-        A one-dimensional array of integers means that many single sources. All vertices by default;
-        those that cannot be a source (masked ones, missing points of a cloud) have rows of ``inf``.
+    sources : array-like of int, or iterable of sources, optional
+        Each as for :meth:`GeodesicSolver.distance`; a one-dimensional array of integers means as
+        many single sources. All vertices by default; vertices that cannot be sources (masked ones,
+        missing points of a cloud) have rows of ``inf``.
     targets : array-like of int, optional
-        Vertices that are the columns; all by default. The sources once more give the square matrix
+        Vertices that are the columns; all by default. Pass the sources again for the square matrix
         between them.
     dtype : {float64, float32}
-        Of the result. Computed is in float64.
+        Of the result. The computation is in float64.
     symmetrize : {"mean", "min", "max"} or None
-        What an entry and the one that mirrors it become, as heat distances are not symmetric. For
-        square matrices, whose rows and columns are the same vertices; others are left as they are.
+        The value of an entry and of the one that mirrors it, as heat distances are not symmetric.
+        For square matrices whose rows and columns are the same vertices; others do not change.
     max_distance : float, optional
-        Keep the entries that are not above it, in a sparse matrix. Blocks of rows are thinned
+        Keep the entries up to this distance, in a sparse matrix. Blocks of rows are thinned
         before they are collected. The zeros of the diagonal are stored entries, as neighbour
-        searches expect: what is not stored is farther, and ``eliminate_zeros`` would lose them.
-        With ``symmetrize="mean"``, entries up to twice as far are held until the end.
+        searches expect: an entry that is not stored is farther, and ``eliminate_zeros`` would lose
+        the zeros. With ``symmetrize="mean"``, entries up to twice as far are held until the end.
     out : path-like, optional
-        A file to write: ``.npy``, or ``.zarr`` with one task a chunk, or with `max_distance`
+        A file to write: ``.npy``, or ``.zarr`` with one task per chunk, or with `max_distance`
         SciPy's ``.npz``. It is put in place when it is complete. Until then a folder beside it,
-        ``NAME.partial``, holds what is done. Dense symmetric matrices take twice their size on
-        disk for a while, and a few hundred megabytes of memory however large they are.
+        ``NAME.partial``, holds the finished rows. Dense symmetric matrices temporarily need twice
+        their size on disk, and a few hundred megabytes of memory whatever their size.
     resume : bool
-        Whether to go on with what an interrupted run of the same request left beside `out`; else
-        that is thrown away.
+        Resume from the files that an interrupted run of the same request left beside `out`;
+        otherwise discard them.
     executor : concurrent.futures.Executor, optional
-        Where to compute: a process pool, loky's, ``Client(...).get_executor()`` of dask,
-        ``MPIPoolExecutor`` of mpi4py. In each process the solver is unpickled and factorised once,
-        and kept for the next call with it. The executor stays open.
+        The workers: a process pool, loky's, ``Client(...).get_executor()`` of dask,
+        ``MPIPoolExecutor`` of mpi4py. Each process unpickles and factorises the solver once,
+        and keeps it for the next call with it. The executor stays open.
     progress : callable, optional
         Called with the number of rows done and their total, at the start and after each task.
 
     Returns
     -------
     ndarray, memmap, zarr.Array or csr_array, of shape (K, N) or (K, T)
-        In the unit of the domain, ``inf`` where no source connects. Files come back opened for
-        reading: an ``.npy`` as a memory map, a ``.zarr`` as its array. Sparse where `max_distance`
+        In the unit of the domain, ``inf`` if no source is connected. Files are opened for
+        reading: an ``.npy`` as a memory map, a ``.zarr`` as its array. Sparse if `max_distance`
         is given.
 
     Raises
     ------
     InvalidSourceError
-        As for :meth:`GeodesicSolver.distances`, before any work; a target out of range.
+        As for :meth:`GeodesicSolver.distances`, before any work; or a target is out of range.
     InvalidOptionError
-        An option outside its values; a file that does not go with the others; beside `out` an
-        unfinished matrix of another request, when the message says what differs.
+        An option outside its values; a file that does not fit the other options; an unfinished
+        matrix of another request beside `out` (the message names the differences).
     NotEnoughMemoryError
         A dense matrix in memory that would not fit.
     WriteError
@@ -199,14 +200,14 @@ def _sets(solver: GeodesicSolver, sources: Any) -> Sets:
         return sources
     if sources is None:
         return EveryVertex(np.arange(n_vertices))
-    places = solver.locate_sets(sources)
+    located = solver.locate_sets(sources)
     try:
         array = np.asarray(sources)
     except (ValueError, TypeError):  # sets of different kinds and lengths
-        return places
+        return located
     if array.ndim == 1 and array.dtype.kind in "iu":
         return as_vertices(array, n_vertices)
-    return places
+    return located
 
 
 def _plan(
@@ -250,10 +251,10 @@ def _plan(
 
 
 def check_matrix_output(out: str | os.PathLike[str], *, sparse: bool) -> Path:
-    """Return the path of `out`, links resolved, or raise where it cannot become a matrix.
+    """Return the path of `out`, links resolved, or raise if it cannot become a matrix.
 
-    To be asked before any work is done; `sparse` is whether a `max_distance` is given, and errors
-    are those of `distance_matrix`.
+    Call it before any work. `sparse` is true if a `max_distance` is given; the errors are those of
+    `distance_matrix`.
     """
     try:
         path = Path(out)
@@ -262,16 +263,16 @@ def check_matrix_output(out: str | os.PathLike[str], *, sparse: bool) -> Path:
     suffix = path.suffix.lower()
     if suffix in MATRIX_SUFFIXES and sparse != (suffix == ".npz"):
         raise InvalidOptionError(
-            f"{path}: a matrix thinned by max_distance is sparse, and goes to a .npz file"
+            f"{path}: a matrix thinned by max_distance is sparse, so write a .npz file"
             if sparse
             else f"{path}: a .npz file is for sparse matrices; give max_distance, or write .npy "
             "or .zarr"
         )
     if suffix == ".zarr":
         require_zarr()
-        if path.exists():  # another store may be replaced, something else may not
+        if path.exists():  # only another store may be replaced
             if not (path / "zarr.json").exists():
-                raise WriteError(f"{path} is there already, and no zarr store")
+                raise WriteError(f"{path} exists and is not a zarr store; give another name")
             check_output(path / "zarr.json", (".json",))
             return Path(os.path.realpath(path))
     check_output(path, MATRIX_SUFFIXES)
@@ -294,6 +295,6 @@ def _store(solver: GeodesicSolver, plan: Plan, output: Path | None, *, resume: b
         todo = float(np.mean(~unfinished.done)) + (plan.symmetrize is not None)
         check_disk(output.parent, plan.nbytes * todo, output)
         return DenseFile(plan, unfinished)
-    except BaseException:  # Ctrl-C too: the folder must not stay locked; it goes on at once
+    except BaseException:  # also Ctrl-C: unlock the folder, then re-raise
         unfinished.close()
         raise

@@ -40,7 +40,7 @@ __all__ = [
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Plan:
-    """The matrix to be: its shape, its type, its tasks, and what is to be done at the end.
+    """The plan of a matrix: its shape, its type, its tasks, and the final steps.
 
     Parameters
     ----------
@@ -48,11 +48,11 @@ class Plan:
     shape : tuple of int
     dtype : dtype
     symmetrize : str, optional
-        Where the matrix is to be made symmetric, how.
+        How to make the matrix symmetric; None to leave it.
     limit : float, optional
-        Where it is sparse, what its entries are not above.
+        The largest distance that a sparse matrix keeps; None for a dense one.
     request : mapping of str to str
-        All this in words, for the record of an unfinished matrix.
+        The whole request in words, for the record of an unfinished matrix.
     """
 
     tasks: Sequence[RowTask]
@@ -64,7 +64,7 @@ class Plan:
 
     @property
     def rows_of_task(self) -> int:
-        """Rows of every task but the last."""
+        """Number of rows of every task but the last."""
         return self.tasks[0].stop - self.tasks[0].start
 
     @property
@@ -74,13 +74,13 @@ class Plan:
 
 
 class Store(abc.ABC):
-    """Takes rows in any order and makes a matrix of them.
+    """A target that takes rows in any order and makes a matrix of them.
 
     Attributes
     ----------
     plan : Plan
     done : ndarray of bool
-        One a task: whether its rows are here from an earlier run.
+        One per task: whether an earlier run has stored its rows.
     """
 
     done: BoolArray
@@ -91,14 +91,14 @@ class Store(abc.ABC):
 
     @abc.abstractmethod
     def put(self, task: RowTask, rows: Rows) -> None:
-        """Take the rows of a task."""
+        """Store the rows of a task."""
 
     @abc.abstractmethod
     def finish(self) -> Any:
-        """Make the matrix symmetric, put it in its place, and return it."""
+        """Make the matrix symmetric, move it into place, and return it."""
 
     def close(self) -> None:
-        """Let go of files; what is unfinished stays for the next run."""
+        """Release the files; unfinished ones stay for the next run."""
         return
 
 
@@ -110,14 +110,14 @@ class InMemory(Store):
         rows, columns = plan.shape
         require_memory(
             plan.nbytes,
-            f"the matrix of {rows} x {columns} distances (on disk it takes none: out= with a name "
+            f"the matrix of {rows} x {columns} distances (to write it to disk, give out= a name "
             "ending in .npy or .zarr; dtype=numpy.float32 halves it, max_distance= thins it)",
         )
         super().__init__(plan)
         self._matrix = np.empty(plan.shape, dtype=plan.dtype)
 
     def put(self, task: RowTask, rows: Rows) -> None:
-        """Copy the rows to their place."""
+        """Copy the rows into the array."""
         self._matrix[task.start : task.stop] = rows
 
     def finish(self) -> NDArray[np.floating[Any]]:
@@ -129,7 +129,7 @@ class InMemory(Store):
 
 @final
 class SparseInMemory(Store):
-    """A csr_array, made of thinned blocks."""
+    """A csr_array, assembled from thinned blocks."""
 
     def __init__(self, plan: Plan) -> None:
         super().__init__(plan)
@@ -152,7 +152,7 @@ def _assembled(blocks: list[csr_array], plan: Plan) -> csr_array:
         matrix = symmetrized_entries(matrix, plan.symmetrize, plan.limit)
     index: type[np.signedinteger[Any]] = np.int64
     if max(matrix.nnz, *matrix.shape) <= np.iinfo(np.int32).max:
-        index = np.int32  # what the algorithms of scipy.sparse.csgraph take
+        index = np.int32  # required by the algorithms of scipy.sparse.csgraph
     parts = (matrix.data, matrix.indices.astype(index), matrix.indptr.astype(index))
     return csr_array(parts, shape=plan.shape)
 
@@ -161,7 +161,7 @@ def _assembled(blocks: list[csr_array], plan: Plan) -> csr_array:
 
 
 def check_disk(folder: Path, needed: float, output: Path) -> None:
-    """Raise a `WriteError` where a disk has not as many bytes as are needed."""
+    """Raise a `WriteError` if the disk has fewer free bytes than needed."""
     with writing(output):
         free = shutil.disk_usage(folder).free
     if needed > free:
@@ -177,7 +177,7 @@ def require_zarr() -> Any:
 
 
 class _OnDisk(Store):
-    """What stores in files share: rows on disk first, then the mark that they are there."""
+    """Base of stores in files: rows go to disk first, then the mark that says so."""
 
     def __init__(self, plan: Plan, folder: Unfinished) -> None:
         super().__init__(plan)
@@ -186,23 +186,23 @@ class _OnDisk(Store):
 
     @abc.abstractmethod
     def _write(self, task: RowTask, rows: Rows) -> None:
-        """Have the rows of a task on disk."""
+        """Write the rows of a task to disk."""
 
     def put(self, task: RowTask, rows: Rows) -> None:
-        """Write the rows, then note that they are there."""
+        """Write the rows, then mark the task as done."""
         with writing(self._folder.folder):
             self._write(task, rows)
             self._folder.mark(task.number)
 
     def close(self) -> None:
-        """Let go of the folder."""
+        """Release the folder."""
         self._folder.close()
 
 
 class _NpyRows:
-    """Rows of an .npy file, written by position.
+    """Rows of an .npy file, written at their positions.
 
-    A map is not written through: on a full disk it would end the process.
+    A memory map is not used for writing: on a full disk it would end the process.
     """
 
     def __init__(self, path: Path, plan: Plan) -> None:
@@ -221,7 +221,7 @@ class _NpyRows:
 
 
 class _ZarrRows:
-    """Rows of a zarr array, of which each task is a chunk."""
+    """Rows of a zarr array with one chunk per task."""
 
     def __init__(self, path: Path, plan: Plan) -> None:
         zarr = require_zarr()
@@ -244,7 +244,7 @@ class _ZarrRows:
         self._array[start : start + len(rows)] = rows
         for first in range(start, start + len(rows), self._rows_of_chunk):
             chunk = self.path / "c" / str(first // self._rows_of_chunk) / "0"
-            if chunk.exists():  # one of nothing but infinity is not written
+            if chunk.exists():  # zarr does not write a chunk of infinities
                 sync(chunk)
 
 
@@ -252,8 +252,8 @@ class _ZarrRows:
 class DenseFile(_OnDisk):
     """An .npy file or a zarr store.
 
-    A symmetric one is made at the end of an .npy file with the rows as they came: columns of a zarr
-    array cannot be read without all of it.
+    A symmetric one is made at the end from an .npy file of the raw rows, because columns of a zarr
+    array cannot be read without reading all of it.
     """
 
     def __init__(self, plan: Plan, folder: Unfinished) -> None:
@@ -280,7 +280,7 @@ class DenseFile(_OnDisk):
                 bands = symmetric_bands(raw, self.plan.symmetrize, self.plan.rows_of_task)
                 for start, band in bands:
                     result.write(start, band)
-                del raw, bands  # Windows moves no file that is mapped
+                del raw, bands  # Windows cannot move a mapped file
         self._folder.deliver(self._result)
         if self._kind is _NpyRows:
             return np.load(self._folder.output, mmap_mode="r")
@@ -289,7 +289,7 @@ class DenseFile(_OnDisk):
 
 @final
 class SparseFile(_OnDisk):
-    """An .npz file of SciPy; until it is complete, one piece a task."""
+    """An .npz file of SciPy; until it is complete, one piece per task."""
 
     def __init__(self, plan: Plan, folder: Unfinished) -> None:
         super().__init__(plan, folder)

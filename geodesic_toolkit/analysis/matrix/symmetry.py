@@ -1,7 +1,7 @@
-"""Symmetric matrices from nearly symmetric ones, a band of rows at a time.
+"""Symmetric matrices from nearly symmetric ones, one band of rows at a time.
 
-Heat distances of i from j and of j from i differ by a per cent or so, and many methods refuse a
-matrix that is not symmetric to the last bit.
+Heat distances from i to j and from j to i differ by about a per cent, and many methods need a
+matrix that is exactly symmetric.
 """
 
 from collections.abc import Callable, Iterator
@@ -23,16 +23,16 @@ __all__ = [
 ]
 
 Symmetrize: TypeAlias = Literal["mean", "min", "max"] | None
-"""The treatment of two entries that should be equal."""
+"""The rule that makes two mirrored entries equal."""
 
 Matrix: TypeAlias = NDArray[np.floating[Any]]
 
 BAND_BYTES = 256e6
-"""Of a band of rows in memory, and of the columns that mirror it."""
+"""Size of a band of rows in memory, and of the columns that mirror it, in bytes."""
 
 
 def check_symmetrize(how: object) -> None:
-    """Raise an `InvalidOptionError` for what is no `Symmetrize`."""
+    """Raise an `InvalidOptionError` if `how` is not a `Symmetrize`."""
     known = get_args(get_args(Symmetrize)[0])
     if how is not None and how not in known:
         raise InvalidOptionError(f'symmetrize must be "mean", "min", "max" or None, not {how!r}')
@@ -41,15 +41,15 @@ def check_symmetrize(how: object) -> None:
 def symmetric_bands(
     matrix: Matrix, how: str, multiple: int = 1
 ) -> Iterator[tuple[int, NDArray[np.floating[Any]]]]:
-    """Yield bands of rows of a square matrix made symmetric, each with its first row.
+    """Yield bands of rows of a square matrix made symmetric, each with the index of its first row.
 
     Parameters
     ----------
     matrix : ndarray of shape (N, N)
-        A memory map too: only a band of it is in memory at a time.
+        May be a memory map: only one band of it is in memory at a time.
     how : {"mean", "min", "max"}
     multiple : int
-        Of which the rows of a band are one, but for the last.
+        The number of rows of every band but the last is a multiple of this.
     """
     for start, stop in _bands(matrix, multiple):
         yield start, _merged(matrix[start:stop], matrix[:, start:stop].T, how)
@@ -71,7 +71,7 @@ def _bands(matrix: Matrix, multiple: int) -> Iterator[tuple[int, int]]:
 
 
 def _merged(there: Matrix, back: Matrix, how: str) -> Matrix:
-    """Return one matrix of two; the same bits whichever comes first."""
+    """Merge two mirrored matrices into one; swapping them does not change a bit."""
     if how == "mean":
         merged: Matrix = there + back
         merged *= merged.dtype.type(0.5)
@@ -87,20 +87,20 @@ def _pick(how: str) -> Callable[[Matrix, Matrix], Matrix]:
 
 
 def widened(limit: float, how: str | None) -> float:
-    """Return up to where entries must be kept so that those of the symmetric matrix are known.
+    """Return the limit up to which entries must be kept, so that the symmetric ones are known.
 
-    A mean that is not above the limit may be that of nothing and of twice the limit.
+    The mean of 0 and of twice the limit is not above the limit.
     """
     return 2 * limit if how == "mean" else limit
 
 
 def symmetrized_entries(matrix: csr_array, how: str, limit: float) -> csr_array:
-    """Return the entries not above `limit` of a matrix made symmetric, zeros among them.
+    """Return the entries up to `limit` of a matrix made symmetric, including zeros.
 
     Parameters
     ----------
     matrix : csr_array of shape (N, N)
-        What is not stored is above ``widened(limit, how)``.
+        Entries that are not stored are above ``widened(limit, how)``.
     how : {"mean", "min", "max"}
     limit : float
     """
@@ -116,7 +116,7 @@ def symmetrized_entries(matrix: csr_array, how: str, limit: float) -> csr_array:
     there = values[first]
     back = values[np.minimum(first + 1, len(values) - 1)] if len(values) else values
     merged = np.where(alone, there, _merged(there, back, how))
-    # One that has no partner has it above the limit: the least of them is here, no other is.
+    # The partner of a lone entry is above the limit: only the minimum of the two is known.
     kept = (merged <= np.float64(limit)) & (~alone | (how == "min"))
     keys, merged = keys[first][kept], merged[kept]
     starts = np.searchsorted(keys, np.arange(size + 1, dtype=np.int64) * size)

@@ -1,7 +1,7 @@
-"""A matrix of distances as tasks: fixed ranges of rows, each computed by itself.
+"""A matrix of distances as tasks: fixed ranges of rows, each computed on its own.
 
-The ranges depend on the shape of the matrix alone. Whoever computes a task, and whenever, gives it
-to the solver as one list of source sets, so that the last bit is the same on each way.
+The ranges depend only on the shape of the matrix. Every worker passes a task to the solver as one
+list of source sets, so that the result is the same to the last bit.
 """
 
 from collections.abc import Sequence
@@ -20,16 +20,16 @@ from geodesic_toolkit.sources.points import SourcePoints
 __all__ = ["EveryVertex", "RowTask", "Rows", "Sets", "rows_of_task", "thinned", "vertices_of"]
 
 Rows: TypeAlias = NDArray[np.floating[Any]] | csr_array
-"""Rows of a matrix: dense, or the entries that are not above a limit."""
+"""Rows of a matrix: dense, or only the entries up to a limit."""
 
 TASK_BYTES = 32e6
-"""Of the float64 rows of a task: a second's work or less, and little to lose."""
+"""Bytes of the float64 rows of a task: at most about a second of work, which may be lost."""
 
 FEWEST, MOST = 16, 1024
-"""Rows of a task; fewer would leave the blocks that solvers work on half empty."""
+"""Smallest number of rows of a task; fewer would not fill the blocks of the solvers."""
 
 MIN_TASKS = 64
-"""Tasks that there should be, for progress and for many workers, where rows are enough."""
+"""Number of tasks to aim at, for progress and for many workers, if there are enough rows."""
 
 
 @dataclass(frozen=True)
@@ -39,7 +39,7 @@ class EveryVertex:
     Parameters
     ----------
     vertices : ndarray of shape (K,), int64
-        All of them, or those that the vertices of a file were merged into.
+        All vertices, or those that the vertices of a file were merged into.
     """
 
     vertices: IntArray
@@ -52,27 +52,27 @@ class EveryVertex:
 
 
 Sets: TypeAlias = EveryVertex | Sequence[SourcePoints] | IntArray
-"""Source sets: all vertices, places already found, or vertices that are known to be there."""
+"""Source sets: all vertices, located sources, or vertices known to be present."""
 
 
 @dataclass(frozen=True, eq=False)
 class RowTask:
-    """Some rows of a matrix, all that a worker needs to know but the solver.
+    """Some rows of a matrix, with everything that a worker needs except the solver.
 
     Parameters
     ----------
     number : int
-        Its place in the list of tasks.
+        Its position in the list of tasks.
     start, stop : int
         The range of rows.
     sets : EveryVertex, sequence of SourcePoints, or ndarray
-        Sources, one set a row.
+        Sources, one set per row.
     targets : ndarray of shape (T,), int64, optional
         The vertices that are columns; all by default.
     dtype : dtype
         Of the rows.
     limit : float, optional
-        Entries above it are left out of a sparse result.
+        Entries above it are omitted from a sparse result.
     """
 
     number: int
@@ -95,18 +95,18 @@ class RowTask:
 def _distances(solver: GeodesicSolver, sets: Sets) -> NDArray[np.float64]:
     if not isinstance(sets, EveryVertex):
         return solver.distances(sets)
-    places = [_place(solver, vertex) for vertex in sets.vertices.tolist()]
-    found = [place for place in places if place is not None]
-    if len(found) == len(places):
+    located = [_source_at(solver, vertex) for vertex in sets.vertices.tolist()]
+    found = [source for source in located if source is not None]
+    if len(found) == len(located):
         return solver.distances(found)
-    distances = np.full((len(places), solver.domain.n_vertices), np.inf)
+    distances = np.full((len(located), solver.domain.n_vertices), np.inf)
     if found:
-        distances[[place is not None for place in places]] = solver.distances(found)
+        distances[[source is not None for source in located]] = solver.distances(found)
     return distances
 
 
-def _place(solver: GeodesicSolver, vertex: int) -> SourcePoints | None:
-    """Return a vertex as a source, or None where none can be: masked, missing in a cloud."""
+def _source_at(solver: GeodesicSolver, vertex: int) -> SourcePoints | None:
+    """Return a vertex as a source, or None if it cannot be one: masked, or missing in a cloud."""
     try:
         return solver.locate(vertex)  # once, here, instead of in each block
     except InvalidSourceError:
@@ -114,7 +114,7 @@ def _place(solver: GeodesicSolver, vertex: int) -> SourcePoints | None:
 
 
 def thinned(rows: NDArray[np.floating[Any]], limit: float) -> csr_array:
-    """Return the entries that are not above `limit`; zeros among them are entries too."""
+    """Return the entries up to `limit`; zeros among them are stored too."""
     kept = rows <= np.float64(limit)  # not a Python float, which float32 would round
     starts = np.concatenate([[0], np.cumsum(np.count_nonzero(kept, axis=1))]).astype(np.int64)
     columns = np.nonzero(kept)[1].astype(np.int64)
@@ -122,7 +122,7 @@ def thinned(rows: NDArray[np.floating[Any]], limit: float) -> csr_array:
 
 
 def rows_of_task(n_rows: int, n_vertices: int) -> int:
-    """Return how many rows a task has: as many as make `TASK_BYTES`, and enough tasks.
+    """Return the number of rows per task: `TASK_BYTES` of them, or fewer for enough tasks.
 
     Examples
     --------
@@ -135,7 +135,7 @@ def rows_of_task(n_rows: int, n_vertices: int) -> int:
 
 
 def vertices_of(sets: Sets) -> IntArray | None:
-    """Return the source vertices, one a row, or None where a set is anything else."""
+    """Return the source vertices, one per row, or None if a set is anything else."""
     if isinstance(sets, EveryVertex):
         return sets.vertices
     return sets if isinstance(sets, np.ndarray) else None

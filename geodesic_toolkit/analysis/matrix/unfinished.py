@@ -1,6 +1,6 @@
-"""The files that an interrupted run leaves beside its output, from which the next run resumes.
+"""The files that an interrupted run leaves beside its output, to resume from.
 
-A folder ``NAME.partial`` holds the rows so far, a record of the request, and which tasks are done.
+A folder ``NAME.partial`` holds the rows so far, a record of the request, and a mark for each task.
 """
 
 import json
@@ -21,12 +21,12 @@ __all__ = ["Unfinished"]
 RECORD = "request.json"
 
 DONE = "done"
-"""A file of one byte a task: 1 where its rows are on disk. Without it no task is done."""
+"""Name of a file of one byte per task: 1 if its rows are on disk. If it is missing, none are."""
 
 LOCK = "lock"
 
 LONGEST = 100
-"""Characters of a value shown where requests differ."""
+"""Number of characters of a value that a message shows if requests differ."""
 
 
 class Unfinished:
@@ -35,25 +35,25 @@ class Unfinished:
     Parameters
     ----------
     output : Path
-        Where the result will be; the folder lies beside it.
+        The path of the result; the folder is beside it.
     request : mapping of str to str
-        Everything that the rows depend on, by names that a message can use.
+        Everything on which the rows depend, by names that a message can use.
     n_tasks : int
     resume : bool
-        Whether to go on with what is there; else it is thrown away.
+        Resume from the files found; otherwise discard them.
 
     Attributes
     ----------
     folder : Path
     done : ndarray of shape (n_tasks,), bool
-        Whose rows are on disk.
+        The tasks whose rows are on disk.
 
     Raises
     ------
     InvalidOptionError
-        What is there was begun for another request; the message says what differs.
+        The files belong to another request; the message names the differences.
     WriteError
-        Another run is at work on it, it is a folder of another kind, or cannot be written.
+        Another run is writing it, it is a folder of another kind, or it cannot be written.
     """
 
     def __init__(
@@ -73,26 +73,26 @@ class Unfinished:
                     with replacing(self.folder / RECORD) as record:
                         record.write_text(json.dumps(dict(request), indent=2), encoding="utf-8")
                 self.done = self._marks(n_tasks)
-            except BaseException:  # Ctrl-C too must not leave the lock; it goes on at once
+            except BaseException:  # also Ctrl-C: remove the lock, then re-raise
                 self.close()
                 raise
 
     def mark(self, task: int) -> None:
-        """Note that the rows of a task are on disk."""
+        """Mark the rows of a task as stored."""
         with (self.folder / DONE).open("r+b") as marks:
             marks.seek(task)
             marks.write(b"\1")
         self.done[task] = True
 
     def deliver(self, item: Path) -> None:
-        """Put an item of the folder in the place of the output, and remove the folder."""
+        """Move an item of the folder to the path of the output, and remove the folder."""
         with writing(self.output):
             aside = self.folder / "replaced"
             if self.output.is_dir():  # a store of zarr, which cannot be replaced in one step
                 self.output.replace(aside)
             try:
                 item.replace(self.output)
-            except BaseException:  # Ctrl-C too must leave the old output whole; it goes on at once
+            except BaseException:  # also Ctrl-C: restore the old output
                 if aside.exists():
                     aside.replace(self.output)
                 raise
@@ -101,11 +101,11 @@ class Unfinished:
             shutil.rmtree(self.folder)
 
     def close(self) -> None:
-        """Let go of the folder, and leave it for the next run."""
+        """Release the folder, and leave it for the next run."""
         self._lock.close()
 
     def _clear(self) -> None:
-        """Remove the marks, then what they speak of; the claim to the folder stays."""
+        """Remove the marks, then the rows that they mark; the folder stays locked."""
         (self.folder / DONE).unlink(missing_ok=True)
         for item in self.folder.iterdir():
             if item.is_dir():
@@ -118,13 +118,13 @@ class Unfinished:
         if not self.folder.exists():
             return False
         if not self.folder.is_dir():
-            raise WriteError(f"{self.folder} is in the way: it is not a folder; remove it")
+            raise WriteError(f"{self.folder} is not a folder; its name is needed, so remove it")
         if (self.folder / RECORD).exists():
             return True
         # A run that ended before its record was in place leaves the lock and a hidden file.
         if any(item.name != LOCK and item.name[0] != "." for item in self.folder.iterdir()):
             raise WriteError(
-                f"{self.folder} is in the way: it is not an unfinished matrix; move it elsewhere"
+                f"{self.folder} is not an unfinished matrix; its name is needed, so move it"
             )
         return False
 
@@ -134,7 +134,7 @@ class Unfinished:
         except ValueError as error:
             raise self._broken(f"its {RECORD} cannot be read") from error
         if not isinstance(then, dict):
-            raise self._broken(f"its {RECORD} holds no record")
+            raise self._broken(f"its {RECORD} is not a record")
         differences = [
             f"{name} was {_short(then.get(name))}, now {_short(request.get(name))}"
             for name in {**then, **request}
@@ -143,7 +143,7 @@ class Unfinished:
         if differences:
             raise InvalidOptionError(
                 f"{self.folder} holds an unfinished matrix of another request: "
-                f"{'; '.join(differences)}. Finish that one with the same request, or begin anew "
+                f"{'; '.join(differences)}. Finish that one with the same request, or start again "
                 "with resume=False (--restart)"
             )
 
@@ -154,20 +154,20 @@ class Unfinished:
                 new.write_bytes(bytes(n_tasks))
         marks = np.frombuffer(path.read_bytes(), dtype=np.uint8)
         if len(marks) != n_tasks:
-            raise self._broken(f"{len(marks)} tasks, not {n_tasks}")
+            raise self._broken(f"it has {len(marks)} tasks, not {n_tasks}")
         return np.asarray(marks == 1)
 
     def _broken(self, what: str) -> WriteError:
         return WriteError(
-            f"{self.folder} is a damaged unfinished matrix ({what}); begin anew with resume=False "
+            f"{self.folder} is a damaged unfinished matrix ({what}); start again with resume=False "
             "(--restart)"
         )
 
 
 def _locked(folder: Path) -> IO[bytes]:
-    """Return a file whose lock says that the folder is in use; a process that dies lets it go."""
+    """Return an open file whose lock marks the folder as in use; a dying process releases it."""
     handle = (folder / LOCK).open("wb")
-    if os.name == "posix":  # elsewhere two runs at once are not noticed
+    if os.name == "posix":  # other systems do not detect two runs at once
         import fcntl
 
         try:
@@ -176,7 +176,7 @@ def _locked(folder: Path) -> IO[bytes]:
             handle.close()
             raise WriteError(f"{folder} is being written by another run; wait for it") from error
         except OSError:
-            return handle  # a file system without locks
+            return handle  # the file system has no locks
     return handle
 
 

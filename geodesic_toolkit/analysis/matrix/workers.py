@@ -1,4 +1,4 @@
-"""Tasks through any `concurrent.futures.Executor`, whose workers get the solver once."""
+"""Run tasks on any `concurrent.futures.Executor`, whose workers receive the solver once."""
 
 import os
 import pickle
@@ -20,7 +20,7 @@ from geodesic_toolkit.solver.solver import GeodesicSolver
 __all__ = ["Parcel", "check_executor", "compute", "computed", "pickled"]
 
 WAITING_BYTES = 1e9
-"""Of results that may be on their way at once: many workers are busy, and memory is not filled."""
+"""Bound of the results in transit in bytes: enough for many workers, and little memory."""
 
 
 def check_executor(executor: object) -> None:
@@ -36,23 +36,23 @@ def check_executor(executor: object) -> None:
 def computed(
     solver: GeodesicSolver, tasks: Sequence[RowTask], executor: Executor | None
 ) -> Iterator[tuple[RowTask, Rows]]:
-    """Yield each task with its rows, as they come.
+    """Yield each task with its rows, in order of completion.
 
     Parameters
     ----------
     solver : GeodesicSolver
     tasks : sequence of RowTask
     executor : Executor, optional
-        Stays open. What was submitted and has not begun is cancelled where the caller stops early.
+        Stays open. Submitted tasks that have not begun are cancelled if the caller stops early.
 
     Raises
     ------
     InvalidOptionError
-        The solver cannot be pickled, and the executor's workers are other processes.
+        The solver cannot be pickled, but the executor's workers are other processes.
     SolverError
         A worker died.
     Exception
-        What a task or the executor raises.
+        Any exception of a task or of the executor.
     """
     if executor is None:
         for task in tasks:
@@ -63,8 +63,8 @@ def computed(
         yield from _dispatched(solver, tasks, executor, under_way)
     except BrokenExecutor as error:
         raise SolverError(
-            f"executor: a worker ended abruptly ({error}); its memory may have been too small "
-            "for the solver: use fewer of them"
+            f"executor: a worker ended abruptly ({error}); it may have run out of memory: "
+            "use fewer workers"
         ) from error
     finally:
         for future in under_way:
@@ -77,11 +77,11 @@ def _dispatched(
     executor: Executor,
     under_way: dict[Future[tuple[Rows, Collected] | None], tuple[RowTask, bool]],
 ) -> Iterator[tuple[RowTask, Rows]]:
-    """Yield as `computed`; `under_way` holds each task that is out, and whether with the solver.
+    """Yield as `computed`; `under_way` maps each submitted task to whether it has the solver.
 
-    A task goes out without the solver. A worker that lacks it refuses at once, and the task goes
-    out again with it. Few go so at a time, and one more with each that is done: the queue does not
-    fill with copies, many workers are soon served, and the rest ask again.
+    A task is first submitted without the solver. A worker that lacks the solver refuses at once,
+    and the task is resubmitted with the solver attached. Few tasks carry it at a time, and one more
+    with each that is done: copies do not fill the queue, and many workers soon have the solver.
     """
     name = _names.setdefault(solver.method, uuid.uuid4().hex)
     without, with_solver = Parcel(name, solver), None
@@ -94,12 +94,12 @@ def _dispatched(
             with_solver = with_solver or Parcel(name, solver, pickled(solver))
             task = refused.popleft()
             under_way[executor.submit(compute, with_solver, task)] = task, True
-        # Those refused count: else all tasks would ask in vain while the first ones compute.
+        # Refused tasks count: else all tasks would be refused while the first ones compute.
         while waiting and len(under_way) + len(refused) < most:
             task = waiting.popleft()
             under_way[executor.submit(compute, without, task)] = task, False
         done, _ = wait(under_way, return_when=FIRST_COMPLETED)
-        # Refused ones first: a worker that has computed with the solver has it for them, too.
+        # Refused tasks first: a worker that has computed one already has the solver.
         for future in sorted(done, key=lambda future: under_way[future][1]):
             task, sent = under_way.pop(future)
             answer = future.result()
@@ -116,15 +116,15 @@ def _dispatched(
             yield task, rows
 
 
-# -- what travels to a worker, and stays there -----------------------------------------------------
+# -- sent to a worker, and kept there --------------------------------------------------------------
 
 _names: WeakKeyDictionary[HeatMethod, str] = WeakKeyDictionary()
-"""Names unique in the world, by what copies of a solver share."""
+"""Globally unique names of solvers, by an object that copies of a solver share."""
 
 _kept: tuple[str, GeodesicSolver] | None = None
-"""In a worker: the last solver, as two might not fit into memory.
+"""The last solver of a worker; only one, as two may not fit into memory.
 
-Workers import this module by its name; in ``__main__`` each task would find another cache.
+Workers import this module by name; in ``__main__`` each task would have a cache of its own.
 """
 
 _lock = threading.Lock()
@@ -132,15 +132,15 @@ _lock = threading.Lock()
 
 @dataclass(frozen=True, eq=False)
 class Parcel:
-    """The name of a solver; for threads of this process the solver, too.
+    """The name of a solver; within this process the solver, too.
 
     Parameters
     ----------
     name : str
     solver : GeodesicSolver, optional
-        Is left behind where the parcel is pickled.
+        Not pickled with the parcel.
     content : bytes, optional
-        What another process makes the solver from.
+        The pickled solver.
     """
 
     name: str
@@ -151,7 +151,7 @@ class Parcel:
         return Parcel, (self.name, None, self.content)
 
     def opened(self) -> GeodesicSolver | None:
-        """Return the solver, factorised; None where it is neither here nor in the parcel."""
+        """Return the solver, factorised; None if it is neither cached nor in the parcel."""
         global _kept  # noqa: PLW0603 - a cache for the life of the process
         if self.solver is not None:
             return self.solver
@@ -160,22 +160,22 @@ class Parcel:
             return kept[1]
         if self.content is None:
             return None
-        with _lock:  # of the threads of one worker, one factorises
+        with _lock:  # only one thread of a worker factorises
             if _kept is None or _kept[0] != self.name:
                 _kept = None
-                solver = pickle.loads(self.content)  # noqa: S301 - our own
+                solver = pickle.loads(self.content)  # noqa: S301 - pickled by this package
                 solver.method.prepare()
                 _kept = self.name, solver
             return _kept[1]
 
 
 def pickled(solver: GeodesicSolver) -> bytes:
-    """Return what a worker makes the solver from.
+    """Return a solver as bytes for a worker.
 
     Raises
     ------
     InvalidOptionError
-        It holds something that cannot be pickled.
+        It holds an object that cannot be pickled.
     """
     try:
         return pickle.dumps(solver, protocol=pickle.HIGHEST_PROTOCOL)

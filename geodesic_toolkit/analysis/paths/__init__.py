@@ -1,4 +1,4 @@
-"""Shortest paths on meshes and clouds, by descent on distances and straightening.
+"""Shortest paths on meshes and clouds: descent on distances, then straightening.
 
-Imports solvers and what is below; not the matrix.
+Imports solvers and lower layers, but not the matrix.
 """

@@ -8,7 +8,7 @@ import numpy as np
 from geodesic_toolkit.analysis.paths.fronts import first_to_arrive, refined_distance
 from geodesic_toolkit.analysis.paths.polyline import Polyline, without_repeats
 from geodesic_toolkit.analysis.paths.reach import path_within_reach
-from geodesic_toolkit.analysis.paths.star_ways import path_down
+from geodesic_toolkit.analysis.paths.star_paths import path_down
 from geodesic_toolkit.core.types import FloatArray, IntArray
 from geodesic_toolkit.domains import PointCloud
 from geodesic_toolkit.errors import UnreachableError
@@ -26,10 +26,10 @@ class CloudPath(Polyline):
     ----------
     cloud : PointCloud
     corners : ndarray of shape (P, 3), int64
-        For each of its points three points of the cloud that it lies between; some may be the same.
+        For each point of the path, the three points of the cloud around it; some may be equal.
     weights : ndarray of shape (P, 3), float64
-        The weights of these, non-negative with sum 1: what the cloud's points carry is interpolated
-        along the path as ``(weights * values[corners]).sum(axis=1)``.
+        Weights of the corners, non-negative with sum 1. Values at the cloud's points are
+        interpolated along the path as ``(weights * values[corners]).sum(axis=1)``.
 
     Examples
     --------
@@ -49,20 +49,20 @@ class CloudPath(Polyline):
 
     @cached_property
     def points(self) -> FloatArray:
-        """The (P, 3) positions of the points; ``Curve`` of them is a source."""
-        places = self.cloud.points[self.corners]
-        return np.asarray(np.einsum("pc,pcd->pd", self.weights, places))
+        """The (P, 3) positions of the points; a ``Curve`` of them can be a source."""
+        positions = self.cloud.points[self.corners]
+        return np.asarray(np.einsum("pc,pcd->pd", self.weights, positions))
 
 
 def path_on_cloud(solver: GeodesicSolver, sources: SourcePoints, goal: SourcePoints) -> CloudPath:
-    """Return the path that descends the refined distance from one point of a cloud to sources.
+    """Return the path that descends the refined distance from one point of a cloud to the sources.
 
     Parameters
     ----------
     solver : GeodesicSolver
         Of a cloud.
     sources, goal : SourcePoints
-        At vertices; one is the goal.
+        At vertices; the goal is a single one.
 
     Returns
     -------
@@ -93,9 +93,9 @@ def path_on_cloud(solver: GeodesicSolver, sources: SourcePoints, goal: SourcePoi
     if path is None:
         raise UnreachableError(
             f"no triangle of the cloud connects point {start} with a source; one of them is "
-            "masked, or they lie in different parts of the cloud"
+            "masked, or they are in different components of the cloud"
         )
     corners, weights = path
-    places = CloudPath(cloud, corners, weights).points
-    kept = without_repeats(places, places)
+    positions = CloudPath(cloud, corners, weights).points
+    kept = without_repeats(positions, positions)
     return CloudPath(cloud, corners[kept], weights[kept])

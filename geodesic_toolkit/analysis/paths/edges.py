@@ -1,4 +1,4 @@
-"""Shortest paths along the edges of a graph, or of a kind of domain that knows its edges."""
+"""Shortest paths along the edges of a graph, or of another domain that has edges."""
 
 from dataclasses import dataclass
 from functools import cached_property
@@ -28,7 +28,7 @@ class EdgePath:
     vertices : ndarray of shape (P,), int64
         In order; an edge leads from each to the next.
     lengths : ndarray of shape (P - 1,), float64
-        Of these edges, in the unit of the domain.
+        Lengths of these edges, in the unit of the domain.
 
     Examples
     --------
@@ -55,7 +55,7 @@ class EdgePath:
         Raises
         ------
         UnsupportedDomainError
-            The domain has none: a graph.
+            The domain has no positions: it is a graph.
         """
         return positions_of(self.domain)[self.vertices]
 
@@ -66,15 +66,15 @@ class EdgePath:
 def path_along_edges(solver: GeodesicSolver, sources: SourcePoints, goal: SourcePoints) -> EdgePath:
     """Return the shortest path along edges from the nearest source to a goal.
 
-    From a place between vertices the path begins, or ends, at the vertex for which it is shortest,
-    including the straight line between the place and that vertex.
+    If a source or the goal is between vertices, the path ends at the vertex for which it is
+    shortest, including the straight line to that vertex.
 
     Parameters
     ----------
     solver : GeodesicSolver
         Of a domain with edges.
     sources, goal : SourcePoints
-        One is the goal.
+        The goal is a single one.
 
     Returns
     -------
@@ -88,32 +88,32 @@ def path_along_edges(solver: GeodesicSolver, sources: SourcePoints, goal: Source
         No edge connects the goal with a source.
     """
     domain, outside = solver.domain, solver.domain.n_vertices
-    ways = _with_sources(graph_of(solver.passable), sources)
+    lengths_with_sources = _with_sources(graph_of(solver.passable), sources)
     distance, before = dijkstra(
-        ways, directed=True, indices=np.array(outside), return_predecessors=True
+        lengths_with_sources, directed=True, indices=np.array(outside), return_predecessors=True
     )
     last = int(goal.vertices[np.argmin(distance[goal.vertices] + goal.distances)])
     if not np.isfinite(distance[last]):
         raise UnreachableError(
             f"no edge connects the target with a source: {domain.vertex_name} {last} lies in "
-            "another part, or behind masked vertices"
+            "another component, or behind masked vertices"
         )
     found = [last]
     while before[found[-1]] != outside:
         found.append(int(before[found[-1]]))
     vertices = np.array(found[::-1], dtype=np.int64)
-    steps = [ways[start, end] for start, end in pairwise(vertices.tolist())]
+    steps = [lengths_with_sources[start, end] for start, end in pairwise(vertices.tolist())]
     return EdgePath(domain, vertices, np.array(steps, dtype=np.float64))
 
 
 def _with_sources(graph: Graph, sources: SourcePoints) -> csr_array:
-    """Return the lengths of edges, and in one row more how late the vertices of sources start."""
+    """Return the edge lengths, with an extra row for the offsets of the sources' vertices."""
     edges, lengths = shortest_parallel_edges(graph.edges, graph.lengths)
-    late = sources.starts[sources.rows] + sources.distances
-    order = np.argsort(late, kind="stable")
+    offsets = sources.starts[sources.rows] + sources.distances
+    order = np.argsort(offsets, kind="stable")
     vertices, first = np.unique(sources.vertices[order], return_index=True)
     count = graph.n_vertices
     starts = np.column_stack([np.full_like(vertices, count), vertices])
     ends = np.concatenate([edges, edges[:, ::-1], starts])
-    weights = np.concatenate([lengths, lengths, late[order][first]])
+    weights = np.concatenate([lengths, lengths, offsets[order][first]])
     return csr_array(coo_array((weights, tuple(ends.T)), shape=(count + 1, count + 1)))

@@ -12,18 +12,18 @@ __all__ = ["first_to_arrive", "refined_distance"]
 
 
 def refined_distance(
-    solver: GeodesicSolver, metric: Discretization, places: SourcePoints
+    solver: GeodesicSolver, metric: Discretization, sources: SourcePoints
 ) -> FloatArray:
-    """Return the refined distance (N,) over a metric, whether the solver refines or not."""
+    """Return the refined distance (N,) on a metric, even if the solver does not refine."""
     method = solver.method
     if method.refine:
-        return method.distance(places)
-    sweeper = WavefrontSweeper(metric)  # which refuses what has no triangles
-    return sweeper.distance(method.log_heat(places, only_order=True), places)
+        return method.distance(sources)
+    sweeper = WavefrontSweeper(metric)  # it raises if there are no triangles
+    return sweeper.distance(method.log_heat(sources, only_order=True), sources)
 
 
 def first_to_arrive(sources: SourcePoints, back: FloatArray) -> SourcePoints:
-    """Return the source whose offset and way to the goal are least together, without its offset."""
+    """Return the source with the least offset plus distance to the goal, without its offset."""
     first = int(np.argmin(sources.starts + sources.weights @ back))
     around = slice(sources.begins[first], sources.begins[first + 1])
     return SourcePoints(

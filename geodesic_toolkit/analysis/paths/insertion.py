@@ -1,4 +1,4 @@
-"""Points made vertices: the faces around them are split, and the surface stays as it is."""
+"""Insertion of points as vertices: the faces around them are split, the surface does not change."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 __all__ = ["Insertion", "insert_points"]
 
 SNAP_WEIGHT = 1e-8
-"""Barycentric weight below which a point lies on the other side's edge or vertex."""
+"""Barycentric weight below which a point is on the opposite edge, or at a vertex."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -25,39 +25,39 @@ class Insertion:
     Attributes
     ----------
     vertices : ndarray of shape (N + A, 3), float64
-        The old ones first.
+        The old vertices first.
     faces : ndarray of shape (G, 3), int64
     parents : ndarray of shape (G,), int64
-        The old face that each is a part of.
-    places : ndarray of shape (P,), int64
+        The old face that contains each.
+    vertex_of_point : ndarray of shape (P,), int64
         The vertex of each point.
     added : list of mapping of vertex to weight
-        The A new vertices as combinations of old ones.
+        The A new vertices as combinations of old vertices.
     """
 
     vertices: FloatArray
     faces: IntArray
     parents: IntArray
-    places: IntArray
+    vertex_of_point: IntArray
     added: list[dict[int, float]]
 
     def weights_on(self, face: IntArray, vertex: int) -> FloatArray:
-        """Return the weights on the corners of an old face of a vertex that lies in it."""
+        """Return the weights of a vertex on the corners of the old face that contains it."""
         old = len(self.vertices) - len(self.added)
         point = self.added[vertex - old] if vertex >= old else {vertex: 1.0}
         return np.array([point.get(corner, 0.0) for corner in face.tolist()])
 
 
 def insert_points(vertices: FloatArray, faces: IntArray, weights: csr_array) -> Insertion:
-    """Return the mesh with points as vertices: a face is split in three, an edge's faces in two.
+    """Return the mesh with points as vertices: a face is split in three, faces at an edge in two.
 
     Parameters
     ----------
     vertices : ndarray of shape (N, 3), float64
     faces : ndarray of shape (F, 3), int64
-        Each with three different vertices.
+        Each has three different vertices.
     weights : csr_array of shape (P, N)
-        One row a point: its barycentric weights on one, two or three vertices of a face.
+        One row per point: its barycentric weights on one, two or three vertices of a face.
 
     Returns
     -------
@@ -70,15 +70,15 @@ def insert_points(vertices: FloatArray, faces: IntArray, weights: csr_array) -> 
     >>> from geodesic_toolkit.analysis.paths.insertion import insert_points
     >>> corners = np.array([[0.0, 0, 0], [1, 0, 0], [0, 1, 0]])
     >>> split = insert_points(corners, np.array([[0, 1, 2]]), csr_array([[0.5, 0.25, 0.25]]))
-    >>> split.faces.tolist(), split.places.tolist()
+    >>> split.faces.tolist(), split.vertex_of_point.tolist()
     ([[0, 1, 3], [1, 2, 3], [2, 0, 3]], [3])
     """
     splitter = _Splitter(faces, len(vertices))
-    places = []
+    vertex_of_point = []
     for row in range(weights.shape[0]):
         entries = slice(weights.indptr[row], weights.indptr[row + 1])
         pairs = zip(weights.indices[entries].tolist(), weights.data[entries].tolist(), strict=True)
-        places.append(splitter.insert(dict(pairs)))
+        vertex_of_point.append(splitter.insert(dict(pairs)))
     added = [
         sum((share * vertices[vertex] for vertex, share in point.items()), np.zeros(3))
         for point in splitter.points
@@ -88,20 +88,20 @@ def insert_points(vertices: FloatArray, faces: IntArray, weights: csr_array) -> 
         np.vstack([vertices, *added]),
         parts,
         parents,
-        np.array(places, dtype=np.int64),
+        np.array(vertex_of_point, dtype=np.int64),
         splitter.points,
     )
 
 
 class _Splitter:
-    """Faces under the knife; a point is a mapping from old vertices to its weights on them."""
+    """Faces that are being split; a point is a mapping from old vertices to its weights on them."""
 
     def __init__(self, faces: IntArray, n_vertices: int) -> None:
         self.points: list[dict[int, float]] = []
         self._original = faces
         self._n_vertices = n_vertices
-        self._made: list[tuple[int, list[int]]] = []  # (old face, corners), numbered on from them
-        self._parts: dict[int, list[int]] = {}  # what is left of the old faces that were split
+        self._made: list[tuple[int, list[int]]] = []  # (old face, corners), numbered after those
+        self._parts: dict[int, list[int]] = {}  # current parts of each split face
 
     def result(self) -> tuple[IntArray, IntArray]:
         """Return the faces and the old face of each."""
@@ -112,12 +112,12 @@ class _Splitter:
         return np.vstack(faces).astype(np.int64), np.concatenate(parents).astype(np.int64)
 
     def _piece(self, part: int) -> tuple[int, list[int]]:
-        """Return the old face that a part is of, and its corners."""
+        """Return the old face that contains a part, and the corners of the part."""
         count = len(self._original)
         return self._made[part - count] if part >= count else (part, self._original[part].tolist())
 
     def insert(self, point: dict[int, float]) -> int:
-        """Return the vertex at a point, which may be there already."""
+        """Return the vertex at a point, which may exist already."""
         kept = {vertex: share for vertex, share in point.items() if share > SNAP_WEIGHT}
         total = sum(kept.values())
         kept = {vertex: share / total for vertex, share in kept.items()}
@@ -125,7 +125,7 @@ class _Splitter:
             return next(iter(kept))
         inside = np.isin(self._original, list(kept)).sum(axis=1) == len(kept)
         parts = [part for old in np.flatnonzero(inside).tolist() for part in self._parts_of(old)]
-        if not parts:  # on a face that was left out: connected to nothing
+        if not parts:  # on an omitted face: not connected
             return self._new_vertex(kept)
         part, local = self._containing(parts, kept)
         _, face = self._piece(part)
@@ -143,7 +143,7 @@ class _Splitter:
         return vertex
 
     def _containing(self, parts: list[int], point: dict[int, float]) -> tuple[int, FloatArray]:
-        """Return the part that a point lies in, and its barycentric weights there."""
+        """Return the part that contains a point, and its barycentric weights there."""
         best, found = parts[0], np.full(3, -np.inf)
         for part in parts:
             parent, face = self._piece(part)
@@ -170,7 +170,7 @@ class _Splitter:
     def _split(
         self, part: int, vertex: int, face: list[int], *, edge: list[int] | None = None
     ) -> None:
-        """Replace a part by those between its edges and a new vertex, in it or on its `edge`."""
+        """Replace a part by triangles around a new vertex, inside it or on its `edge`."""
         old, _ = self._piece(part)
         parts = [other for other in self._parts_of(old) if other != part]
         for corner in range(3):

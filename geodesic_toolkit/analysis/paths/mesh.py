@@ -1,4 +1,4 @@
-"""Shortest paths: down the refined distance, then straightened across the faces."""
+"""Shortest paths: descent on the refined distance, then straightening across the faces."""
 
 from dataclasses import dataclass
 from functools import cached_property
@@ -33,13 +33,13 @@ __all__ = ["GeodesicPath", "geodesic_path"]
 class GeodesicPath(Polyline):
     """A polyline on a triangle mesh, from source to target.
 
-    Between two of its points it runs straight through one face.
+    Between two consecutive points it is straight and within one face.
 
     Attributes
     ----------
     mesh : TriangleMesh
     surface_points : tuple of SurfacePoint
-        P points; :meth:`GeodesicSolver.distance` takes them as sources, and ``Curve`` of them.
+        The P points; they can be sources, also as a ``Curve``.
 
     Examples
     --------
@@ -68,46 +68,46 @@ class GeodesicPath(Polyline):
 def geodesic_path(
     solver: GeodesicSolver, source: Any, target: Any
 ) -> GeodesicPath | CloudPath | EdgePath:
-    """Return a shortest path over a mesh, a cloud or a graph from the nearest source to a target.
+    """Return a shortest path on a mesh, a cloud or a graph from the nearest source to a target.
 
-    The refined distance from the sources is descended from the target; the strip of faces passed
-    on the way is unfolded, the shortest line through it drawn, and the strip led around the other
-    side of a vertex wherever that is shorter. What comes out is a geodesic of the polyhedron: no
-    path close to it is shorter. Of several far apart that are almost equally long (over different
-    sides of a mountain) it need not be the shortest: on scans and models it is but for a few
-    thousandths, on crumpled surfaces it can be a few per cent longer.
+    Descent on the refined distance from the target passes through a strip of faces. The strip is
+    unfolded, the shortest line through it drawn, and the strip moved to the other side of a vertex
+    wherever that is shorter. The result is a geodesic of the polyhedron: every path close to it is
+    at least as long. If paths far apart are almost equally long (around different sides of a
+    mountain), it may not be the shortest: on scans and models it is longer by a few thousandths at
+    most, on crumpled surfaces by up to a few per cent.
 
-    On a cloud the path runs through the triangles of the local stars in the same way; where stars
-    disagree it may keep a bend that a mesh would straighten. It passes through the points as they
+    On a cloud the path runs through the triangles of the local stars. It may keep a bend where
+    stars disagree, which a mesh would straighten. It passes through the points as they
     are: noise of a third of the spacing makes it 2 to 4 % longer than the distance, which is
     measured along the tangent planes.
 
-    On a graph, and on another kind of domain with edges, it is the shortest path along edges, which
-    is longer than a distance across them.
+    On a graph, and on other domains with edges, it is the shortest path along edges, which
+    is longer than a distance across faces.
 
     Parameters
     ----------
     solver : GeodesicSolver
-        Its heat gives the distances their order, no factor is made.
+        Its heat orders the vertices; nothing is factorised.
     source : int, array-like, SurfacePoint, sequence of them, Curve or OffsetSources
-        As :meth:`GeodesicSolver.distance` takes them. Of sources that start late the path leads
-        from the one whose offset and way are least together; its length is that of the way.
+        As for :meth:`GeodesicSolver.distance`. Among sources with offsets the path begins at the
+        one with the least offset plus length; its length does not include the offset.
     target : int, array-like of float, or SurfacePoint
-        One place. On a cloud a point in space is snapped to the nearest point.
+        One point. On a cloud a point in space is snapped to the nearest point.
 
     Returns
     -------
     GeodesicPath, CloudPath or EdgePath
-        On a mesh, on a cloud, and along edges. One point where the target is a source.
+        On a mesh, on a cloud, and along edges. A single point if the target is a source.
 
     Raises
     ------
     InvalidOptionError
-        Something else than a solver.
+        `solver` is not a solver.
     UnsupportedDomainError
-        A cloud whose operator makes no triangles; a kind of domain without edges.
+        A cloud whose operator makes no triangles; a domain without edges.
     InvalidSourceError
-        Sources or a target that name no place; a masked source; several targets.
+        Sources or a target that do not name points; a masked source; several targets.
     UnreachableError
         No triangle connects the target with a source.
 
@@ -128,12 +128,12 @@ def geodesic_path(
     check_solver(solver, "a path")
     domain = solver.domain
     if isinstance(target, OffsetSources):
-        raise InvalidSourceError("target: a path leads to a place; offsets are for sources")
+        raise InvalidSourceError("target: a target has no offset; offsets are for sources")
     sources = solver.locate(source, "source")
     goal = locate_sources(domain, target, "target", passable=solver.passable)
     if goal.count != 1:
         raise InvalidSourceError(
-            f"target: a path leads to one place, not to {goal.count}; ask for a path to each"
+            f"target: a path ends at one point, not at {goal.count}; call it for each"
         )
     if isinstance(domain, PointCloud):
         return path_on_cloud(solver, sources, goal)
@@ -148,8 +148,8 @@ def geodesic_path(
     if path is None:
         seams = f". {solver.seams.finding}; {solver.seams.cure}" if solver.seams else ""
         raise UnreachableError(
-            f"no face connects the target {target!r} with a source; they lie in different "
-            f"components of the mesh, in no face, or behind masked vertices{seams}"
+            f"no face connects the target {target!r} with a source; they are in different "
+            f"components of the mesh, outside all faces, or behind masked vertices{seams}"
         )
     return path
 
@@ -161,15 +161,15 @@ def _path_on_mesh(
     sources: SourcePoints,
     goal: SourcePoints,
 ) -> GeodesicPath | None:
-    """Return the path that descends the refined distance from a place of a mesh to sources.
+    """Return the path that descends the refined distance from a point of a mesh to the sources.
 
-    None where no face connects them.
+    None if no face connects them.
     """
     conducting = np.isfinite(distance)[mesh.faces].all(axis=1)  # not those of masked vertices
     original = np.flatnonzero(proper_faces(mesh.faces) & conducting)
     both = csr_array(vstack([goal.weights, sources.weights]))
     split = insert_points(mesh.vertices, mesh.faces[original], both)
-    start, ends = int(split.places[0]), split.places[1:]
+    start, ends = int(split.vertex_of_point[0]), split.vertex_of_point[1:]
     added = np.zeros(len(split.vertices) - len(distance))
     height, behind = np.concatenate([distance, added]), np.concatenate([back, added])
     height[start], behind[ends] = (goal.weights @ distance)[0], sources.weights @ back
@@ -182,17 +182,18 @@ def _path_on_mesh(
     unreached = start in ends or not np.isfinite(height[start])
     if unreached:
         return None
-    way = best_path(split.vertices, split.faces, height, behind, start=start, ends=ends)
-    if way is None:
+    best = best_path(split.vertices, split.faces, height, behind, start=start, ends=ends)
+    if best is None:
         return None
-    passed = zip(way.faces[::-1].tolist(), way.ends[::-1].tolist(), way.weights[::-1], strict=True)
-    path = GeodesicPath(mesh, tuple(_surface_point(mesh, original, split, at) for at in passed))
+    parts = best.faces[::-1].tolist(), best.ends[::-1].tolist(), best.weights[::-1]
+    points = (_surface_point(mesh, original, split, at) for at in zip(*parts, strict=True))
+    path = GeodesicPath(mesh, tuple(points))
     kept = without_repeats(path.points, mesh.vertices[mesh.used])
     return GeodesicPath(mesh, tuple(path.surface_points[index] for index in kept))
 
 
 def _with_triangles(solver: GeodesicSolver) -> Discretization:
-    """Return the metric of a solver, or that of its mesh where the solver's has no triangles."""
+    """Return the metric of a solver, or that of its mesh if the solver's has no triangles."""
     metric, mesh = solver.method.metric, solver.passable
     gradient = metric.on_surface
     three = isinstance(gradient, ElementGradient) and gradient.elements.shape[1] == 3
@@ -207,9 +208,9 @@ def _surface_point(
     split: Insertion,
     at: tuple[int, list[int], FloatArray],
 ) -> SurfacePoint:
-    """Return a point as one of a face, where it is known by a part of that.
+    """Return a point of the split mesh as a point of the old face that contains it.
 
-    By the number of the part, vertices of that, and their shares of the point.
+    The point is given by a face of the split mesh, vertices of this face, and their shares.
     """
     face, vertices, shares = at
     whole = int(original[split.parents[face]])

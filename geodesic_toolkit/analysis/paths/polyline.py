@@ -1,4 +1,4 @@
-"""What paths have in common: points in space, one after the other."""
+"""Polylines: the base class of paths that are sequences of points in space."""
 
 import abc
 
@@ -9,7 +9,7 @@ from geodesic_toolkit.core.types import FloatArray
 __all__ = ["Polyline", "without_repeats"]
 
 SAME = 1e-12
-"""Share of the size of the shape within which two points are one."""
+"""Distance within which two points are equal, relative to the size of the shape."""
 
 
 class Polyline(abc.ABC):
@@ -29,19 +29,19 @@ class Polyline(abc.ABC):
         return f"{type(self).__name__}({len(self.points)} points, length {self.length:.6g})"
 
 
-def without_repeats(places: FloatArray, within: FloatArray) -> list[int]:
-    """Return which points of a path are not where the one before them is; both ends stay.
+def without_repeats(positions: FloatArray, within: FloatArray) -> list[int]:
+    """Return the indices of points that differ in position from the previous one; both ends stay.
 
     Parameters
     ----------
-    places : ndarray of shape (P, 3)
+    positions : ndarray of shape (P, 3)
     within : ndarray of shape (N, 3)
-        Points that extend as far as the shape does.
+        Points whose extent is that of the shape.
     """
     near = SAME * float(np.ptp(within, axis=0).max())
     kept = [0]
-    for index in range(1, len(places)):
-        if np.linalg.norm(places[index] - places[kept[-1]]) > near:
+    for index in range(1, len(positions)):
+        if np.linalg.norm(positions[index] - positions[kept[-1]]) > near:
             kept.append(index)
-    kept[-1] = len(places) - 1 if len(kept) > 1 else 0
+    kept[-1] = len(positions) - 1 if len(kept) > 1 else 0
     return kept

@@ -1,11 +1,11 @@
-"""Paths on large clouds, by distances near the path alone."""
+"""Paths on large clouds, from distances near the path alone."""
 
 from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
 
-from geodesic_toolkit.analysis.paths.star_ways import length_of, path_down, stars_connect
+from geodesic_toolkit.analysis.paths.star_paths import length_of, path_down, stars_connect
 from geodesic_toolkit.core.types import BoolArray, FloatArray, IntArray
 from geodesic_toolkit.discretization.data import Discretization
 from geodesic_toolkit.discretization.element_gradient import ElementGradient
@@ -17,46 +17,46 @@ from geodesic_toolkit.sources.points import SourcePoints
 __all__ = ["path_within_reach"]
 
 MAX_POINTS_OF_REGION = 30_000
-"""Points of the cloud that fronts are swept over; clouds of no more are taken whole. From source to
-target 1,000 spacings away it is a band of 30."""
+"""Number of points of the region over which fronts are swept; smaller clouds are swept whole.
+Between a source and a target 1,000 spacings apart the region is a band of 30 spacings."""
 
 AT_ENDS = 2_000
-"""Points around both ends that are part of the region too: where heat is greatest is a lens, which
-ends in a tip at either end."""
+"""Number of points around each end that are added to the region: the set of greatest heat is a
+lens, which is a tip at either end."""
 
 MAX_MOVES_OF_REGION = 8
-"""Times that the region is moved to where the path has come to its rim; after that the whole cloud
-is swept over."""
+"""Number of times that the region is moved to a path that has reached its rim; then the whole cloud
+is swept."""
 
 MIN_RELATIVE_SHORTENING = 1e-4
 """Share of its length by which a path must have become shorter for the region to be moved again.
-Between places that are almost opposite to each other on a sphere, ways are as long all around."""
+Paths between almost opposite points of a sphere are equally long in all directions."""
 
 DOUBT_OF_LOG_HEAT = (1.1, 5.0)
-"""Factor and summand, in powers of e, within which heat does not tell which source is nearest: its
-decay depends on the direction and on the spacing."""
+"""Factor and summand, in powers of e, within which heat does not decide which source is nearest:
+its decay depends on the direction and on the spacing."""
 
 
 def path_within_reach(
     solver: GeodesicSolver, sources: SourcePoints, goal: SourcePoints
 ) -> tuple[IntArray, FloatArray] | None:
-    """Return corners and weights of a path, as `path_down` does, from a part of a large cloud.
+    """Return the corners and weights of a path, as `path_down` does, from a part of a large cloud.
 
-    The product of the heats of both ends is greatest along the shortest path. Where it is greatest
-    fronts are swept from both, and the path found; while that comes to the rim of this region, the
-    region is moved along.
+    The product of the heats of both ends is greatest along the shortest path. Fronts are swept from
+    both ends over the region of the greatest products, and the path is found there. If it reaches
+    the rim of the region, the region is moved to the path.
 
     Parameters
     ----------
     solver : GeodesicSolver
         Of a cloud.
     sources, goal : SourcePoints
-        At vertices; one is the goal, and none of the sources.
+        At vertices; the goal is a single one, and not a source.
 
     Returns
     -------
     (corners, weights) or None
-        None where the whole cloud is to be looked at: it is not large, heat does not connect, the
+        None if the whole cloud is needed: it is not large, heat does not connect the ends, the
         nearest source is in doubt, or the region does not hold the path.
     """
     cloud, method = solver.domain, solver.method
@@ -78,7 +78,7 @@ def path_within_reach(
 
 @dataclass(frozen=True, eq=False)
 class _Search:
-    """A search near the path; `heat` and `behind` are log u (N,) of the sources and the start."""
+    """A search near the path; `heat` and `behind` are log u (N,) of sources and start."""
 
     metric: Discretization
     points: FloatArray
@@ -89,7 +89,7 @@ class _Search:
 
     @cached_property
     def near(self) -> IntArray:
-        """The sources that may be the nearest one."""
+        """Vertices of the sources that are candidates for the nearest."""
         falls = -self.behind[self.sources.vertices]
         least = falls.min()
         near: IntArray = self.sources.vertices[
@@ -98,7 +98,7 @@ class _Search:
         return near
 
     def first_region(self) -> BoolArray | None:
-        """Return whether heat is greatest at each vertex; None where it does not tell enough."""
+        """Return whether heat is among the greatest at each vertex; None if that is undecided."""
         both = self.heat + self.behind
         if not np.isfinite(both[self.start]):
             return None
@@ -113,13 +113,13 @@ class _Search:
     def follow(self, within: BoolArray) -> tuple[IntArray, FloatArray] | None:
         """Return the path from a region, which is moved while that makes the path shorter.
 
-        None where it still does after so many moves, and where nothing connects.
+        None if it is still moving after `MAX_MOVES_OF_REGION` moves, or if nothing connects.
         """
         best, shortest = None, np.inf
         for move in range(MAX_MOVES_OF_REGION):
             part = _Part.of(self.metric, within)
             path = self.path(part)
-            if path is None and move == 0:  # heat is great in several places that do not meet
+            if path is None and move == 0:  # the region of great heat is disconnected
                 within = self.around(self.up())
                 continue
             if path is None:
@@ -135,19 +135,19 @@ class _Search:
         return None
 
     def path(self, part: "_Part") -> tuple[IntArray, FloatArray] | None:
-        """Return the path within a part, in numbers of the whole."""
+        """Return the path within a part, in vertex indices of the whole cloud."""
         here = np.flatnonzero(np.isin(self.sources.vertices, part.vertices))
         ends = np.searchsorted(part.vertices, self.sources.vertices[here])
         first = np.searchsorted(part.vertices, [self.start])
         sweeper, count = WavefrontSweeper(part.metric), len(part.vertices)
-        places = replace(
+        located = replace(
             SourcePoints.at_vertices(ends, count),
             distances=self.sources.distances[here],
             front_curvatures=self.sources.curvatures[here],
         )
-        distance = sweeper.distance(self.heat[part.vertices], places)
+        distance = sweeper.distance(self.heat[part.vertices], located)
         # Heat flows over a bridge, a triangle of one star alone between sheets; the region then
-        # holds no other way.
+        # holds no other path.
         if not np.isfinite(distance[first[0]]) or not stars_connect(
             part.metric, ends, int(first[0])
         ):
@@ -159,7 +159,7 @@ class _Search:
         return None if path is None else (part.vertices[path[0]], path[1])
 
     def up(self) -> IntArray:
-        """Return the vertices along edges from the start to where nothing beside is hotter."""
+        """Return the vertices along edges from the start to a local maximum of the heat."""
         starts, neighbours, _ = self.metric.rows.arrays
         chain = [self.start]
         while True:
@@ -170,7 +170,7 @@ class _Search:
             chain.append(hottest)
 
     def around(self, vertices: IntArray) -> BoolArray:
-        """Return a region around vertices and the sources that may be the nearest one."""
+        """Return a region around vertices and around the candidates for the nearest source."""
         within = _around(self.metric, vertices, MAX_POINTS_OF_REGION)
         within[self.near] = True
         return within
@@ -185,9 +185,9 @@ class _Part:
     metric : Discretization
         On the vertices of the part.
     vertices : ndarray of shape (n,), int64
-        These by their numbers in the whole.
+        Indices of these vertices in the whole.
     rim : ndarray of shape (N,), bool
-        Vertices of the whole that have lost a triangle.
+        Vertices of the whole cloud that have lost a triangle.
     """
 
     metric: Discretization
@@ -196,7 +196,7 @@ class _Part:
 
     @classmethod
     def of(cls, metric: Discretization, within: BoolArray) -> "_Part":
-        """Return the part on some (N,) vertices."""
+        """Return the part on the vertices where the mask `within` (N,) is true."""
         gradient = metric.gradient
         assert isinstance(gradient, ElementGradient)  # for the type checker
         inside = within[gradient.elements]
@@ -228,7 +228,7 @@ class _Part:
 
 
 def _around(metric: Discretization, vertices: IntArray, size: int) -> BoolArray:
-    """Return at least so many vertices around some, ring by ring, as far as there are any."""
+    """Return at least `size` vertices around some, ring by ring, or all that are connected."""
     starts, neighbours, _ = metric.rows.arrays
     within = np.zeros(metric.n_vertices, dtype=np.bool_)
     front = np.unique(vertices)
@@ -237,7 +237,7 @@ def _around(metric: Discretization, vertices: IntArray, size: int) -> BoolArray:
         within[front] = True
         count += len(front)
         lengths = starts[front + 1] - starts[front]
-        places = np.repeat(starts[front] - np.cumsum(lengths) + lengths, lengths)
-        beside = np.unique(neighbours[places + np.arange(len(places))]).astype(np.int64)
+        positions = np.repeat(starts[front] - np.cumsum(lengths) + lengths, lengths)
+        beside = np.unique(neighbours[positions + np.arange(len(positions))]).astype(np.int64)
         front = beside[~within[beside]]
     return within

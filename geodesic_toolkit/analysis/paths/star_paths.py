@@ -1,9 +1,9 @@
-"""Ways through the triangles and links of a cloud's stars."""
+"""Paths through the triangles and links of a cloud's stars."""
 
 import numpy as np
 
 from geodesic_toolkit import _native
-from geodesic_toolkit.analysis.paths.candidates import Way, best_path
+from geodesic_toolkit.analysis.paths.candidates import Candidate, best_path
 from geodesic_toolkit.core.types import FloatArray, IntArray
 from geodesic_toolkit.discretization.data import Discretization
 from geodesic_toolkit.discretization.element_gradient import ElementGradient
@@ -13,8 +13,8 @@ __all__ = ["length_of", "path_down", "stars_connect"]
 
 MIN_LENGTH_RATIO = 0.99
 """Share of the refined distance below which a path has taken a bridge: a triangle of one star
-alone, over a gap or across a bend, which the other stars have seen better. Such are left out then.
-(They are not always: in noise stars differ all over, and a path around would be longer.)"""
+alone, over a gap or across a bend, with which the other stars disagree. Such triangles are then
+omitted. (Not always: in noise all stars differ, and a path around them would be longer.)"""
 
 
 def path_down(
@@ -31,35 +31,35 @@ def path_down(
     Parameters
     ----------
     metric : Discretization
-        Whose elements are triangles (i, j, k) and links (i, j, j).
+        Its elements are triangles (i, j, k) and links (i, j, j).
     points : ndarray of shape (N, 3), float64
     distance, back : ndarray of shape (N,), float64
         The refined distances from the ends and from the start.
     ends : ndarray of shape (K,), int64
     start : int
-        None of the ends.
+        Not one of the ends.
 
     Returns
     -------
     (corners, weights) or None
-        None where no triangle leads from the start to an end.
+        None if no triangle leads from the start to an end.
     """
-    assert isinstance(metric.gradient, ElementGradient)  # for the type checker; it was refined on
+    assert isinstance(metric.gradient, ElementGradient)  # for the type checker
     elements = metric.gradient.elements
     reached = np.isfinite(distance) & np.isfinite(back)
     triangles, stars, links = _apart(elements[reached[elements].all(axis=1)])
-    places = np.where(reached[:, None], points, 0.0)
-    path = _through(triangles, links, places, distance, back, ends=ends, start=start)
-    if path is not None and length_of(places, *path) < MIN_LENGTH_RATIO * distance[start]:
+    positions = np.where(reached[:, None], points, 0.0)
+    path = _through(triangles, links, positions, distance, back, ends=ends, start=start)
+    if path is not None and length_of(positions, *path) < MIN_LENGTH_RATIO * distance[start]:
         agreed = triangles[stars > 1]
-        around = _through(agreed, links, places, distance, back, ends=ends, start=start)
+        around = _through(agreed, links, positions, distance, back, ends=ends, start=start)
         return path if around is None else around
     return path
 
 
 def stars_connect(metric: Discretization, ends: IntArray, start: int) -> bool:
     """Return whether triangles in more than one star, and links, lead from a start to an end."""
-    assert isinstance(metric.gradient, ElementGradient)  # for the type checker; it was refined on
+    assert isinstance(metric.gradient, ElementGradient)  # for the type checker
     triangles, stars, links = _apart(metric.gradient.elements)
     agreed = triangles[stars > 1]
     pairs = np.concatenate([agreed[:, :2], agreed[:, 1:], links])
@@ -68,7 +68,7 @@ def stars_connect(metric: Discretization, ends: IntArray, start: int) -> bool:
 
 
 def _apart(elements: IntArray) -> tuple[IntArray, IntArray, IntArray]:
-    """Return triangles (T, 3), in how many stars each is (T,), and links (L, 2), each once."""
+    """Return triangles (T, 3), the number of stars of each (T,), and links (L, 2), each once."""
     triangles, stars = _native.distinct_triangles(np.ascontiguousarray(elements))
     linked = (elements[:, :2] == elements[:, 1:]).any(axis=1)
     links = np.unique(np.sort(elements[linked], axis=1)[:, [0, 2]], axis=0)
@@ -86,20 +86,20 @@ def _through(
     start: int,
 ) -> tuple[IntArray, FloatArray] | None:
     """Return the path through triangles (T, 3) and links (L, 2)."""
-    # A link becomes a triangle without area, whose third corner is its middle.
+    # A link becomes a triangle without area, whose third corner is its midpoint.
     middles = len(points) + np.arange(len(links))
-    places = np.concatenate([points, points[links].mean(axis=1)])
+    positions = np.concatenate([points, points[links].mean(axis=1)])
     faces = np.concatenate([triangles, np.column_stack([links, middles])])
     height, behind = (np.concatenate([d, d[links].mean(axis=1)]) for d in (distance, back))
     height[ends] = 0.0
-    way = best_path(places, faces, height, behind, start=start, ends=ends)
-    return None if way is None else _between_points(way, links, len(points))
+    path = best_path(positions, faces, height, behind, start=start, ends=ends)
+    return None if path is None else _between_points(path, links, len(points))
 
 
-def _between_points(way: Way, links: IntArray, count: int) -> tuple[IntArray, FloatArray]:
-    """Return a way from its end to its start, its points between three of the cloud each."""
+def _between_points(path: Candidate, links: IntArray, count: int) -> tuple[IntArray, FloatArray]:
+    """Return a path from its end to its start, each point between three points of the cloud."""
     corners, weights = [], []
-    for pair, shares in zip(way.ends[::-1].tolist(), way.weights[::-1].tolist(), strict=True):
+    for pair, shares in zip(path.ends[::-1].tolist(), path.weights[::-1].tolist(), strict=True):
         spread: dict[int, float] = {}
         for vertex, share in zip(pair, shares, strict=True):
             own = [vertex] if vertex < count else links[vertex - count].tolist()
@@ -113,5 +113,5 @@ def _between_points(way: Way, links: IntArray, count: int) -> tuple[IntArray, Fl
 
 def length_of(points: FloatArray, corners: IntArray, weights: FloatArray) -> float:
     """Return the length of a path as `path_down` returns it."""
-    places = np.einsum("pc,pcd->pd", weights, points[corners])
-    return float(np.linalg.norm(np.diff(places, axis=0), axis=1).sum())
+    positions = np.einsum("pc,pcd->pd", weights, points[corners])
+    return float(np.linalg.norm(np.diff(positions, axis=0), axis=1).sum())
