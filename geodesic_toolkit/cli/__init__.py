@@ -1,4 +1,4 @@
-"""The command line: one module a command, and what they share."""
+"""The command line: one module per command, and shared modules."""
 
 from geodesic_toolkit.cli.program import app, main
 

@@ -1,4 +1,4 @@
-"""Arguments that commands share, checked before any work."""
+"""Arguments shared by commands, checked before any work."""
 
 import math
 from collections.abc import Sequence
@@ -50,13 +50,13 @@ Input = Annotated[
 
 @dataclass(frozen=True)
 class MarkedVertices:
-    """A file that marks vertices, and the region of it that is meant."""
+    """A file that marks vertices, and the chosen region of it."""
 
     path: Path
     region: str | None = None
 
     def mask(self, n_vertices: int) -> "BoolArray":
-        """Return them as a mask of N vertices."""
+        """Return a mask of N vertices, true at the marked ones."""
         from geodesic_toolkit.io import read_mask
 
         return read_mask(self.path, n_vertices, region=self.region)
@@ -66,7 +66,7 @@ class MarkedVertices:
 
 
 def find_marked(text: str) -> MarkedVertices | None:
-    """Return the file that ``FILE`` or ``FILE:REGION`` names; None where there is none."""
+    """Return the file that ``FILE`` or ``FILE:REGION`` names; None if it does not exist."""
     if Path(text).is_file():
         return MarkedVertices(Path(text))
     file, colon, region = text.rpartition(":")
@@ -119,16 +119,16 @@ Weld = Annotated[
     float | None,
     typer.Option(
         metavar="TOL",
-        help="Make one of the vertices of a mesh that are no farther apart than this, in its unit, "
-        "so that paths cross seams: 0 for those at the same place. Vertices that are given and "
-        "written are those of the file all the same.",
+        help="Merge vertices of a mesh that are no farther apart than this, in its unit, so that "
+        "paths cross seams: 0 for those at the same position. Inputs and outputs still use the "
+        "vertices of the file.",
         show_default=False,
     ),
 ]
 
 
 class BoundaryChoice(StrEnum):
-    """Conditions on the heat at boundaries."""
+    """Boundary conditions of the heat."""
 
     neumann = "neumann"
     dirichlet = "dirichlet"
@@ -136,14 +136,14 @@ class BoundaryChoice(StrEnum):
 
 
 def parse_sources(texts: Sequence[str]) -> list[int] | list[list[float]]:
-    """Return vertex indices, or points in space, from what was typed: all of one kind.
+    """Return vertex indices, or points in space, from the texts typed: all of one kind.
 
-    A file of vertices, ``FILE`` or ``FILE:REGION``, stands for those that it marks.
+    A file of vertices, ``FILE`` or ``FILE:REGION``, stands for the vertices that it marks.
 
     Raises
     ------
     InvalidSourceError
-        Neither a whole number nor three numbers nor a file, or vertices and points mixed.
+        Not a whole number, three numbers or a file; or vertices and points mixed.
     ReadError
         The file cannot be read.
     """
@@ -153,7 +153,7 @@ def parse_sources(texts: Sequence[str]) -> list[int] | list[list[float]]:
     if vertices and points:
         raise InvalidSourceError(
             f"--source {vertices[0]} is a vertex and --source {','.join(map(str, points[0]))} "
-            "a point; give all of one kind"
+            "is a point; give all of one kind"
         )
     return vertices or points
 
@@ -190,15 +190,15 @@ def check_time(time: float | None, time_factor: float | None) -> None:
 
 
 def check_reach(reach: float | None, at: Path | None) -> None:
-    """Raise an `InvalidOptionError` for a reach without points, or one that is not a length."""
+    """Raise an `InvalidOptionError` for a reach without points, or one that is not positive."""
     if reach is not None and at is None:
-        raise InvalidOptionError("--reach is for the points of --at")
+        raise InvalidOptionError("--reach needs points: give --at too")
     if reach is not None and not reach > 0:
         raise InvalidOptionError(f"--reach must be positive, not {reach:g}")
 
 
 def check_thin(thin: float | None, mask: object) -> None:
-    """Raise an `InvalidOptionError` for a spacing that is none, or beside a mask."""
+    """Raise an `InvalidOptionError` for a spacing that is not valid, or beside a mask."""
     if thin is not None and not (thin > 0 and math.isfinite(thin)):
         raise InvalidOptionError(f"--thin must be positive and finite, not {thin:g}")
     if thin is not None and mask is not None:
@@ -208,15 +208,15 @@ def check_thin(thin: float | None, mask: object) -> None:
 
 
 def check_positions(domain: "Domain") -> None:
-    """Raise an `InvalidOptionError` where `domain` has no positions for points to be near to."""
+    """Raise an `InvalidOptionError` if `domain` has no positions, to which points could be near."""
     if not domain.has("positions"):
         raise InvalidOptionError(
-            f"--at: a {type(domain).__name__} has no positions; its vertices are all there is"
+            f"--at: a {type(domain).__name__} has no positions to measure at; omit --at"
         )
 
 
 def check_plugins(solver: str, *operators: str | None) -> None:
-    """Raise a `PluginError` unless the solver and the operators are there and load."""
+    """Raise a `PluginError` unless the solver and the operators are installed and load."""
     from geodesic_toolkit.registry import catalog
 
     catalog.resolve_solvers(solver)

@@ -1,4 +1,4 @@
-"""``geodesic-toolkit check``: the laws of its contract, measured on a plugin."""
+"""``geodesic-toolkit check``: measure whether a plugin obeys the laws of its contract."""
 
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -14,21 +14,21 @@ if TYPE_CHECKING:
 __all__ = ["check"]
 
 BROKEN = 1
-"""Exit status where a law is broken."""
+"""Exit status if a law is broken."""
 
 Name = Annotated[
     str,
     typer.Argument(
         metavar="NAME",
-        help="An operator or a solver; operator:NAME or solver:NAME where both have it.",
+        help="An operator or a solver; operator:NAME or solver:NAME if the name is ambiguous.",
     ),
 ]
 
 
 def check(name: Name, json: Json = False) -> None:
-    """Check an operator or a solver against its contract; exit status 1 where a law is broken.
+    """Check an operator or a solver against its contract; exit status 1 if a law is broken.
 
-    Of an operator on a kind of domain of its own, that kind is checked as well.
+    For an operator on a kind of domain of its own, that kind is checked as well.
     """
     with running() as run, run.step(f"checking {name}"):
         kind, report = _checked(name)
@@ -42,7 +42,7 @@ def check(name: Name, json: Json = False) -> None:
 
 
 def _checked(name: str) -> tuple[str, "ConformanceReport"]:
-    """Return the kind of plugin that `name` is, and the report on it with its default options."""
+    """Return the kind of a plugin, and the report on it with its default options."""
     from geodesic_toolkit import testing
     from geodesic_toolkit.registry import catalog
 
@@ -59,12 +59,12 @@ def _checked(name: str) -> tuple[str, "ConformanceReport"]:
 
 
 def _kind_and_name(name: str, operators: Any, solvers: Any) -> tuple[str, str]:
-    """Return the registry that a name is looked up in, and what is left of the name.
+    """Return the registry that has the plugin, and the name without its prefix.
 
     Raises
     ------
     PluginConflictError
-        An operator and a solver of that name.
+        The name is that of an operator and of a solver.
     """
     from geodesic_toolkit.errors import PluginConflictError, UnknownPluginError
 
@@ -91,7 +91,7 @@ def _show_report(kind: str, report: "ConformanceReport") -> None:
     for line in aligned(table):
         show(line)
     good = len(report.outcomes) - len(report.broken)
-    show(f"\n{kind} {report.subject}: {good} of {len(report.outcomes)} laws as they should be")
+    show(f"\n{kind} {report.subject}: {good} of {len(report.outcomes)} laws as expected")
     for row in report.broken:
         show(f"\n{row}")
 

@@ -1,4 +1,4 @@
-"""``geodesic-toolkit compare``: which way to compute distances suits a shape."""
+"""``geodesic-toolkit compare``: compare variants of computing distances on a shape."""
 
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -46,14 +46,14 @@ def compare(
         typer.Option(metavar="FILE", help="Render the error on the shape as a .png picture."),
     ] = None,
     of: Annotated[
-        str, typer.Option(metavar="WAY", help="Whose error the picture shows, by its name.")
+        str, typer.Option(metavar="NAME", help="Name of the variant whose error is shown.")
     ] = "auto",
     weld: Weld = None,
     json: Json = False,
 ) -> None:
-    """Compare ways to compute distances on INPUT: operators, options, refinement.
+    """Compare variants of distances on INPUT: operators, options, refinement.
 
-    Errors are relative to the exact distance along the surface where that is affordable, else to
+    Errors are relative to the exact distance along the surface if that is affordable, else to
     the refined one. Example: geodesic-toolkit compare bunny.off --source 500
     """
     from geodesic_toolkit.analysis.comparison import compare as compared
@@ -99,7 +99,7 @@ def _draw(comparison: "Comparison", name: str, path: Path) -> None:
     from geodesic_toolkit import viz
 
     error = 100 * comparison.error(name)
-    # One bad vertex beside a source must not take all colours.
+    # A single bad vertex beside a source must not dominate the colour scale.
     top = _high_end(error)
     viz.plot(
         comparison.domain,

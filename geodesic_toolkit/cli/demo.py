@@ -24,9 +24,9 @@ DRAWN = " --picture distances.png"
 
 
 def demo(out: Folder = Path("geodesic-demo")) -> None:
-    """Measure and draw distances on a generated shape.
+    """Compute and draw distances on a generated shape.
 
-    Writes tables of numbers, a picture, and a page on which the shape turns in a browser.
+    Writes tables of numbers, a picture, and a page that shows the shape in a browser.
     """
     from geodesic_toolkit.solver.solver import GeodesicSolver
     from geodesic_toolkit.testing import shapes
@@ -66,14 +66,14 @@ def demo(out: Folder = Path("geodesic-demo")) -> None:
         say(f"warning: not everything was drawn: {reason}")
     show("")
     show("The lines on the picture are equally far apart on the surface, however it bends.")
-    show("The same for a shape of your own:")
+    show("Do the same with your own shape:")
     show(
         f"  geodesic-toolkit distance YOUR_MESH.ply --source {SOURCE} --output distances.ply{DRAWN}"
     )
 
 
 def _error_on_sphere() -> float:
-    """Return the mean relative error where the answer is known: on a sphere."""
+    """Return the mean relative error on a sphere, whose distances are known."""
     import numpy as np
 
     from geodesic_toolkit.solver.convenience import geodesic_distance

@@ -1,4 +1,4 @@
-"""``geodesic-toolkit distance``: the main job."""
+"""``geodesic-toolkit distance``: compute, write and draw the distance from sources."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -62,15 +62,15 @@ def distance(
             readable=True,
             metavar="POINTS",
             help="Give the distance at the points of this file instead of at the vertices: an .npy "
-            "or .csv table, a point cloud or a mesh. They may lie anywhere on or near INPUT, which "
-            "pictures show all the same.",
+            "or .csv table, a point cloud or a mesh. They may be anywhere on or near INPUT, which "
+            "pictures still show.",
         ),
     ] = None,
     reach: Annotated[
         float | None,
         typer.Option(
             metavar="R",
-            help="How far from the surface a point of --at may lie: two mean edge lengths unless "
+            help="Largest distance of points of --at from the surface: two mean edges, unless "
             "given.",
             show_default=False,
         ),
@@ -89,7 +89,7 @@ def distance(
     operator: Operator = "auto",
     diffusion: Annotated[
         str | None,
-        typer.Option(metavar="NAME", help="Another operator for the heat to flow in."),
+        typer.Option(metavar="NAME", help="Another operator for the diffusion of heat."),
     ] = None,
     time_factor: Annotated[
         float | None,
@@ -114,7 +114,7 @@ def distance(
             metavar="FILE",
             help="Write the distances to a .ply, .pcd, .las, .laz, .vtp, .vtk, .vtu, .gii, .npy, "
             ".csv or .txt file; may be given several times. A .ply, .pcd, .las or .laz of the "
-            "format of INPUT, or of --at, keeps all else that is in it.",
+            "format of INPUT, or of --at, keeps all other data of that file.",
         ),
     ] = None,
     picture: Annotated[
@@ -126,7 +126,7 @@ def distance(
     ] = None,
     parts: Annotated[
         Path | None,
-        typer.Option(metavar="FILE", help="Render a .png picture of what is connected."),
+        typer.Option(metavar="FILE", help="Render a .png picture of the components."),
     ] = None,
     cmap: Annotated[
         str | None,
@@ -158,14 +158,14 @@ def distance(
             with run.step("loading graphics"):
                 targets.load_graphics()
         with run.step("reading"):
-            shape, masked, places = _shape(run, path, sources, mask, weld)
+            shape, masked, located = _shape(run, path, sources, mask, weld)
             domain = shape.domain
             targets.check_domain(domain)
             points = _points(at, domain)
         thinned = None
         if thin is not None:
             with run.step("thinning"):
-                thinned, places = _thinned(domain, thin, places)
+                thinned, located = _thinned(domain, thin, located)
         with run.step("factorising"):
             geodesic = GeodesicSolver(
                 domain if thinned is None else thinned.cloud,
@@ -179,16 +179,16 @@ def distance(
                 mask=masked,
             )
         with run.step("solving"):
-            distances = geodesic.distance(places)
+            distances = geodesic.distance(located)
         asked = None
         if points is not None:
             with run.step("asking"):
-                found = _at(run, points, geodesic, distances, places=places, reach=reach)
+                found = _at(run, points, geodesic, distances, located=located, reach=reach)
                 asked = points, found
         if thinned is not None:
             with run.step("carrying back"):
                 distances = thinned.carry_back(
-                    distances, geodesic, sources=places, progress=run.advance
+                    distances, geodesic, sources=located, progress=run.advance
                 )
         own = shape.values(distances)
         targets.write(
@@ -231,7 +231,7 @@ class Result:
 
     @property
     def finite(self) -> "FloatArray":
-        """The distances of the vertices, or points, that a source reaches."""
+        """The finite distances of the vertices, or points."""
         import numpy as np
 
         return self.distances[np.isfinite(self.distances)]
@@ -276,7 +276,7 @@ class Result:
 
     def __str__(self) -> str:
         method, finite = self.solver.method, self.finite
-        places = "vertices" if self.at is None else "points"
+        noun = "vertices" if self.at is None else "points"
         rows = [
             ("shape", repr(self.shape.file)),
             *self.shape.rows,
@@ -294,7 +294,7 @@ class Result:
             ),
             (
                 "reached",
-                f"{self.reached} {places}, {len(self.distances) - self.reached} unreachable",
+                f"{self.reached} {noun}, {len(self.distances) - self.reached} unreachable",
             ),
             (
                 "notes",
@@ -314,7 +314,7 @@ def _shape(
     mask: MarkedVertices | None,
     weld: float | None,
 ) -> "tuple[Welded, BoolArray | None, SourcePoints]":
-    """Return the shape of a file, what of it is masked, and the sources on it."""
+    """Return the shape of a file, its mask, and the located sources."""
     from geodesic_toolkit.io import read
     from geodesic_toolkit.solver.masks import check_unmasked, passable_part
     from geodesic_toolkit.sources.locate import locate_sources
@@ -322,14 +322,14 @@ def _shape(
     shape = welded(read(path), weld, run)
     masked = shape.mask(None if mask is None else mask.mask(shape.file.n_vertices))
     passable = shape.domain if masked is None else passable_part(shape.domain, masked)
-    places = locate_sources(shape.domain, shape.sources(sources, masked), passable=passable)
+    located = locate_sources(shape.domain, shape.sources(sources, masked), passable=passable)
     if masked is not None:
-        check_unmasked(places, masked)
-    return shape, masked, places
+        check_unmasked(located, masked)
+    return shape, masked, located
 
 
 def _parts(solver: "GeodesicSolver", thinned: "Thinned | None") -> "FloatArray":
-    """Return the connected part of each vertex, to draw; of a thinned cloud, of what was kept."""
+    """Return the component of each vertex, to draw; for a thinned cloud, of each kept point."""
     import numpy as np
 
     from geodesic_toolkit.viz import by_part
@@ -343,7 +343,7 @@ def _parts(solver: "GeodesicSolver", thinned: "Thinned | None") -> "FloatArray":
 
 
 def _points(at: Path | None, domain: "Domain") -> "PointCloud | None":
-    """Return the points to ask for, if there are any."""
+    """Return the points at which distances are requested, if any."""
     if at is None:
         return None
     from geodesic_toolkit.io import read_points
@@ -354,17 +354,17 @@ def _points(at: Path | None, domain: "Domain") -> "PointCloud | None":
 
 
 def _thinned(
-    domain: "Domain", spacing: float, places: "SourcePoints"
+    domain: "Domain", spacing: float, located: "SourcePoints"
 ) -> tuple["Thinned", "SourcePoints"]:
-    """Return a cloud thinned, and its sources, which stay."""
+    """Return a thinned cloud, and its sources, which are kept."""
     from geodesic_toolkit.analysis.thinning import thin
     from geodesic_toolkit.domains import PointCloud
     from geodesic_toolkit.sources.points import SourcePoints
 
     if not isinstance(domain, PointCloud):
         raise InvalidOptionError(f"--thin is for point clouds, not for a {type(domain).__name__}")
-    thinned = thin(domain, spacing, keep=places.vertices)
-    vertices = thinned.vertices_of(places.vertices)
+    thinned = thin(domain, spacing, keep=located.vertices)
+    vertices = thinned.vertices_of(located.vertices)
     return thinned, SourcePoints.at_vertices(vertices, thinned.cloud.n_vertices)
 
 
@@ -374,17 +374,17 @@ def _at(
     solver: "GeodesicSolver",
     distances: "FloatArray",
     *,
-    places: "SourcePoints",
+    located: "SourcePoints",
     reach: float | None,
 ) -> "FloatArray":
-    """Return the distance at each point; infinite at those that are missing."""
+    """Return the distance at each point; infinite at missing points."""
     import numpy as np
 
     found = np.full(points.n_vertices, np.inf)
     found[points.present] = solver.interpolate(
         distances,
         points.points[points.present],
-        sources=places,
+        sources=located,
         reach=reach,
         progress=run.advance,
     )

@@ -1,4 +1,4 @@
-"""``geodesic-toolkit doctor``: the installation, or what a shape is like."""
+"""``geodesic-toolkit doctor``: examine the installation, or a shape."""
 
 import platform
 import re
@@ -23,10 +23,10 @@ if TYPE_CHECKING:
 __all__ = ["doctor"]
 
 SHARP_ANGLE = 1.0
-"""Degrees below which a face is called a sliver."""
+"""Angle in degrees below which a face is a sliver."""
 
 HARMFUL_SHARE = 0.01
-"""Share of vertices with non-positive heat from which distances suffer."""
+"""Share of vertices with non-positive heat above which distances suffer."""
 
 
 def doctor(
@@ -37,7 +37,7 @@ def doctor(
             dir_okay=False,
             readable=True,
             metavar="INPUT",
-            help="A mesh, point cloud or graph; without one the installation is examined.",
+            help="A mesh, point cloud or graph; if omitted, the installation is examined.",
             show_default=False,
         ),
     ] = None,
@@ -93,7 +93,7 @@ def _of_seams(solver: "GeodesicSolver") -> list[str]:
 
 
 def _advice(diagnosis: "Diagnosis") -> list[str]:
-    """Return what the findings mean for distances, and what to do."""
+    """Return the meaning of the findings for distances, and the remedies."""
     cure = _cure_of_negative_weights(diagnosis)
     advice = []
     if diagnosis.components > 1:
@@ -103,8 +103,8 @@ def _advice(diagnosis: "Diagnosis") -> list[str]:
         )
     if diagnosis.isolated_vertices:
         advice.append(
-            f"{diagnosis.isolated_vertices} vertices are connected to nothing; their distance is "
-            "inf, and they do no other harm."
+            f"{diagnosis.isolated_vertices} vertices are isolated: their distance is "
+            "inf, which does no other harm."
         )
     if diagnosis.non_manifold_edges:
         advice.append(
@@ -113,17 +113,17 @@ def _advice(diagnosis: "Diagnosis") -> list[str]:
         )
     if diagnosis.minimum_angle is not None and diagnosis.minimum_angle < SHARP_ANGLE:
         advice.append(
-            f"The sharpest angle is {diagnosis.minimum_angle:.2g} degrees; where there are many "
+            f"The sharpest angle is {diagnosis.minimum_angle:.2g} degrees; if there are many "
             f"slivers, {cure}."
         )
     if diagnosis.non_positive > HARMFUL_SHARE * diagnosis.reached:
         advice.append(
             f"Heat is not positive at {diagnosis.non_positive} of {diagnosis.reached} vertices, "
-            f"where distances are not to be trusted: {cure}."
+            f"where distances are unreliable: {cure}."
         )
     if diagnosis.boundary_vertices:
         advice.append(
-            f"{diagnosis.boundary_vertices} vertices lie on a boundary; if plain heat "
+            f"{diagnosis.boundary_vertices} vertices are on a boundary; if plain heat "
             "(--no-refine) bends near it, try --boundary average."
         )
     return advice
@@ -143,7 +143,7 @@ def _cure_of_negative_weights(diagnosis: "Diagnosis") -> str:
 def _examine_installation(json: bool) -> None:
     with running() as run:
         packages = _packages()
-        with run.step("trying Open3D and pictures in processes of their own"):
+        with run.step("trying Open3D and pictures in separate processes"):
             probes = probe_all()
         with run.step("loading the plugins"):
             plugins = plugin_rows()
@@ -194,7 +194,7 @@ def _examine_installation(json: bool) -> None:
 
 
 def _packages() -> list[dict[str, Any]]:
-    """Return the dependencies with their versions, without importing any."""
+    """Return the dependencies with their versions, without importing them."""
     found: dict[str, dict[str, Any]] = {}
     for requirement in metadata.requires("geodesic-toolkit") or []:
         specifier, _, marker = requirement.partition(";")
@@ -209,7 +209,7 @@ def _packages() -> list[dict[str, Any]]:
             "package": name[0],
             "version": version,
             "needed_for": USEFUL_EXTRAS[extra[1]] if extra else EVERYTHING,
-            # A marker other than an extra's says where there are no wheels to install.
+            # A marker other than an extra's excludes systems without wheels.
             "problem": version is None and not marker,
         }
     return sorted(
@@ -217,13 +217,13 @@ def _packages() -> list[dict[str, Any]]:
     )
 
 
-KERNELS = f"compiled for level {_native.LEVEL} of x86-64, {_native.LANES} numbers a register"
+KERNELS = f"compiled for level {_native.LEVEL} of x86-64, {_native.LANES} numbers per register"
 
 NORMALS = {
     "open3d": 'of clouds without their own, by Open3D; PointCloudLaplacian(normals="pca") does '
-    "without it",
+    "not need it",
     "pca": "of clouds without their own, by principal components, as Open3D cannot be imported: "
-    "pip install open3d, where there are wheels for this Python and system; or give normals, "
+    "pip install open3d, if there are wheels for this Python and system; or give normals, "
     "PointCloud(points, normals)",
 }
 
@@ -237,7 +237,7 @@ USEFUL_EXTRAS = {
     "robust": "the robust Laplacian",
     "exact": "another exact reference",
 }
-"""The extras that people use, and what for; the others are for work on the package itself."""
+"""The extras for users, and their purpose; the others are for development of the package."""
 
 
 def _version(package: str) -> str | None:

@@ -16,8 +16,8 @@ BAD_INPUT = 3
 FAILED = 4
 INTERRUPTED = 130
 
-# The base of every complaint of the argument parser; reached through its public subclass, because
-# releases of typer differ in where they keep it.
+# Base class of all errors of the argument parser; reached through its public subclass, because
+# releases of typer differ in its location.
 UsageError: type[Any] = typer.BadParameter.__mro__[1]
 
 EXIT_STATUS: tuple[tuple[type[BaseException], int], ...] = (
@@ -34,18 +34,18 @@ EXIT_STATUS: tuple[tuple[type[BaseException], int], ...] = (
     (MemoryError, FAILED),
     (KeyboardInterrupt, INTERRUPTED),
 )
-"""First match wins; what is not here was not foreseen, and is `FAILED`."""
+"""The first match counts; any other error is unexpected, and has the status `FAILED`."""
 
 DEBUG_VARIABLE = "GEODESIC_TOOLKIT_DEBUG"
 
 
 def exit_status(error: BaseException) -> int:
-    """Return the exit status for what a command raised."""
+    """Return the exit status for an error of a command."""
     return next((status for kind, status in EXIT_STATUS if isinstance(error, kind)), FAILED)
 
 
 def report(error: BaseException) -> int:
-    """Say on stderr what went wrong, in three lines at most, and return the exit status."""
+    """Report an error on stderr, in three lines at most, and return the exit status."""
     if os.environ.get(DEBUG_VARIABLE) == "1":
         say("".join(traceback.format_exception(error)))
     for line in _lines(error):
@@ -64,7 +64,7 @@ def _lines(error: BaseException) -> list[str]:
     if isinstance(error, errors.GeodesicError):
         return [f"error: {one_line(error)}"]
     if isinstance(error, MemoryError):
-        return [f"error: not enough memory: {one_line(error) or 'the system has no more'}"]
+        return [f"error: not enough memory: {one_line(error) or 'the system has none left'}"]
     return [
         f"error: unexpected {type(error).__name__}: {one_line(error)}",
         f"This is a bug: please report it with the traceback that {DEBUG_VARIABLE}=1 shows.",

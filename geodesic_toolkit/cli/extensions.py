@@ -10,18 +10,18 @@ from geodesic_toolkit.registry.registry import Registry
 __all__ = ["command_of", "commands", "names_of_commands"]
 
 
-def _no_command(plugin: object) -> str | None:
+def _why_not_a_command(plugin: object) -> str | None:
     return None if callable(plugin) else f"{plugin!r} cannot be called"
 
 
 commands: Registry[Any] = Registry(
-    "geodesic_toolkit.commands", "command", _no_command, {"study": "geodesic-toolkit-study"}
+    "geodesic_toolkit.commands", "command", _why_not_a_command, {"study": "geodesic-toolkit-study"}
 )
-"""Functions by the names of their commands; typer reads their signatures, as those of the core."""
+"""Functions by the names of their commands; typer reads their signatures, as for the core."""
 
 
 def names_of_commands() -> list[str]:
-    """Return the names of the commands of plugins; a broken one hurts only itself."""
+    """Return the names of the commands of plugins; a broken plugin is skipped."""
     names = []
     for name in commands:
         try:
@@ -33,14 +33,14 @@ def names_of_commands() -> list[str]:
 
 
 def command_of(name: str) -> Any:
-    """Return a command of a plugin, or None where no plugin is known that has one of this name.
+    """Return a command of a plugin, or None if no known plugin has a command of this name.
 
     Raises
     ------
     UnknownPluginError
         The plugin is known, but not installed.
     PluginLoadError, PluginConflictError
-        It does not load, or there are two.
+        The plugin does not load, or there are two.
     """
     if name not in commands and name not in commands.install_hints:
         return None

@@ -14,14 +14,14 @@ from geodesic_toolkit.cli.exits import INTERRUPTED
 __all__ = ["last_words", "leave_soon", "prompt_interrupts"]
 
 GRACE_PERIOD = 1.0
-"""Seconds for Python's own KeyboardInterrupt to come through and clean up."""
+"""Seconds for Python's own KeyboardInterrupt to arrive and clean up."""
 
 _last_words: list[str] = []
 
 
 @contextmanager
 def last_words(text: str) -> Iterator[None]:
-    """Have `text` said where the process is ended within the block, with no time for more."""
+    """Print `text` if the process is ended within the block without cleaning up."""
     _last_words.append(text)
     try:
         yield
@@ -31,41 +31,41 @@ def last_words(text: str) -> Iterator[None]:
 
 @contextmanager
 def prompt_interrupts() -> Iterator[None]:
-    """End the process soon after Ctrl-C, whatever it is doing.
+    """End the process soon after Ctrl-C, even during a compiled computation.
 
     Python raises KeyboardInterrupt between two of its own instructions, and a factorisation is
     one instruction that may take minutes. The signal also reaches a thread here, which ends the
-    process where the exception does not come through.
+    process if the exception does not arrive in time.
     """
     if threading.current_thread() is not threading.main_thread():
         yield
         return
-    ours, theirs = socket.socketpair()
-    theirs.setblocking(False)
-    left = threading.Event()
+    receiver, sender = socket.socketpair()
+    sender.setblocking(False)
+    finished = threading.Event()
 
     def watch() -> None:
-        while signals := ours.recv(16):
-            if signal.SIGINT in signals and not left.wait(GRACE_PERIOD):
-                _leave()
+        while signals := receiver.recv(16):
+            if signal.SIGINT in signals and not finished.wait(GRACE_PERIOD):
+                _end_process()
 
     watcher = threading.Thread(target=watch, daemon=True)
     watcher.start()
-    previous = signal.set_wakeup_fd(theirs.fileno(), warn_on_full_buffer=False)
+    previous = signal.set_wakeup_fd(sender.fileno(), warn_on_full_buffer=False)
     try:
         yield
     finally:
-        left.set()
+        finished.set()
         signal.set_wakeup_fd(previous)
-        theirs.close()
+        sender.close()
         watcher.join()
-        ours.close()
+        receiver.close()
 
 
 def leave_soon() -> None:
-    """See to it that the interpreter ends, which waits for the threads of a pool of processes.
+    """End the interpreter after a grace period, even if the threads of a process pool still wait.
 
-    A process that was ended in the middle of a result leaves such a thread waiting for the rest.
+    If a process is ended in the middle of a result, such a thread waits for the rest of it.
     """
 
     def leave() -> None:
@@ -75,8 +75,8 @@ def leave_soon() -> None:
     threading.Thread(target=leave, daemon=True).start()
 
 
-def _leave() -> None:
-    # No cleaning up is possible with the main thread held; only the terminal's cursor comes back.
+def _end_process() -> None:
+    # The main thread is blocked, so cleaning up is not possible; only the cursor is restored.
     restore = "\r\x1b[2K\x1b[?25h" if sys.stderr.isatty() else ""
     lines = [*_last_words, "interrupted"]
     os.write(2, (restore + "\n".join(lines) + "\n").encode(errors="backslashreplace"))

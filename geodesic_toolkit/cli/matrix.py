@@ -37,14 +37,14 @@ if TYPE_CHECKING:  # importing NumPy takes longer than all of --help
 __all__ = ["matrix"]
 
 MAX_LISTED_SOURCES = 8
-"""Sources that a person is shown; --json has all of them."""
+"""Number of sources listed in the text output; --json lists all of them."""
 
 SHUTDOWN_TIMEOUT = 0.5
-"""Seconds for the thread of a pool to see that its processes are gone."""
+"""Seconds for the thread of a pool to notice that its processes have ended."""
 
 
 class SymmetrizeChoice(StrEnum):
-    """The treatment of two entries that should be equal."""
+    """The rule that makes two mirrored entries equal."""
 
     mean = "mean"
     min = "min"
@@ -59,7 +59,7 @@ def matrix(
         Path,
         typer.Option(
             metavar="FILE",
-            help="Where the matrix goes: .npy, .zarr, or with --max-distance .npz.",
+            help="File of the matrix: .npy, .zarr, or with --max-distance .npz.",
             show_default=False,
         ),
     ],
@@ -79,7 +79,7 @@ def matrix(
         typer.Option(
             metavar="K",
             min=1,
-            help="So many rows, from vertices spread over the shape, each the farthest from those "
+            help="Number of rows: vertices spread over the shape, each the farthest from those "
             "before it.",
             show_default=False,
         ),
@@ -89,13 +89,13 @@ def matrix(
     ] = False,
     symmetrize: Annotated[
         SymmetrizeChoice,
-        typer.Option(help="What an entry and its mirror image become in a square matrix."),
+        typer.Option(help="Value of an entry and its mirror image in a square matrix."),
     ] = SymmetrizeChoice.mean,
     max_distance: Annotated[
         float | None,
         typer.Option(
             metavar="X",
-            help="Keep only entries that are not above it, in a sparse matrix of SciPy.",
+            help="Keep only entries up to this distance, in a sparse matrix of SciPy.",
             show_default=False,
         ),
     ] = None,
@@ -104,17 +104,16 @@ def matrix(
     operator: Operator = "auto",
     solver: Solver = "auto",
     refine: Refine = None,
-    workers: Annotated[int, typer.Option(metavar="N", min=1, help="Processes that compute.")] = 1,
+    workers: Annotated[int, typer.Option(metavar="N", min=1, help="Number of processes.")] = 1,
     restart: Annotated[
         bool,
-        typer.Option("--restart", help="Throw away what an interrupted run left, and begin anew."),
+        typer.Option("--restart", help="Discard what an interrupted run left, and start again."),
     ] = False,
     json: Json = False,
 ) -> None:
     """Matrix of the geodesic distances between vertices of INPUT.
 
-    May be interrupted: the same command again goes on from there, and its result is the same to
-    the last bit.
+    May be interrupted: the same command resumes, and its result is the same to the last bit.
 
     Example: geodesic-toolkit matrix bunny.off --float32 --output D.zarr
     """
@@ -165,7 +164,7 @@ def matrix(
 
 
 def _every(shape: Welded) -> Any:
-    """Return all vertices of the file as sources, the masked ones among them."""
+    """Return all vertices of the file as sources, including masked ones."""
     from geodesic_toolkit.analysis.matrix.tasks import EveryVertex
 
     return None if shape.new is None else EveryVertex(shape.new)
@@ -178,7 +177,7 @@ def _how(symmetrize: SymmetrizeChoice) -> "Symmetrize":
 def _check_apart(output: Path, *inputs: Path | None) -> None:
     for path in inputs:
         if path is not None and path.resolve() == output.resolve():
-            raise InvalidOptionError(f"{output} would overwrite an input")
+            raise InvalidOptionError(f"{output} would overwrite an input; give another name")
 
 
 def _landmarks(solver: "GeodesicSolver", count: int, run: Run) -> "IntArray":
@@ -189,15 +188,15 @@ def _landmarks(solver: "GeodesicSolver", count: int, run: Run) -> "IntArray":
 
 @contextmanager
 def _resumable(output: Path, run: Run) -> Iterator[None]:
-    """Say where an interrupted run left what it has."""
+    """Report where an interrupted run left its rows."""
     folder = output.with_name(f"{output.name}.partial")
-    words = f"{folder} holds the rows so far; the same command again goes on from there"
+    message = f"{folder} holds the rows so far; the same command resumes from there"
     try:
-        with last_words(f"note: {words}"):
+        with last_words(f"note: {message}"):
             yield
     except KeyboardInterrupt:
         if folder.exists():
-            run.note(words)
+            run.note(message)
         raise
 
 
@@ -206,27 +205,27 @@ def _resumable(output: Path, run: Run) -> Iterator[None]:
 
 @contextmanager
 def _processes(count: int) -> Iterator["Executor | None"]:
-    """Give a pool of processes, or None for this one alone; none of them outlives the block."""
+    """Yield a pool of processes, or None for this process alone; all end with the block."""
     if count == 1:
         yield None
         return
     import multiprocessing
     from concurrent.futures import ProcessPoolExecutor
 
-    # Not by fork: a copy of a process with threads may find a lock held for ever.
+    # Not by fork: in a copy of a process with threads a lock may stay locked for ever.
     pool = ProcessPoolExecutor(count, mp_context=multiprocessing.get_context("spawn"))
     try:
-        with _deaf_children():
+        with _children_that_ignore_interrupts():
             for _ in range(count):  # each starts a process
                 pool.submit(int)
         yield pool
-    except BaseException:  # Ctrl-C above all: no process may outlive the block; it goes on
+    except BaseException:  # above all Ctrl-C: end all processes, then re-raise
         with _quiet_about_cancelled_tasks():
             for process in multiprocessing.active_children():  # rather than wait for their tasks
                 process.terminate()
             # The end of the program wakes the thread of the pool, and fails if that ends just then.
-            # Where a process was ended in the middle of a result, it waits for the rest: so not for
-            # ever, and the program leaves anyway.
+            # The thread waits for ever if a process was ended in the middle of a result, so the
+            # wait is limited.
             closing = threading.Thread(
                 target=pool.shutdown, kwargs={"cancel_futures": True}, daemon=True
             )
@@ -238,9 +237,9 @@ def _processes(count: int) -> Iterator["Executor | None"]:
 
 @contextmanager
 def _quiet_about_cancelled_tasks() -> Iterator[None]:
-    """Leave out how the thread of a pool fails whose processes were ended.
+    """Suppress the error in the thread of a pool whose processes were ended.
 
-    It marks all tasks as broken and stumbles over those that were cancelled before.
+    The thread marks all tasks as broken and fails at those that were cancelled before.
     """
     from concurrent.futures import InvalidStateError
 
@@ -258,22 +257,22 @@ def _quiet_about_cancelled_tasks() -> Iterator[None]:
 
 
 @contextmanager
-def _deaf_children() -> Iterator[None]:
-    """Have processes that the block starts ignore Ctrl-C, from their first instruction on.
+def _children_that_ignore_interrupts() -> Iterator[None]:
+    """Make processes started in the block ignore Ctrl-C from their first instruction on.
 
-    In a terminal it reaches all processes; this one sees to it, and the others have nothing to say.
+    In a terminal Ctrl-C reaches all processes; only this one must handle it.
     """
     if threading.current_thread() is not threading.main_thread():
         yield
         return
-    usual = signal.signal(signal.SIGINT, signal.SIG_IGN)  # which a new process inherits
+    usual = signal.signal(signal.SIGINT, signal.SIG_IGN)  # a new process inherits it
     try:
         yield
     finally:
         signal.signal(signal.SIGINT, usual)
 
 
-# -- what came of it -------------------------------------------------------------------------------
+# -- the result ------------------------------------------------------------------------------------
 
 
 @dataclass(frozen=True)
@@ -290,7 +289,7 @@ class Result:
 
     @property
     def entries(self) -> int:
-        """Numbers that are stored."""
+        """Number of stored entries."""
         rows, columns = self.matrix.shape
         return int(getattr(self.matrix, "nnz", rows * columns))
 

@@ -23,10 +23,10 @@ __all__ = [
 ]
 
 SCHEMA_VERSION = 1
-"""Of every object that ``--json`` prints; raised when a key changes its meaning or goes."""
+"""Version of the objects of ``--json``; raised if a key is removed or changes its meaning."""
 
 MAX_LENGTH_OF_MESSAGE = 600
-"""Characters of a message shown: a third party's may hold a whole log."""
+"""Number of characters of a message shown: a third party's may hold a whole log."""
 
 
 def show(text: str) -> None:
@@ -35,7 +35,7 @@ def show(text: str) -> None:
 
 
 def say(text: str) -> None:
-    """Print what is not a result: a warning, a note, an error."""
+    """Print a text that is not a result: a warning, a note, an error."""
     typer.echo(text, err=True)
 
 
@@ -46,7 +46,7 @@ def show_json(content: Mapping[str, Any]) -> None:
 
 
 def one_line(message: object) -> str:
-    """Return a message on one line, and not an endless one."""
+    """Return a message on one line, truncated to `MAX_LENGTH_OF_MESSAGE`."""
     text = " ".join(str(message).split())
     return text if len(text) <= MAX_LENGTH_OF_MESSAGE else text[: MAX_LENGTH_OF_MESSAGE - 1] + "…"
 
@@ -62,7 +62,7 @@ def aligned(rows: Iterable[Sequence[str]]) -> list[str]:
 
 
 def versions() -> dict[str, str]:
-    """Return the versions that a result depends on."""
+    """Return the versions on which a result depends."""
     return {
         "geodesic-toolkit": __version__,
         "python": platform.python_version(),
@@ -72,7 +72,7 @@ def versions() -> dict[str, str]:
 
 
 def plain(value: Any) -> Any:
-    """Return `value` as what JSON has: NumPy's types as Python's, no NaN, no infinity."""
+    """Return `value` as a JSON type: NumPy's types as Python's, without NaN and infinity."""
     if isinstance(value, Mapping):
         return {str(key): plain(item) for key, item in value.items()}
     if hasattr(value, "tolist"):  # NumPy's arrays and scalars

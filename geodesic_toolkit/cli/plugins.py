@@ -1,4 +1,4 @@
-"""``geodesic-toolkit plugins``: what is installed, and what of it is broken."""
+"""``geodesic-toolkit plugins``: list the installed plugins, including broken ones."""
 
 from typing import TYPE_CHECKING
 
@@ -13,7 +13,7 @@ __all__ = ["plugin_rows", "plugins"]
 
 
 def plugins(json: Json = False) -> None:
-    """List operators, solvers, readers and commands of plugins, broken ones too."""
+    """List operators, solvers, readers and commands of plugins, including broken ones."""
     with running() as run, run.step("loading the plugins"):
         rows = plugin_rows()
     if json:
@@ -45,7 +45,7 @@ def plugins(json: Json = False) -> None:
 
 
 def plugin_rows() -> list[tuple[str, "PluginStatus"]]:
-    """Return the kind and the state of every plugin; imports all of them."""
+    """Return the kind and the status of every plugin; imports all of them."""
     from geodesic_toolkit.cli.extensions import commands
     from geodesic_toolkit.registry import catalog
 

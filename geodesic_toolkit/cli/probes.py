@@ -1,4 +1,4 @@
-"""Probes of heavy packages, each in a process of its own, because some crash theirs."""
+"""Probes of heavy packages, each in a separate process, because some crash theirs."""
 
 import re
 import subprocess
@@ -10,7 +10,7 @@ from dataclasses import dataclass
 __all__ = ["Probe", "probe_all"]
 
 PROBE_TIMEOUT = 120
-"""Seconds; importing Open3D on a cold disk has been seen to take thirty."""
+"""Timeout in seconds; importing Open3D from a cold disk has taken thirty."""
 
 PROGRAMS = {
     "open3d": "import open3d; print(open3d.__version__)",
@@ -43,7 +43,7 @@ DEBIAN_PACKAGES: Mapping[str, str] = {
     "libgomp.so.1": "libgomp1",
     "libusb-1.0.so.0": "libusb-1.0-0",
 }
-"""The packages of Debian and Ubuntu that have the system libraries these packages want."""
+"""The packages of Debian and Ubuntu that provide these system libraries."""
 
 
 @dataclass(frozen=True)
@@ -54,7 +54,7 @@ class Probe:
     ----------
     works : bool
     detail : str
-        What it printed, or why it failed.
+        The output of the program, or the reason of its failure.
     """
 
     works: bool
@@ -62,14 +62,14 @@ class Probe:
 
 
 def probe_all() -> dict[str, Probe]:
-    """Try everything, side by side."""
+    """Run all probes concurrently."""
     with ThreadPoolExecutor() as pool:
         return dict(zip(PROGRAMS, pool.map(_probe, PROGRAMS.values()), strict=True))
 
 
 def _probe(program: str) -> Probe:
     try:
-        done = subprocess.run(  # noqa: S603 - our own interpreter, a program from above
+        done = subprocess.run(  # noqa: S603 - this interpreter, a program from above
             [sys.executable, "-c", program],
             capture_output=True,
             text=True,
@@ -91,7 +91,7 @@ def _last_line(text: str) -> str:
 
 
 def _cure(text: str) -> str:
-    """Return the system package to install, where the output names a library that is missing."""
+    """Return the system package to install if the output names a missing library."""
     missing = re.search(r"(lib[\w.+-]+?\.so(?:\.\d+)*): cannot open shared object file", text)
     package = DEBIAN_PACKAGES.get(missing[1]) if missing else None
     return f"; on Debian or Ubuntu: apt-get install {package}" if package else ""

@@ -26,9 +26,9 @@ NAME = "geodesic-toolkit"
 
 
 class Program(TyperGroup):
-    """The group of commands; whatever they raise ends as a line on stderr and a status.
+    """The group of commands; an error becomes a line on stderr and an exit status.
 
-    Commands of the core are looked up first, so that none of them waits for what is installed.
+    Commands of the core are looked up first, so that they do not wait for the plugins.
     """
 
     def list_commands(self, context: Any) -> list[str]:
@@ -45,10 +45,10 @@ class Program(TyperGroup):
         try:
             options |= {"prog_name": NAME, "standalone_mode": False}
             status = super().main(*args, **options)
-        except (Exception, KeyboardInterrupt) as error:  # noqa: BLE001 - the last to catch it
+        except (Exception, KeyboardInterrupt) as error:  # noqa: BLE001 - the outermost handler
             status = report(error)
         else:
-            # The parser turns Ctrl-C into a status of its own, without a word.
+            # The parser turns Ctrl-C into another status, without a message.
             status = report(KeyboardInterrupt()) if status == INTERRUPTED else status
         sys.exit(status or 0)
 
@@ -61,7 +61,7 @@ app = typer.Typer(
     "(check), 2 wrong usage, 3 bad input, 4 the computation failed.",
     invoke_without_command=True,
     add_completion=False,
-    rich_markup_mode=None,  # help by rich takes as long again as everything else together
+    rich_markup_mode=None,  # rich would double the time of --help
     pretty_exceptions_enable=False,
     context_settings={"help_option_names": ["-h", "--help"]},
 )
@@ -81,7 +81,7 @@ def _options(
         typer.Option("--version", callback=_show_version, is_eager=True, help="Show the version."),
     ] = False,
 ) -> None:
-    """Take the options that come before a command, and show the help where there is none."""
+    """Parse the options before a command, and show the help if there is no command."""
     if context.invoked_subcommand is None:
         say(context.get_help())
         raise typer.Exit(WRONG_USAGE)
@@ -93,7 +93,7 @@ for command in (demo, distance, matrix, compare, plugins, check, doctor):
 
 def main() -> None:
     """Run the program."""
-    if isinstance(sys.stdout, io.TextIOWrapper):  # a file may be named what the terminal cannot say
+    if isinstance(sys.stdout, io.TextIOWrapper):  # a file name may not be encodable
         sys.stdout.reconfigure(errors="backslashreplace")
     try:
         with prompt_interrupts():

@@ -1,4 +1,4 @@
-"""Progress for people: nothing for two seconds, then a line that says what is going on."""
+"""Progress on stderr: nothing for two seconds, then a line that names the current step."""
 
 import os
 import sys
@@ -15,21 +15,21 @@ from geodesic_toolkit.cli.output import say
 __all__ = ["Progress"]
 
 DELAY_OF_FIRST_MESSAGE = 2.0
-"""Seconds without a word: most work is done by then."""
+"""Seconds before the first message: most work is done by then."""
 
 FIRST_PLAIN_LINE = 5.0
-"""Seconds before the first line where there is no terminal; the next come after twice as long."""
+"""Seconds before the first line without a terminal; each following delay is twice as long."""
 
 BAR_WIDTH = 24
-"""Characters of a bar."""
+"""Number of characters of a bar."""
 
 DELAY_OF_FORECAST = 10
-"""Seconds of counting before it is said how long the rest will take."""
+"""Seconds of counting before the remaining time is estimated."""
 
 
 @dataclass(frozen=True)
 class _Count:
-    """The progress of a step, and where it began: a resumed step begins in the middle."""
+    """The progress of a step, and its start: a resumed step begins in the middle."""
 
     done: int
     total: int
@@ -39,7 +39,7 @@ class _Count:
 
     @property
     def rest(self) -> str:
-        """The forecast of the remaining time in words, empty while there is none."""
+        """The estimate of the remaining time in words; empty if there is none yet."""
         spent, made = self.at - self.began_at, self.done - self.began_with
         if spent < DELAY_OF_FORECAST or made <= 0 or self.done >= self.total:
             return ""
@@ -54,8 +54,8 @@ class _Count:
 class Progress:
     """A context that shows the progress of its steps on stderr.
 
-    On a terminal a line that renews itself and goes without a trace; elsewhere a plain line now
-    and then. A thread of its own shows it, so it goes on while a library computes.
+    On a terminal it is a line that updates itself and is erased at the end; elsewhere it is a plain
+    line at growing intervals. A separate thread shows it, also while a library computes.
 
     Parameters
     ----------
@@ -67,7 +67,7 @@ class Progress:
     Attributes
     ----------
     timings : dict of str to float
-        Seconds that each step took.
+        Seconds of each step.
     """
 
     def __init__(
@@ -104,7 +104,7 @@ class Progress:
         self._counted = _Count(done, total, now, *began)
 
     def say(self, text: str) -> None:
-        """Print a line on stderr without tearing the one that shows progress."""
+        """Print a line on stderr without breaking the progress line."""
         with self._lock:
             self._show_above(text)
 
@@ -150,7 +150,7 @@ class Progress:
             pause *= 2
 
     def _animate(self) -> None:
-        from rich.console import Console  # 0.1 s: only for work that takes longer than that
+        from rich.console import Console  # takes 0.1 s, so only for longer work
 
         console = Console(stderr=True)
         with console.status(self._bar) as status:

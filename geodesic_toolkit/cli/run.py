@@ -1,4 +1,4 @@
-"""The run of a command: its steps, its warnings, and a stdout that only results reach."""
+"""The run of a command: its steps, its warnings, and a stdout reserved for results."""
 
 import os
 import sys
@@ -18,12 +18,12 @@ __all__ = ["Run", "method_in_words", "running"]
 
 
 class Run:
-    """The work of a command under way.
+    """The state of a running command.
 
     Attributes
     ----------
     warnings : list of str
-        What was warned of, in order, each once.
+        The warnings, in order, each once.
     """
 
     def __init__(self, progress: Progress) -> None:
@@ -34,7 +34,7 @@ class Run:
 
     @property
     def timings(self) -> dict[str, float]:
-        """Seconds that each step took so far, to the microsecond, and their total."""
+        """Seconds of each step so far, to the microsecond, and their total."""
         spent = {**self._progress.timings, "total": sum(self._progress.timings.values())}
         return {name: round(seconds, 6) for name, seconds in spent.items()}
 
@@ -44,19 +44,19 @@ class Run:
         return ", ".join(f"{name} {seconds:.2f} s" for name, seconds in self.timings.items())
 
     def warn(self, message: object) -> None:
-        """Say a warning on stderr and keep it for the result."""
+        """Print a warning on stderr and keep it for the result."""
         text = one_line(message)
         if text not in self.warnings:
             self.warnings.append(text)
             self._progress.say(f"warning: {text}")
 
     def note(self, message: object) -> None:
-        """Say on stderr what is worth knowing and no warning."""
+        """Print a note on stderr that is not a warning."""
         self._progress.say(f"note: {one_line(message)}")
 
 
 def method_in_words(solver: "GeodesicSolver") -> str:
-    """Return how a solver computes: its operator, its linear solvers, whether it refines."""
+    """Return the operator of a solver, its linear solvers, and whether it refines, as text."""
     method = solver.method
     names = dict.fromkeys([repr(method.heat_solver), repr(method.poisson_solver)])
     refined = ", refined" if method.refine else ""
@@ -82,10 +82,10 @@ def running() -> Iterator[Run]:
 
 @contextmanager
 def _only_results_on_stdout() -> Iterator[None]:
-    """Send to stderr what compiled libraries print on stdout, where it would break JSON."""
+    """Redirect to stderr what compiled libraries print on stdout, where it would break JSON."""
     try:
         stdout, stderr = sys.__stdout__.fileno(), sys.__stderr__.fileno()  # type: ignore[union-attr]
-    except (AttributeError, OSError, ValueError):  # closed, or replaced by something without one
+    except (AttributeError, OSError, ValueError):  # closed, or without a descriptor
         yield
         return
     sys.stdout.flush()

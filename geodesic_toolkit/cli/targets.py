@@ -17,17 +17,17 @@ __all__ = ["Targets"]
 
 @dataclass(frozen=True, kw_only=True)
 class Targets:
-    """The targets of distances.
+    """The output files of distances.
 
     Parameters
     ----------
     tables : tuple of Path
-        Files of numbers, by suffix.
+        Files of numbers; the suffix chooses the format.
     picture, html : Path, optional
     parts : Path, optional
-        Picture of the connected parts.
+        Picture of the components.
     cmap : str, optional
-        Colour map of picture and page; theirs by default.
+        Colour map of picture and page; None for their defaults.
     """
 
     tables: tuple[Path, ...] = ()
@@ -38,25 +38,25 @@ class Targets:
 
     @property
     def paths(self) -> list[Path]:
-        """All of them, in the order in which they are written."""
+        """All output files, in the order in which they are written."""
         drawn = (self.picture, self.html, self.parts)
         return [*self.tables, *(path for path in drawn if path is not None)]
 
     @property
     def drawn(self) -> bool:
-        """True if there is a picture to draw."""
+        """True if there is a picture or page to draw."""
         return len(self.paths) > len(self.tables)
 
     def check(self, *inputs: Path) -> None:
-        """Raise before any work where something could not be written after it.
+        """Raise, before any work, if a file could not be written after it.
 
         Raises
         ------
         InvalidOptionError
             A suffix that does not fit, an unknown colour map, two outputs in one file, or an
-            output in the place of one of the `inputs`.
+            output that would overwrite one of the `inputs`.
         WriteError
-            A folder that is not there or not writable.
+            A folder that does not exist or is not writable.
         MissingDependencyError
             A package for colour maps, or for a format, is not installed.
         """
@@ -81,7 +81,7 @@ class Targets:
             colour_table(self.cmap)
 
     def check_domain(self, domain: "Domain") -> None:
-        """Raise an `InvalidOptionError` where a file needs positions and `domain` has none."""
+        """Raise an `InvalidOptionError` if a file needs positions and `domain` has none."""
         from geodesic_toolkit.io.writing import WITH_SHAPE
 
         if not domain.has("positions"):
@@ -93,12 +93,12 @@ class Targets:
                     )
 
     def load_graphics(self) -> None:
-        """Import what draws, so that it is found missing before the work and not after it.
+        """Import the graphics packages, so that a missing one is found before the work.
 
         Raises
         ------
         MissingDependencyError
-            It is not installed, or does not import.
+            A package is not installed, or does not import.
         """
         from geodesic_toolkit.core.optional import require
 
@@ -118,7 +118,7 @@ class Targets:
         asked: "tuple[Domain, FloatArray] | None" = None,
         like: Path | None = None,
     ) -> None:
-        """Write everything: numbers first, so that a picture that fails costs no work.
+        """Write everything: numbers first, so that they are safe if a picture fails.
 
         Parameters
         ----------
@@ -127,18 +127,18 @@ class Targets:
         distances : ndarray of shape (N,)
         sources : sequence
         parts : ndarray of shape (N,), optional
-            What :func:`geodesic_toolkit.viz.by_part` gives, where a picture of them is asked for.
+            Result of :func:`geodesic_toolkit.viz.by_part`, if a picture of components is requested.
         asked : tuple, optional
             Points and the distances there, for the tables; pictures still show the `domain`.
         like : Path, optional
-            The file that the points of the tables came from, whose attributes are kept.
+            The file of the points of the tables, whose attributes are kept.
 
         Raises
         ------
         WriteError
             A file could not be written.
         MissingDependencyError
-            What a picture needs is not installed.
+            A package for pictures is not installed.
         """
         if self.tables:
             from geodesic_toolkit.io import write

@@ -1,4 +1,4 @@
-"""The option ``--weld``: work on merged vertices, speak of those of the file."""
+"""The option ``--weld``: compute on merged vertices, report those of the file."""
 
 import math
 from dataclasses import dataclass
@@ -16,16 +16,16 @@ __all__ = ["Welded", "check_weld", "welded"]
 
 @dataclass(frozen=True)
 class Welded:
-    """A shape as it was read, and as it is worked on.
+    """A shape as read, and the shape with merged vertices.
 
     Attributes
     ----------
     file : Domain
-        As the file has it.
+        The shape as read.
     domain : Domain
         The same, or with merged vertices.
     new : ndarray of shape (N,), int64, optional
-        The vertex of `domain` that each of the file is, where they differ.
+        The vertex of `domain` for each vertex of the file, if they differ.
     """
 
     file: "Domain"
@@ -35,7 +35,7 @@ class Welded:
     def sources(
         self, sources: list[int] | list[list[float]], masked: "BoolArray | None" = None
     ) -> "list[list[float]] | IntArray | list[int]":
-        """Return sources of the file on the domain: vertices have other numbers there."""
+        """Return sources of the file as sources on the domain, whose vertices differ."""
         if self.new is None or not isinstance(sources[0], int):
             return sources
         return self.vertices(sources, masked)
@@ -45,13 +45,13 @@ class Welded:
         vertices: "IntArray | list[int] | list[list[float]]",
         masked: "BoolArray | None" = None,
     ) -> "IntArray":
-        """Return vertices of the file, (K,), as those of the domain.
+        """Return vertices of the file, (K,), as vertices of the domain.
 
         Raises
         ------
         InvalidSourceError
-            One that is not in the file, or that is `masked`, (N,), in the domain: the number is
-            that of the file.
+            A vertex that is not in the file, or that is `masked`, (N,), in the domain: the message
+            has the index in the file.
         """
         from geodesic_toolkit.sources.points import as_vertices
 
@@ -61,13 +61,13 @@ class Welded:
         new = self.new[known]
         if masked is not None and masked[new].any():
             raise InvalidSourceError(
-                f"vertex {known[masked[new]][0]} is masked, or one that it was merged with is, so "
-                "that no path starts there"
+                f"vertex {known[masked[new]][0]} is masked, or a vertex merged with it is, so that "
+                "no path starts there"
             )
         return new
 
     def firsts(self, vertices: "IntArray") -> "IntArray":
-        """Return for vertices of the domain, (K,), the first of the file that is each."""
+        """Return the first vertex of the file merged into each vertex of the domain, (K,)."""
         import numpy as np
 
         if self.new is None:
@@ -75,7 +75,7 @@ class Welded:
         return np.asarray(np.unique(self.new, return_index=True)[1][vertices], dtype=np.int64)
 
     def mask(self, mask: "BoolArray | None") -> "BoolArray | None":
-        """Return a mask of the file's vertices as one of the domain: masked if one of them is."""
+        """Return a mask of the file's vertices on the domain: masked if any merged vertex is."""
         import numpy as np
 
         if mask is None or self.new is None:
@@ -85,7 +85,7 @@ class Welded:
         return own
 
     def values(self, values: "FloatArray") -> "FloatArray":
-        """Return values at the vertices of the domain at those of the file, (N,)."""
+        """Return values at the vertices of the domain as values at those of the file, (N,)."""
         return values if self.new is None else values[self.new]
 
     @property
@@ -93,11 +93,11 @@ class Welded:
         """Rows of names and values for a table."""
         if self.new is None:
             return []
-        return [("welded", f"{self.file.n_vertices} vertices are {self.domain.n_vertices}")]
+        return [("welded", f"{self.file.n_vertices} vertices to {self.domain.n_vertices}")]
 
 
 def check_weld(weld: float | None) -> None:
-    """Raise an `InvalidOptionError` for a tolerance that is not a length."""
+    """Raise an `InvalidOptionError` for a tolerance that is negative or not finite."""
     if weld is not None and not (weld >= 0 and math.isfinite(weld)):
         raise InvalidOptionError(f"--weld must be finite and not negative, not {weld:g}")
 
@@ -105,12 +105,12 @@ def check_weld(weld: float | None) -> None:
 def welded(domain: "Domain", weld: float | None, run: Run) -> Welded:
     """Return a shape with vertices merged that are no farther apart than `weld`, if it is given.
 
-    The run says how many are, and warns where none is.
+    The run notes the number of merged vertices, and warns if there are none.
 
     Raises
     ------
     InvalidOptionError
-        Something else than a mesh is to be welded, or by more than its size.
+        The shape to weld is not a mesh, or the tolerance is more than its size.
     """
     if weld is None:
         return Welded(domain, domain)
@@ -119,7 +119,7 @@ def welded(domain: "Domain", weld: float | None, run: Run) -> Welded:
 
     if not isinstance(domain, TriangleMesh):
         raise InvalidOptionError(
-            f"--weld is for the vertices of a mesh; this is a {type(domain).__name__}"
+            f"--weld merges vertices of a mesh; the input is a {type(domain).__name__}"
         )
     shape = Welded(domain, *merge_vertices(domain, tolerance=weld))
     merged = domain.n_vertices - shape.domain.n_vertices

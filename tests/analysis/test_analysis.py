@@ -188,5 +188,5 @@ def test_compare_refuses_a_way_that_there_is_not(sphere_file, tmp_path):
     picture = tmp_path / "error.png"
     result = run("compare", sphere_file, "--source", 0, "--picture", picture, "--of", "fastest")
     assert result.exit_code == 2
-    assert "under the name 'fastest'" in result.stderr
+    assert "not a variant 'fastest'" in result.stderr
     assert not picture.exists()

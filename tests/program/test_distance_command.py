@@ -258,7 +258,7 @@ def test_points_that_cannot_be_asked_for_are_refused(sphere_file, graph_file, tm
     asked = ("--source", 0, "--at", at)
     fails(run("distance", graph_file, *asked), 2, "a Graph has no positions")
     fails(run("distance", sphere_file, *asked, "--reach", 0), 2, "--reach must be positive")
-    fails(run("distance", sphere_file, "--source", 0, "--reach", 1), 2, "--reach is for the points")
+    fails(run("distance", sphere_file, "--source", 0, "--reach", 1), 2, "--reach needs points")
     fails(run("distance", sphere_file, *asked, "--output", at), 2, "would overwrite the input")
     at.write_text("0,0\n")
     fails(run("distance", sphere_file, *asked), 3, "at.csv", "at least three columns, not 2")

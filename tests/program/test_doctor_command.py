@@ -21,7 +21,7 @@ def test_doctor_says_what_a_shape_is_like(tmp_path):
     result = run("doctor", path)
     assert result.exit_code == 0
     assert "2 components" in result.stdout
-    assert "16 vertices lie on a boundary" in result.stdout
+    assert "16 vertices are on a boundary" in result.stdout
     report = json.loads(run("doctor", path, "--json").stdout)
     assert report["diagnosis"]["components"] == 2
     assert len(report["recommendations"]) == 2

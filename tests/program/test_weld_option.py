@@ -115,7 +115,7 @@ def test_a_matrix_has_rows_of_inf_where_a_mask_holds_a_copy_of_the_vertex(soup, 
     rows.write_text(f"700 {copy}\n")
     status, _, said = command(*weld, "--sources", rows)
     assert status != 0
-    assert f"vertex {copy} is masked, or one that it was merged with" in said
+    assert f"vertex {copy} is masked, or a vertex merged with it is" in said
     status, _, said = command(*("distance", *weld[1:-2]), "--source", copy)
     assert status != 0
     assert f"vertex {copy} is masked" in said
