@@ -1,4 +1,4 @@
-"""Files in and out: one reader a format, and outputs that are whole or not there."""
+"""Input and output of files: one reader per format, and outputs that are complete or absent."""
 
 from geodesic_toolkit.core.atomic import check_output, replacing
 from geodesic_toolkit.core.deprecation import deprecated_alias

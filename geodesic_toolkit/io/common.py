@@ -1,4 +1,4 @@
-"""Helpers of the readers: numbers from text, triangles of polygons, optional packages."""
+"""Helpers of the readers: numbers from text, triangles from polygons, optional packages."""
 
 import codecs
 import warnings
@@ -40,31 +40,31 @@ BYTE_ORDER_MARK = b"\xef\xbb\xbf"
 
 
 def text_of(path: Path) -> bytes:
-    """Return the contents of a text file, as bytes: numbers need no decoding but UTF-16's.
+    """Return the contents of a text file as bytes: only UTF-16 needs decoding.
 
     Raises
     ------
     ReadError
-        It is binary.
+        The file is binary.
     """
     text = path.read_bytes()
-    if text.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)):  # as Excel saves "Unicode text"
+    if text.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)):  # Excel's "Unicode text"
         try:
             return text.decode("utf-16").encode()
         except UnicodeDecodeError as error:
-            raise ReadError(f"not the UTF-16 that it begins as: {error}") from error
+            raise ReadError(f"it begins as UTF-16, but is not: {error}") from error
     if b"\0" in text:
-        raise ReadError("binary, where text is expected")
+        raise ReadError("the file is binary, but text is expected")
     return text.removeprefix(BYTE_ORDER_MARK)
 
 
 def lines_of(path: Path) -> list[bytes]:
-    """Return the lines of a text file without comments, which ``#`` begins, and without empty ones.
+    """Return the lines of a text file without comments, which begin with ``#``, and empty lines.
 
     Raises
     ------
     ReadError
-        It is binary.
+        The file is binary.
     """
     lines = [line.partition(b"#")[0] for line in text_of(path).splitlines()]
     return [line for line in lines if line.strip()]
@@ -76,13 +76,13 @@ def array_of(path: Path) -> NDArray[Any]:
     Raises
     ------
     ReadError
-        It is an archive of several.
+        The file is an archive of several arrays.
     """
     with warnings.catch_warnings():
-        warnings.simplefilter("ignore")  # of NumPy and Python, on old and damaged headers
+        warnings.simplefilter("ignore")  # NumPy and Python warn about old and damaged headers
         table = np.load(path, allow_pickle=False)
     if not isinstance(table, np.ndarray):
-        raise ReadError("an archive, where an .npy array is expected")
+        raise ReadError("the file is an archive, but an .npy array is expected")
     return table
 
 
@@ -117,7 +117,7 @@ def whole_numbers(values: NDArray[Any], what: str) -> IntArray:
     Raises
     ------
     ReadError
-        They are not whole, or too large.
+        The numbers are not whole, or too large.
     """
     if values.dtype.kind == "f":
         good = (np.abs(values) < 2.0**53) & (values == np.floor(values))
@@ -129,7 +129,7 @@ def whole_numbers(values: NDArray[Any], what: str) -> IntArray:
 
 
 def triangulate(path: Path, vertices: ArrayLike, sizes: IntArray, corners: IntArray) -> IntArray:
-    """Split polygons into triangles inside them; warns where there were any.
+    """Split polygons into triangles inside them, with a warning if there are any polygons.
 
     Parameters
     ----------
@@ -142,7 +142,7 @@ def triangulate(path: Path, vertices: ArrayLike, sizes: IntArray, corners: IntAr
     Returns
     -------
     ndarray of shape (F, 3), int64
-        The triangles of a polygon follow each other.
+        The triangles of one polygon are consecutive.
     """
     points = np.asarray(vertices, dtype=np.float64)
     faces, remarks = split_polygons(points, sizes, corners)
@@ -152,21 +152,21 @@ def triangulate(path: Path, vertices: ArrayLike, sizes: IntArray, corners: IntAr
 
 
 def surface(path: Path, vertices: ArrayLike, sizes: IntArray, corners: IntArray) -> Domain:
-    """Return the mesh of some polygons, or the cloud where there are none."""
+    """Return the mesh of some polygons, or the cloud if there are none."""
     if len(sizes) == 0:
         return PointCloud(vertices)
     return TriangleMesh(vertices, triangulate(path, vertices, sizes, corners))
 
 
 def cloud(path: Path, points: ArrayLike, normals: ArrayLike | None) -> PointCloud:
-    """Return a point cloud, without the normals where they are not usable (with a warning)."""
+    """Return a point cloud; unusable normals are omitted with a warning."""
     points_alone = PointCloud(points)
     if normals is None:
         return points_alone
     try:
         return PointCloud(points, normals)
     except InvalidDomainError as error:
-        warn(path, f"the normals of the file were left out: {str(error).partition(';')[0]}")
+        warn(path, f"the normals of the file were omitted: {str(error).partition(';')[0]}")
         return points_alone
 
 
@@ -176,10 +176,10 @@ def warn(path: Path, text: str) -> None:
 
 
 def check_count(path: Path, count: int, expected: int) -> None:
-    """Raise an `InvalidOptionError` unless a file whose attributes are kept has as many points."""
+    """Raise an `InvalidOptionError` unless the file `like` has the expected number of points."""
     if count != expected:
         raise InvalidOptionError(
-            f"{path} has {count} points, not {expected}: what it says of them cannot be kept"
+            f"{path} has {count} points, not {expected}, so its attributes cannot be kept"
         )
 
 

@@ -1,4 +1,4 @@
-"""`read`: from a path to a domain, by the file's suffix."""
+"""`read`: read a file as a domain, in the format of its suffix."""
 
 import gzip
 import os
@@ -25,31 +25,31 @@ from geodesic_toolkit.registry.catalog import readers
 __all__ = ["check_file", "named_errors", "one_line", "read", "unpacked"]
 
 LONGEST_REASON = 300
-"""Characters of a foreign error's text that a message repeats."""
+"""Number of characters of a foreign error's text in a message."""
 
 
 def read(path: str | os.PathLike[str]) -> Domain:
     """Read a mesh, point cloud or graph from a file.
 
-    The suffix chooses the reader among those registered in ``gt.readers``, where other
+    The suffix chooses the reader among those registered in ``gt.readers``, to which other
     distributions may add theirs (entry points of the group ``geodesic_toolkit.readers``: functions
-    from a path to a domain). Vertex indices are those of the file: nothing is merged or dropped,
-    but for what is listed here.
+    from a path to a domain). Vertex indices are those of the file: vertices are not merged or
+    dropped, except as listed here.
 
     ============================ ======================================================
     off, obj, ply, stl, vtp,     a :class:`TriangleMesh`; without faces all but stl are a
     glb, gltf                    :class:`PointCloud`. An STL has corners only:
                                  equal ones are one vertex, in the order of first use,
                                  and at open edges those that differ by rounding
-    mesh, msh, vtk, vtu          a :class:`TriangleMesh`, of a solid the surface (meshio)
+    mesh, msh, vtk, vtu          a :class:`TriangleMesh`, for a solid its surface (meshio)
     gii; pial, white, inflated,  a :class:`TriangleMesh` (nibabel); surfaces of FreeSurfer are
-    sphere, orig and so on       known by their first bytes whatever they are called
+    sphere, orig and so on       recognised by their first bytes, not by their names
     pcd, pts, las, laz           a :class:`PointCloud`, missing points (NaN) kept (laspy
                                  for the last two)
-    xyz, txt, asc, csv           a :class:`PointCloud`: rows ``x y z``, perhaps with normals,
-                                 after a line with their number or names of columns; of
-                                 named columns x, y and z count. Separated by blanks, commas
-                                 or semicolons; decimal commas only where that is clear
+    xyz, txt, asc, csv           a :class:`PointCloud`: rows ``x y z``, optionally normals,
+                                 after a line with their number or names of columns; if
+                                 named, x, y and z are used. Separated by blanks, commas
+                                 or semicolons; decimal commas only if that is unambiguous
     mtx, npz, edges, edgelist    a :class:`Graph`: entries of a sparse matrix, or rows
                                  ``i j length`` counted from 0, are edge lengths; an npz
                                  may also hold ``vertices`` and ``faces``, or ``points``
@@ -69,21 +69,21 @@ def read(path: str | os.PathLike[str]) -> Domain:
     Raises
     ------
     ReadError
-        No such file, no reader for its suffix, or contents that are not a shape: the message
-        names the file and what is wrong in it.
+        The file does not exist, its suffix has no reader, or its contents are not a shape: the
+        message names the file and the defect.
     MissingDependencyError
         The format needs a package that is not installed.
     NotEnoughMemoryError
         The shape does not fit into memory.
     PluginLoadError, PluginConflictError
-        The reader is a plugin that does not load, or two distributions bring one.
+        The reader is a plugin that does not load, or two distributions register one.
 
     Warns
     -----
     ReadWarning
         Polygons were split into triangles inside them (convex ones into the fan of their first
-        corner), or cross themselves; normals were left out because they are not usable; a surface
-        is cut where the format repeats vertices.
+        corner), or intersect themselves; unusable normals were omitted; a surface is cut because
+        the format repeats vertices.
 
     Examples
     --------
@@ -104,13 +104,13 @@ def read(path: str | os.PathLike[str]) -> Domain:
             domain = reader(plain)
     if not isinstance(domain, Domain):
         raise ReadError(
-            f"{file}: the reader of .{suffix} returned {type(domain).__name__}, no domain"
+            f"{file}: the reader of .{suffix} returned {type(domain).__name__}, not a domain"
         )
     return domain
 
 
 def _reader(file: Path, plain: Path) -> Any:
-    """Return the reader of a file, which has been unpacked to `plain`."""
+    """Return the reader of a file that has been unpacked to `plain`."""
     suffix = plain.suffix[1:].lower()
     try:
         return readers[suffix]
@@ -126,7 +126,7 @@ def _reader(file: Path, plain: Path) -> Any:
 
 @contextmanager
 def unpacked(file: Path) -> Iterator[Path]:
-    """Give a path to what a .gz file holds, of the name without that suffix; or `file` itself."""
+    """Yield a path to the contents of a .gz file, named without that suffix; or `file` itself."""
     if file.suffix.lower() != ".gz":
         yield file
         return
@@ -139,10 +139,10 @@ def unpacked(file: Path) -> Iterator[Path]:
 
 @contextmanager
 def named_errors(file: Path, what: str) -> Iterator[None]:
-    """Turn what goes wrong in reading a file into errors of ours that name it, on one line."""
+    """Turn errors while reading a file into typed errors that name the file, on one line."""
     try:
-        # Garbage in a column of float32 may be a NaN of the kind that signals when it is widened;
-        # whoever takes the numbers looks for what is not finite in any case.
+        # Damaged float32 values may be signalling NaNs, which warn when they are widened; the
+        # users of the numbers check in any case that they are finite.
         with np.errstate(invalid="ignore", over="ignore"):
             yield
     except (ReadError, InvalidDomainError) as error:
@@ -151,7 +151,7 @@ def named_errors(file: Path, what: str) -> Iterator[None]:
         raise
     except MemoryError as error:
         raise NotEnoughMemoryError(f"{file}: {what} does not fit into memory") from error
-    except Exception as error:  # parsers meet garbage with whatever exception it trips them into
+    except Exception as error:  # parsers raise arbitrary exceptions on damaged files
         name, reason = type(error).__name__, one_line(error)
         raise ReadError(
             f"{file}: damaged, or not a {file.suffix.lower()} file ({name}: {reason})"
@@ -159,7 +159,7 @@ def named_errors(file: Path, what: str) -> Iterator[None]:
 
 
 def check_file(file: Path) -> None:
-    """Raise where there is no file to open; devices and pipes might never end."""
+    """Raise if there is no file to open; devices and pipes might never end."""
     try:
         if file.is_dir():
             raise ReadError(f"{file} is a directory, not a file")
@@ -169,13 +169,13 @@ def check_file(file: Path) -> None:
             raise ReadError(f"{file} is not a regular file")
         if file.stat().st_size == 0:
             raise ReadError(f"{file} is empty")
-    except (OSError, ValueError) as error:  # ValueError: a NUL in the path, or ours from above
+    except (OSError, ValueError) as error:  # ValueError: a NUL in the path, or a ReadError
         if isinstance(error, ReadError):
             raise
         raise ReadError(f"{str(file)!r} cannot be opened: {one_line(error)}") from error
 
 
 def one_line(error: BaseException) -> str:
-    """Return the text of an error on one line, cut where it is endless."""
+    """Return the text of an error on one line, truncated to `LONGEST_REASON`."""
     text = " ".join(str(error).split())
     return text if len(text) <= LONGEST_REASON else text[:LONGEST_REASON] + " ..."

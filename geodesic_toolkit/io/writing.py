@@ -1,4 +1,4 @@
-"""Distances to files: shapes with a field to look at, tables to go on with."""
+"""Write distances: shapes with a field for viewers, tables for other programs."""
 
 import os
 from contextlib import nullcontext
@@ -28,19 +28,19 @@ WITH_SHAPE = (".ply", ".pcd", ".las", ".laz", ".vtp", ".vtk", ".vtu")
 DISTANCE_SUFFIXES = (*WITH_SHAPE, ".gii", ".npy", ".csv", ".txt")
 
 FAMILIES = ((".ply",), (".pcd",), (".las", ".laz"))
-"""Suffixes of formats that keep what a file of the same family says of its points."""
+"""Suffixes of formats that keep the point attributes of a file of the same family."""
 
 SHAPE_ALONE = (".obj", ".off", ".stl", ".xyz", ".mesh")
-"""Formats that people ask for and that have no place for a field."""
+"""Common formats of shapes that cannot hold a field."""
 
 OTHER_GIFTI = (".surf.gii", ".label.gii")
-"""Names that promise something else than a field."""
+"""Names of GIFTI files whose suffix promises something else than a field."""
 
 GREY = (160, 160, 160)
-"""Colour of what no source reaches."""
+"""Colour of vertices that no source reaches."""
 
 NAMED_SOURCES = 20
-"""Sources that a PLY's comment lists."""
+"""Number of sources listed in the comment of a PLY."""
 
 
 def write(
@@ -55,46 +55,46 @@ def write(
 
     ================ ====================================================================
     .ply             binary: vertices and faces, or points with their normals, with a
-                     vertex property ``distance`` (``inf`` where no source reaches) and
-                     colours (viridis, where matplotlib is installed; grey where no source
-                     reaches)
+                     vertex property ``distance`` (``inf`` if no source reaches it) and
+                     colours (viridis, if matplotlib is installed; grey if no source
+                     reaches the vertex)
     .pcd, .las, .laz points with a field ``distance`` (laspy)
     .vtp, .vtk, .vtu vertices and faces, or points, with the point data ``distance``, for
                      ParaView (vtk)
-    .gii             the distances alone, float32, as ``.shape.gii`` or ``.func.gii`` are
+    .gii             the distances alone, float32, as in ``.shape.gii`` or ``.func.gii``
                      (nibabel)
     .npy             the distances alone, float64
-    .csv             ``vertex,x,y,z,distance``, or ``vertex,distance`` of a graph, with all
+    .csv             ``vertex,x,y,z,distance``, or ``vertex,distance`` for a graph, with all
                      digits
-    .txt             the distances alone, one a line, with all digits
+    .txt             the distances alone, one per line, with all digits
     ================ ====================================================================
 
-    A .ply, .pcd, .las or .laz that is written `like` the file that the shape came from is that
-    file with the distance added: it keeps all else that the file says, such as colours,
-    intensities, classes, normals, polygons, the coordinate system.
+    If a .ply, .pcd, .las or .laz is written `like` the file of the shape, the result is that file
+    with the distance added: all other data are kept, such as colours, intensities, classes,
+    normals, polygons, the coordinate system.
 
     Parameters
     ----------
     path : str or path-like
-        Replaced as a whole at the very end; an interrupted run leaves it as it was.
+        Replaced as a whole at the end; an interrupted run does not change it.
     domain : Domain
     distances : array-like of shape (N,)
-        One a vertex, in the unit of the domain.
+        One per vertex, in the unit of the domain.
     sources : array-like of int, optional
         Vertex indices of the sources, noted in the comment of a PLY.
     like : path-like, optional
-        A file of the same vertices, such as the one that `domain` was read from. It is looked at
-        where its format is that of `path` (.las and .laz are one).
+        A file of the same vertices, such as the one that `domain` was read from. It is used
+        if its format is that of `path` (.las and .laz are one).
 
     Raises
     ------
     InvalidOptionError
-        An unknown suffix, a shape of a graph, distances of another shape, missing points in a .las
-        file, a file to be `like` that has another number of points.
+        An unknown suffix, a graph in a format of shapes, distances of another shape, missing points
+        in a .las file, or a `like` with another number of points.
     MissingDependencyError
         The format needs a package that is not installed.
     ReadError
-        The file to be `like` cannot be read.
+        The file `like` cannot be read.
     WriteError
         The file cannot be written.
 
@@ -133,7 +133,7 @@ def write(
     with replacing(file) as temporary:
         match suffix:
             case ".npy":
-                with temporary.open("wb") as handle:  # to a path np.save might add a suffix
+                with temporary.open("wb") as handle:  # np.save might add a suffix to a path
                     np.save(handle, field, allow_pickle=False)
             case ".csv":
                 _write_csv(temporary, positions, field)
@@ -152,14 +152,14 @@ def write(
 
 
 def check_distance_output(path: str | os.PathLike[str]) -> Path:
-    """Raise where distances cannot be written to `path`: to be asked before any work is done.
+    """Raise if distances cannot be written to `path`; call it before any work.
 
     Raises
     ------
     InvalidOptionError
-        A suffix of a format that is not known, or that cannot hold numbers at vertices.
+        A suffix of an unknown format, or of one that cannot hold numbers at vertices.
     WriteError
-        A directory, a device, a directory that is not there, or no permission.
+        A directory, a device, a directory that does not exist, or no permission.
     MissingDependencyError
         The format needs a package that is not installed.
     """
@@ -168,8 +168,7 @@ def check_distance_output(path: str | os.PathLike[str]) -> Path:
     can = ", ".join(DISTANCE_SUFFIXES)
     if suffix in SHAPE_ALONE:
         raise InvalidOptionError(
-            f"{file}: {suffix} files hold a shape and cannot hold a field of distances; can be "
-            f"written: {can}"
+            f"{file}: {suffix} files hold a shape, but cannot hold distances; can be written: {can}"
         )
     if file.name.lower().endswith(OTHER_GIFTI):
         raise InvalidOptionError(
@@ -187,7 +186,7 @@ def check_distance_output(path: str | os.PathLike[str]) -> Path:
 
 
 def _model(file: Path, like: str | os.PathLike[str] | None) -> Path | None:
-    """Return `like`, where what it says can be kept in `file`."""
+    """Return `like` if its attributes can be kept in `file`, else None."""
     if like is None:
         return None
     model = Path(like)
@@ -234,7 +233,7 @@ def _ply(domain: Domain, field: FloatArray, sources: Any, model: Path | None) ->
 
 
 def _from(sources: Any) -> str:
-    """Return words for vertex sources; others are not noted."""
+    """Return a text that lists vertex sources; other sources are not listed."""
     indices = np.atleast_1d(np.asarray(sources)) if sources is not None else np.empty(0)
     if indices.dtype.kind not in "iu" or indices.ndim != 1 or not len(indices):
         return ""

@@ -70,7 +70,7 @@ def test_a_damaged_label_is_refused_by_name(text, says, tmp_path):
 def test_a_label_of_another_surface_is_refused(tmp_path):
     path = tmp_path / "lh.V1.label"
     path.write_text("#!ascii label\n1\n6 0 0 0 0\n")
-    with pytest.raises(InvalidOptionError, match="6 vertices, counted from 0, and none is 6"):
+    with pytest.raises(InvalidOptionError, match="there is no vertex 6: they are 0 to 5"):
         read_mask(path, 6)
 
 
@@ -94,7 +94,7 @@ def test_zeros_and_ones_of_a_gifti_are_a_mask_and_a_source(tmp_path):
 
 def test_regions_are_asked_for_by_name(annotation, tmp_path):
     for region, says in [
-        (None, "lh.atlas.annot holds 4 regions; say which by region: wall, V1, V2, empty"),
+        (None, "lh.atlas.annot holds 4 regions; choose a region: wall, V1, V2, empty"),
         ("V9", "lh.atlas.annot has no region 'V9'; it has wall, V1, V2, empty"),
     ]:
         with pytest.raises(InvalidOptionError, match=says):
@@ -106,16 +106,16 @@ def test_regions_are_asked_for_by_name(annotation, tmp_path):
     table = tmp_path / "v.txt"
     table.write_text("1 2")
     for read in (read_vertices, lambda path, region: read_mask(path, 6, region=region)):
-        with pytest.raises(InvalidOptionError, match="has no regions, and none called 'V1'"):
+        with pytest.raises(InvalidOptionError, match="has no regions: omit region='V1'"):
             read(table, region="V1")
 
 
 def test_a_gifti_that_marks_no_vertices_is_refused(tmp_path):
     path = gifti(tmp_path / "d.shape.gii", [np.array([0, 0.5], dtype=np.float32)])
-    with pytest.raises(ReadError, match="numbers are other than 0 and 1"):
+    with pytest.raises(ReadError, match="numbers must be 0 and 1"):
         read_vertices(path)
     path = gifti(tmp_path / "d.shape.gii", [np.zeros(2, dtype=np.float32)] * 2)
-    with pytest.raises(ReadError, match="one number a vertex is asked for"):
+    with pytest.raises(ReadError, match="one number per vertex is needed"):
         read_mask(path, 2)
 
 

@@ -90,7 +90,7 @@ REFUSED = {
     "thousands or decimals": (["1,000 2,500 3,125", "4,500 5,250 6,750"], "or group thousands"),
     "both": ([*PLAIN, *COMMAS], "has a comma and .* a point"),
     "three in one": (["1,2,3 4,5,6 7,8,9"], "'1,2,3' is not a number with a decimal comma"),
-    "fewer names than columns": (["x,y,z", "1,5,2,5,3,5"], "names 3 columns, and there are 6"),
+    "fewer names than columns": (["x,y,z", "1,5,2,5,3,5"], "names 3 columns, but there are 6"),
     "nothing but names": (["x,y,z"], "no numbers in the file, only 'x,y,z'"),
     "unknown names": (["id,a,b,c", "1,2,3,4"], "named id, a, b, c: which are x, y and z"),
     "an empty field": (["1;2;3", "1;;3"], "not a table of numbers"),
@@ -111,7 +111,7 @@ def test_points_that_may_be_read_in_two_ways_are_refused(name, suffix, tmp_path)
 @pytest.mark.parametrize("colours", ["255 0 7 ", "12 200 7 255 "])
 def test_colours_before_the_points_are_not_taken_for_points(colours, tmp_path):
     path = write(tmp_path / "p.xyz", [colours + row for row in PLAIN])
-    with pytest.raises(ReadError, match=r"as colours are.*Name the columns"):
+    with pytest.raises(ReadError, match=r"like colours.*Name the columns"):
         gt.read(path)
     behind = write(tmp_path / "q.xyz", [row + " 255 0 7" for row in PLAIN])
     with pytest.warns(ReadWarning, match="not unit normals"):
@@ -130,7 +130,7 @@ def test_whole_points_with_colours_or_normals_behind_them_are_points(tmp_path):
 @pytest.mark.parametrize(
     ("rows", "says"),
     [
-        (["0,1,2", *joined(PLAIN, ",")], "may be a point or number the columns"),
+        (["0,1,2", *joined(PLAIN, ",")], "may be a point, or number the columns"),
         (["x,x,y,z", *("9," + row for row in joined(PLAIN, ","))], "several columns are named 'x'"),
         (['"1,234";"5,678";"9,012"'] * 4, "may be decimal or group thousands"),
     ],
@@ -145,7 +145,7 @@ def test_utf_16_is_read_as_spreadsheets_save_it(tmp_path):
     path.write_text("x\ty\tz\n" + "\n".join(joined(PLAIN, "\t")), encoding="utf-16")
     np.testing.assert_array_equal(gt.read(path).points, POINTS)
     path.write_bytes(path.read_bytes()[:-1])
-    with pytest.raises(ReadError, match="not the UTF-16"):
+    with pytest.raises(ReadError, match="it begins as UTF-16"):
         gt.read(path)
 
 
@@ -173,8 +173,8 @@ def test_edges_may_have_decimal_commas_where_that_is_clear(tmp_path):
         graph = gt.read(write(tmp_path / "g.edges", rows))
         assert graph.lengths.tolist() == [0.5, 2.0]
     for rows, says in [
-        (["0,1,0,5", "1,2,2,0"], "columns i j .length., not 4"),
-        (["i j length", "0 1 2"], "an edge list has no names of columns: i, j, length"),
+        (["0,1,0,5", "1,2,2,0"], "columns, i j .length., not 4"),
+        (["i j length", "0 1 2"], "an edge list cannot have names of columns: i, j, length"),
     ]:
         with pytest.raises(ReadError, match=says):
             gt.read(write(tmp_path / "g.edges", rows))

@@ -225,7 +225,7 @@ def test_an_unknown_suffix_is_named_with_those_that_can_be_written(name, says, s
 
 @pytest.mark.parametrize("suffix", ["obj", "OFF", "stl"])
 def test_a_format_that_holds_no_field_is_refused_with_those_that_do(suffix, sphere, tmp_path):
-    says = rf"d\.{suffix}: .* cannot hold a field of distances; can be written: \.ply, \.pcd, \.las"
+    says = rf"d\.{suffix}: .* cannot hold distances; can be written: \.ply, \.pcd, \.las"
     with pytest.raises(InvalidOptionError, match=says):
         write(tmp_path / f"d.{suffix}", sphere, np.zeros(42))
 

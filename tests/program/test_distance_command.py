@@ -362,7 +362,7 @@ def test_files_of_vertices_that_cannot_be_used_are_refused(sphere_file, tmp_path
         (("--source", tmp_path / "none.label"), 2, "nor a file of vertices"),
         (("--source", table), 3, "v.csv: '5,0' may be one number or two"),
         (("--source", 5, "--mask", tmp_path / "none.annot:V1"), 2, "does not exist"),
-        (("--source", 5, "--mask", regions), 2, "say which by region: rest, V1, wall"),
+        (("--source", 5, "--mask", regions), 2, "choose a region: rest, V1, wall"),
     ]:
         fails(run("distance", sphere_file, *told), status, *words)
     table.write_text("5\n7\n")
@@ -382,7 +382,7 @@ def test_outputs_for_other_programs_are_written(sphere_file, tmp_path):
     for output in outputs[:3]:
         assert gt.read(output).n_vertices == 162
     told = ("distance", sphere_file, "--source", 5, "--output", tmp_path / "d.obj")
-    fails(run(*told), 2, "cannot hold a field of distances", ".ply")
+    fails(run(*told), 2, "cannot hold distances", ".ply")
 
 
 def test_what_a_format_needs_is_missed_before_the_work(sphere_file, tmp_path, monkeypatch):

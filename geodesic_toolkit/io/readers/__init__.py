@@ -1,4 +1,4 @@
-"""A reader for each format of shapes, and the parts that several of them share.
+"""Readers, one for each format of shapes, and helpers of several formats.
 
-Imports domains and what is below.
+Imports domains and lower layers.
 """

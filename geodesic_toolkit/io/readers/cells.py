@@ -16,7 +16,7 @@ from geodesic_toolkit.io.readers.gmsh import check_node_numbers
 __all__ = ["read_cells", "read_medit", "read_msh", "read_vtu"]
 
 STDERR_LOCK = threading.Lock()
-"""Standard error belongs to the process: one thread at a time catches what meshio prints there."""
+"""Lock for standard error, which the whole process shares, while meshio's messages are captured."""
 
 
 def read_medit(path: Path) -> Domain:
@@ -36,16 +36,16 @@ def read_vtu(path: Path) -> Domain:
 
 
 def read_cells(path: Path, form: str) -> Domain:
-    """Read the surface of a mesh, where it has one, or that of its solid cells.
+    """Read the surface of a mesh if it has one, or else the surface of its solid cells.
 
     `form` is the name of meshio's module for the format.
     """
-    # The format's own module: meshio.read ends the process where a file is not what it says.
+    # The format's own module: meshio.read ends the process if a file has another format.
     module = optional_package(f"meshio.{form}", path.suffix[1:].lower())
-    said = io.StringIO()
-    with STDERR_LOCK, contextlib.redirect_stderr(said):
+    messages = io.StringIO()
+    with STDERR_LOCK, contextlib.redirect_stderr(messages):
         mesh = module.read(str(path))
-    if remarks := " ".join(said.getvalue().split()):
+    if remarks := " ".join(messages.getvalue().split()):
         warn(path, f"meshio says: {remarks[:300]}")
     points = np.asarray(mesh.points, dtype=np.float64)
     if points.ndim == 2 and points.shape[1] == 2:
@@ -58,5 +58,5 @@ def read_cells(path: Path, form: str) -> Domain:
     if kinds == ["vertex"]:
         return PointCloud(points)
     raise ReadError(
-        f"no surface and no solid: the cells are {', '.join(kinds) or 'of no known kind'}"
+        f"no surface and no solid cells: the cells are {', '.join(kinds) or 'of no known kind'}"
     )

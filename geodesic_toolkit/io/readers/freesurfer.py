@@ -1,7 +1,7 @@
 """FreeSurfer's surfaces, labels and annotations, through nibabel.
 
 The files of a surface have no suffix of their own: ``lh.pial``, ``rh.white``, ``lh.pial.T1``. They
-are known by their first bytes, whatever they are called.
+are recognised by their first bytes, not by their names.
 """
 
 import warnings
@@ -23,7 +23,7 @@ HEADER = 9
 
 
 def is_surface(path: Path) -> bool:
-    """Return whether a file begins as a surface of FreeSurfer, or as its numbers a vertex."""
+    """Return whether a file begins as a FreeSurfer surface, or as FreeSurfer's vertex data."""
     with path.open("rb") as file:
         return file.read(MAGIC) in {TRIANGLES, QUADRANGLES, NEW_QUADRANGLES}
 
@@ -34,13 +34,13 @@ def read_surface(path: Path) -> TriangleMesh:
     _check_sizes(data)
     nibabel = optional_package("nibabel.freesurfer", path.suffix[1:])
     with warnings.catch_warnings():
-        warnings.simplefilter("ignore")  # of nibabel, on headers that are of no use here
+        warnings.simplefilter("ignore")  # nibabel warns about headers that are not used here
         vertices, faces = nibabel.read_geometry(str(path))
     return TriangleMesh(vertices, faces)
 
 
 def _check_sizes(data: bytes) -> None:
-    """Raise where the numbers in the header do not fit the file: they would be read regardless."""
+    """Raise if the counts in the header do not fit the file: nibabel does not check them."""
     magic = data[:MAGIC]
     if magic == TRIANGLES:
         start = data.find(b"\n\n")
@@ -62,23 +62,23 @@ def _check_sizes(data: bytes) -> None:
 
 
 def _is_morphometry(data: bytes) -> bool:
-    """Return whether a file holds thickness, curvature or the like; it begins as quadrangles do."""
+    """Return whether a file holds vertex data such as thickness; its header fits quadrangles."""
     n_vertices, _, n_values = np.frombuffer(data[MAGIC : MAGIC + 12].ljust(12, b"\0"), ">i4")
     return len(data) == MAGIC + 12 + 4 * int(n_vertices) * int(n_values)
 
 
 def read_label(path: Path) -> IntArray:
-    """Return the vertices that a label lists, of shape (K,)."""
+    """Return the vertices listed in a label, of shape (K,)."""
     lines = lines_of(path)  # the first line is a comment
     n_vertices = int(lines[0])
     if len(lines) - 1 != n_vertices or n_vertices == 0:
-        raise ReadError(f"the label announces {n_vertices} vertices, {len(lines) - 1} follow")
+        raise ReadError(f"the label announces {n_vertices} vertices, but {len(lines) - 1} follow")
     vertices = optional_package("nibabel.freesurfer", "label").read_label(str(path))
     return np.atleast_1d(vertices).astype(np.int64)
 
 
 def read_annotation(path: Path) -> tuple[IntArray, dict[str, int]]:
-    """Return the region of each vertex, of shape (N,), and the numbers of regions by name."""
+    """Return the region of each vertex, of shape (N,), and the numbers of the regions by name."""
     nibabel = optional_package("nibabel.freesurfer", "annot")
     regions, _, names = nibabel.read_annot(str(path))
     return np.asarray(regions, dtype=np.int64), {

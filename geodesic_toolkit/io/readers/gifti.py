@@ -1,4 +1,4 @@
-"""GIFTI, the surfaces of neuroimaging and the numbers on them, through nibabel."""
+"""GIFTI, the format of surfaces in neuroimaging and of vertex data, through nibabel."""
 
 from pathlib import Path
 from typing import Any
@@ -15,7 +15,7 @@ from geodesic_toolkit.io.common import optional_package
 __all__ = ["encode_gifti", "read_gifti", "read_gifti_numbers"]
 
 LABEL_INTENT = 1002
-"""The intent of an array of regions."""
+"""Intent of an array of regions."""
 
 
 def read_gifti(path: Path) -> Domain:
@@ -24,10 +24,10 @@ def read_gifti(path: Path) -> Domain:
 
 
 def read_gifti_numbers(path: Path) -> tuple[NDArray[Any], dict[str, int] | None]:
-    """Return the number of each vertex, of shape (N,); of regions also their names."""
+    """Return the number of each vertex, of shape (N,); for regions also their names."""
     image = _image(path)
     if len(image.darrays) != 1 or image.darrays[0].data.ndim != 1:
-        raise ReadError("one number a vertex is asked for, and the file holds something else")
+        raise ReadError("one number per vertex is needed, but the file holds other data")
     array = image.darrays[0]
     names = None
     if array.intent == LABEL_INTENT:
@@ -37,9 +37,9 @@ def read_gifti_numbers(path: Path) -> tuple[NDArray[Any], dict[str, int] | None]
 
 
 def encode_gifti(field: FloatArray, name: str) -> bytes:
-    """Return a file of one number a vertex, in single precision as the format has it.
+    """Return a file of one number per vertex, in single precision as the format requires.
 
-    `name` is that of the file, whose last part but one tells its kind: ``d.func.gii``.
+    `name` is the name of the file; its last part but one gives the kind: ``d.func.gii``.
     """
     gifti = optional_package("nibabel.gifti", "gii", "writing")
     function = name.lower().endswith(".func.gii")

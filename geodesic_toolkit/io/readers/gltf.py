@@ -13,30 +13,30 @@ __all__ = ["read_gltf"]
 
 
 def read_gltf(path: Path) -> Domain:
-    """Read all meshes of a glTF scene where the scene puts them, one after the other.
+    """Read all meshes of a glTF scene, instances as in the scene, one after the other.
 
-    The format repeats a vertex for each normal, texture coordinate or material that it has, which
-    cuts the surface there; a warning says so.
+    The format repeats a vertex for each of its normals, texture coordinates and materials, which
+    cuts the surface there; a warning reports it.
     """
     import trimesh  # heavy
 
     if path.suffix.lower() == ".gltf":
-        _check_json(path)  # else trimesh would read a model.gltf beside it instead
+        _check_json(path)  # otherwise trimesh would read a model.gltf beside it
 
     scene = trimesh.load(path, force="scene", process=False)
     vertices, faces, points = [], [], []
     offset = 0
-    order = {name: number for number, name in enumerate(scene.geometry)}  # that of the file
-    placed = [scene.graph[node] for node in reversed(scene.graph.nodes_geometry)]
-    for placement, name in sorted(placed, key=lambda pair: order[pair[1]]):
+    order = {name: number for number, name in enumerate(scene.geometry)}  # the order of the file
+    instances = [scene.graph[node] for node in reversed(scene.graph.nodes_geometry)]
+    for placement, name in sorted(instances, key=lambda pair: order[pair[1]]):
         shape = scene.geometry[name]
-        places = shape.vertices @ placement[:3, :3].T + placement[:3, 3]
+        positions = shape.vertices @ placement[:3, :3].T + placement[:3, 3]
         if isinstance(shape, trimesh.Trimesh) and len(shape.faces):
-            vertices.append(places)
+            vertices.append(positions)
             faces.append(shape.faces + offset)
-            offset += len(places)
+            offset += len(positions)
         elif isinstance(shape, trimesh.PointCloud):
-            points.append(places)
+            points.append(positions)
     if not faces:
         if points:
             return PointCloud(np.concatenate(points))

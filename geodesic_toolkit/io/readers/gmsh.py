@@ -1,8 +1,8 @@
-"""A look at the node numbers of Gmsh's .msh files, before meshio reads them.
+"""Check of the node numbers in Gmsh's .msh files, before meshio reads them.
 
 Nodes may be numbered with gaps, and meshio makes a table as long as the largest number: one flipped
-bit would take all the memory of the machine. Nor does it compare the number of nodes that a file
-announces with those that follow.
+bit would fill the memory of the machine. It also does not compare the announced number of nodes
+with the actual one.
 """
 
 import re
@@ -18,15 +18,15 @@ from geodesic_toolkit.errors import ReadError
 __all__ = ["check_node_numbers"]
 
 MAX_NUMBERS_PER_NODE = 1000
-"""Numbers a node, beyond a million, from which on they are taken for damage."""
+"""Largest plausible node number per node, beyond a million; larger numbers mean damage."""
 
 FORMAT = re.compile(rb"\$MeshFormat\s+(\d)(?:\.(\d))?\s+([01])\s+(\d+)")
 NODES = re.compile(rb"^\$Nodes\s*?\n", re.MULTILINE)
-NUMBERED = np.dtype([("number", "<i4"), ("place", "<f8", 3)])
+NUMBERED = np.dtype([("number", "<i4"), ("position", "<f8", 3)])
 
 
 def check_node_numbers(data: bytes) -> None:
-    """Raise a `ReadError` where the nodes in a file are not as many, or as numbered, as can be."""
+    """Raise a `ReadError` if the number of nodes, or a node number, is not plausible."""
     try:
         numbers = [block for block in _node_numbers(data) if len(block)]
     except ReadError:
@@ -40,7 +40,7 @@ def check_node_numbers(data: bytes) -> None:
 
 
 def _node_numbers(data: bytes) -> Iterator[IntArray]:
-    """Yield the numbers of the nodes, block by block, of versions 2 and 4, text and binary."""
+    """Yield the numbers of the nodes, block by block; for versions 2 and 4, text and binary."""
     form, nodes = FORMAT.search(data), NODES.search(data)
     if form is None or nodes is None:
         return
@@ -85,13 +85,13 @@ def _of_binary(body: bytes, minor: int, size: np.dtype[Any]) -> Iterator[IntArra
 
 
 def _check_total(announced: int, total: int) -> None:
-    """Raise where nodes are announced that do not come: meshio would make some up."""
+    """Raise if announced nodes are missing: meshio would invent some."""
     if announced != total:
-        raise ReadError(f"{announced} nodes are announced, and {total} follow")
+        raise ReadError(f"{announced} nodes are announced, but {total} follow")
 
 
 def _taken(data: bytes, at: int, kind: np.dtype[Any], count: int) -> NDArray[Any]:
-    """Return `count` items of `kind`; a ValueError where the data end before."""
+    """Return `count` items of `kind`; a ValueError if the data end before."""
     return np.frombuffer(data, kind, count, at)
 
 

@@ -16,13 +16,13 @@ from geodesic_toolkit.io.tables.rows import number_table
 __all__ = ["read_mtx", "read_npz"]
 
 SIZES = {"coordinate": 3, "array": 2}
-"""Numbers in the line of sizes."""
+"""Number of entries in the line of sizes."""
 
 
 def read_mtx(path: Path) -> Graph:
     """Read a Matrix Market file as the edge lengths of a graph.
 
-    By our own reader: SciPy's crashes the process on some damaged files.
+    Not by SciPy's reader, which crashes the process on some damaged files.
     """
     banner, *lines = text_of(path).decode("latin-1").splitlines()
     words = banner.lower().split()
@@ -43,7 +43,7 @@ def read_mtx(path: Path) -> Graph:
         dense = _dense(lines[1:], *sizes.tolist(), symmetric=symmetry == "symmetric")
         return graph_of_lengths(sparse.coo_array(dense))
     if len(lines) - 1 != sizes[2]:
-        raise ReadError(f"{sizes[2]} entries are announced, {len(lines) - 1} follow")
+        raise ReadError(f"{sizes[2]} entries are announced, but {len(lines) - 1} follow")
     width = 2 if numbers == "pattern" else 3
     table = number_table(lines[1:]) if sizes[2] else np.empty((0, width))
     if table.shape[1] != width:
@@ -59,10 +59,10 @@ def read_mtx(path: Path) -> Graph:
 
 
 def _dense(lines: list[str], n_rows: int, n_columns: int, *, symmetric: bool) -> FloatArray:
-    """Return a matrix that is listed column by column; only its lower triangle if symmetric."""
+    """Return a matrix listed column by column; only its lower triangle if symmetric."""
     n_entries = n_columns * (n_columns + 1) // 2 if symmetric else n_rows * n_columns
     if len(lines) != n_entries or not lines or (symmetric and n_rows != n_columns):
-        raise ReadError(f"{n_rows} x {n_columns} entries are announced, {len(lines)} follow")
+        raise ReadError(f"{n_rows} x {n_columns} entries are announced, but {len(lines)} follow")
     values = number_table(lines)
     if values.shape[1] != 1:
         raise ReadError(f"entries have {values.shape[1]} columns, not 1")
@@ -77,8 +77,8 @@ def _dense(lines: list[str], n_rows: int, n_columns: int, *, symmetric: bool) ->
 def read_npz(path: Path) -> Domain:
     """Read an npz archive.
 
-    It holds a sparse matrix of edge lengths as ``scipy.sparse.save_npz`` writes it, or arrays
-    ``vertices`` and ``faces``, or ``points`` and perhaps ``normals``.
+    It holds a sparse matrix of edge lengths as written by ``scipy.sparse.save_npz``, or arrays
+    ``vertices`` and ``faces``, or ``points`` and optionally ``normals``.
     """
     data = path.read_bytes()
     with np.load(io.BytesIO(data), allow_pickle=False) as archive:
@@ -93,10 +93,10 @@ def read_npz(path: Path) -> Domain:
             )
     if "format" not in names:
         raise ReadError(
-            f"the archive holds {', '.join(sorted(names))[:80] or 'nothing'}: no sparse matrix, "
-            "no vertices and faces, no points"
+            f"the archive holds {', '.join(sorted(names))[:80] or 'nothing'}, but not a sparse "
+            "matrix, nor vertices and faces, nor points"
         )
     matrix = sparse.load_npz(io.BytesIO(data))
     if hasattr(matrix, "check_format"):
-        matrix.check_format(full_check=True)  # indices out of range would be read from as they are
+        matrix.check_format(full_check=True)  # SciPy would use indices out of range unchecked
     return graph_of_lengths(matrix)

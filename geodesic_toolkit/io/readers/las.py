@@ -24,29 +24,29 @@ from geodesic_toolkit.io.common import check_count, optional_package
 __all__ = ["read_las", "require_las", "write_las"]
 
 POINTS_PER_CHUNK = 1_000_000
-"""Points that are copied at once."""
+"""Number of points copied at once."""
 
 BYTES_OF_RECORD_HEADER = 54
-"""Bytes of a variable-length record without its contents."""
+"""Number of bytes of a variable-length record without its contents."""
 
 COMPRESSED_FORMAT_FLAG = 128
-"""Added to the number of the point format."""
+"""Flag added to the number of the point format if points are compressed."""
 
 BYTES_OF_ITEMS = {6: 20, 7: 8, 8: 6, 9: 29, 10: 30, 11: 6, 12: 8, 13: 29}
-"""Bytes of the compressed fields of a point by their kinds; others are as long as they say."""
+"""Bytes of the compressed fields of a point by their kinds; other fields state their length."""
 
 MAX_POINTS_PER_BYTE = 1000
-"""Compressed points that a byte can hold at most, generously."""
+"""Generous upper bound of compressed points per byte."""
 
 
 def read_las(path: Path) -> PointCloud:
-    """Read the positions of a LAS file, or of a LAZ file."""
+    """Read the positions of a LAS or LAZ file."""
     with _opened(path) as reader:
         return PointCloud(reader.read().xyz)
 
 
 def require_las(path: Path) -> None:
-    """Raise a `MissingDependencyError` where a LAS or LAZ file could not be written."""
+    """Raise a `MissingDependencyError` if a LAS or LAZ file could not be written."""
     laspy = optional_package("laspy", path.suffix[1:].lower(), "writing")
     if path.suffix.lower() == ".laz" and not laspy.LazBackend.detect_available():
         raise MissingDependencyError(
@@ -60,17 +60,17 @@ def write_las(path: Path, positions: FloatArray, field: FloatArray, like: Path |
     Parameters
     ----------
     path : Path
-        Compressed if it is a .laz.
+        Compressed if the suffix is .laz.
     positions : ndarray of shape (N, 3)
-        Written where there is no `like`.
+        Written if there is no `like`.
     field : ndarray of shape (N,)
     like : Path, optional
-        A LAS or LAZ file of the same points: all that it says of them is kept, and its records.
+        A LAS or LAZ file of the same points; all its attributes and records are kept.
 
     Raises
     ------
     InvalidOptionError
-        Missing points, for which LAS has no place; a file of another number of points.
+        Missing points, which LAS cannot store; a file with another number of points.
     """
     import laspy
 
@@ -110,14 +110,13 @@ def _write_positions(path: Path, positions: FloatArray, field: FloatArray) -> No
     missing = ~np.isfinite(positions).all(axis=1)
     if missing.any():
         raise InvalidOptionError(
-            f"point {int(missing.argmax())} is missing, for which LAS has no place; write .pcd or "
-            ".ply"
+            f"point {int(missing.argmax())} is missing, which LAS cannot store; write .pcd or .ply"
         )
     header = laspy.LasHeader(point_format=0, version="1.4")
     low, high = positions.min(axis=0), positions.max(axis=0)
     size = max(float((high - low).max()), float(np.finfo(np.float64).tiny) * 1e20)
     header.offsets = low
-    header.scales = np.full(3, 10.0 ** np.ceil(np.log10(size / 2**30)))  # of 32-bit integers
+    header.scales = np.full(3, 10.0 ** np.ceil(np.log10(size / 2**30)))  # 32-bit integers
     header.add_extra_dim(_dimension())
     points = laspy.LasData(header)
     points.x, points.y, points.z = positions.T
@@ -133,14 +132,14 @@ def _dimension() -> Any:
 
 @contextmanager
 def _opened(path: Path) -> Iterator[Any]:
-    """Open a file for laspy to read; what its decompressor trips over becomes a `ReadError`."""
+    """Open a file for reading by laspy; errors of its decompressor become a `ReadError`."""
     laspy = optional_package("laspy", path.suffix[1:].lower())
     log = logging.getLogger("laspy")
-    if not log.handlers:  # else what laspy logs beside raising it is printed to standard error
+    if not log.handlers:  # otherwise laspy's log goes to stderr
         log.addHandler(logging.NullHandler())
     _check_header(path)
-    # One chunk after the other: many at a time, as is laspy's default, end the process where the
-    # table of chunks is damaged.
+    # One chunk after the other: laspy's default, many at a time, ends the process if the table of
+    # chunks is damaged.
     one_by_one = [laspy.LazBackend.Lazrs, laspy.LazBackend.Laszip]
     available = [backend for backend in one_by_one if backend.is_available()]
     try:
@@ -151,18 +150,18 @@ def _opened(path: Path) -> Iterator[Any]:
                     'reading .laz files needs lazrs: pip install "geodesic-toolkit[io]"'
                 )
             yield reader
-    except BaseException as error:  # lazrs's panics are no Exception; all else goes on
+    except BaseException as error:  # lazrs's panics are not an Exception
         if type(error).__name__ != "PanicException":
             raise
         raise ReadError(f"the compressed points are damaged ({error})") from error
 
 
 def _check_points(header: Any, size: int) -> None:
-    """Raise where points cannot be what the header says, which lazrs takes on trust."""
+    """Raise if the points cannot be those of the header, which lazrs does not check."""
     width = header.point_format.size
     most = size * MAX_POINTS_PER_BYTE if header.are_points_compressed else size // width
     if header.point_count > most:
-        raise ReadError(f"the file ends before its {header.point_count} points do")
+        raise ReadError(f"the file ends before the last of its {header.point_count} points")
     for record in header.vlrs.get("LasZipVlr") if header.are_points_compressed else []:
         data = record.record_data
         (n_items,) = struct.unpack_from("<H", data, 32)
@@ -174,9 +173,9 @@ def _check_points(header: Any, size: int) -> None:
 
 
 def _check_header(path: Path) -> None:
-    """Raise where the header announces more records, or chunks of points, than fit.
+    """Raise if the header announces more records, or chunks of points, than fit into the file.
 
-    laspy would read on for hours, and its decompressor would end the process.
+    Otherwise laspy would read for hours, and its decompressor would end the process.
     """
     size = path.stat().st_size
     with path.open("rb") as file:
@@ -198,13 +197,13 @@ def _check_header(path: Path) -> None:
 
 
 def _n_chunks(file: BinaryIO, head: bytes) -> int:
-    """Return how many chunks of compressed points a table at the end of the file announces."""
+    """Return the number of chunks of compressed points, from the table at the end of the file."""
     file.seek(struct.unpack_from("<I", head, 96)[0])
-    place = int.from_bytes(file.read(8), "little", signed=True)
-    if place == -1:  # written by what could not go back: the place follows the table
+    position = int.from_bytes(file.read(8), "little", signed=True)
+    if position == -1:  # written as a stream: the position follows the table
         file.seek(-8, os.SEEK_END)
-        place = int.from_bytes(file.read(8), "little", signed=True)
-    if not 0 <= place < 2**62:
-        raise ReadError("damaged: its table of compressed chunks has no place")
-    file.seek(place + 4)
+        position = int.from_bytes(file.read(8), "little", signed=True)
+    if not 0 <= position < 2**62:
+        raise ReadError("damaged: the position of its table of compressed chunks is invalid")
+    file.seek(position + 4)
     return int.from_bytes(file.read(4), "little")

@@ -1,7 +1,7 @@
 """Wavefront OBJ.
 
-Only positions and the positions' indices of faces are read: a corner's texture and normal
-indices, which make other readers split vertices along seams, do not cut the surface.
+Only positions and the position indices of faces are read. A corner's texture and normal indices,
+which make other readers split vertices along seams, do not cut the surface.
 """
 
 import re
@@ -17,13 +17,13 @@ __all__ = ["read_obj"]
 
 
 def read_obj(path: Path) -> Domain:
-    """Read an OBJ file: its ``v`` and ``f`` lines, ``vn`` where it has points only."""
+    """Read an OBJ file: its ``v`` and ``f`` lines, and ``vn`` if it has only points."""
     text = re.sub(rb"\\\r?\n", b" ", text_of(path))
     coordinates: list[bytes] = []
     normals: list[bytes] = []
     corners: list[bytes] = []
     sizes: list[int] = []
-    seen: list[int] = []  # vertices before each face, from which negative indices count back
+    seen: list[int] = []  # number of vertices before each face, for negative indices
     for line in text.splitlines():
         keyword, *words = line.partition(b"#")[0].split() or [b""]
         if keyword == b"v":

@@ -12,7 +12,7 @@ from geodesic_toolkit.io.common import floats, integers, surface, text_of
 
 __all__ = ["read_off"]
 
-# The counts may follow the keyword at once ("OFF3485 6966 0" is common), or it may be missing.
+# The counts may follow the keyword directly ("OFF3485 6966 0" is common); it may be missing.
 HEADER = re.compile(rb"(ST)?(C)?(N)?(4)?(n)?OFF(\s+BINARY\b)?", re.IGNORECASE)
 
 
@@ -28,7 +28,7 @@ def read_off(path: Path) -> Domain:
         text = text[header.end() :]
     counts = text.split(maxsplit=3)[:2]
     if len(counts) < 2:
-        raise ReadError("not an OFF file: no numbers of vertices and faces")
+        raise ReadError("not an OFF file: the numbers of vertices and faces are missing")
     n_vertices, n_faces = integers(counts, "the numbers of vertices and faces").tolist()
     if n_vertices < 0 or n_faces < 0:
         raise ReadError(f"{n_vertices} vertices and {n_faces} faces are announced")
@@ -37,14 +37,14 @@ def read_off(path: Path) -> Domain:
     tokens = b"\n".join(lines).split()
     end = n_vertices * columns
     if len(tokens) < end + n_faces:
-        raise ReadError(f"the file ends before its {n_vertices} vertices and {n_faces} faces do")
+        raise ReadError(f"the file ends within its {n_vertices} vertices and {n_faces} faces")
     vertices = floats(tokens[:end], "vertex coordinates").reshape(n_vertices, columns)[:, :3]
     sizes, corners = _faces(tokens[end:], lines, n_faces)
     return surface(path, vertices, sizes, corners)
 
 
 def _lines_after_counts(text: bytes) -> list[bytes]:
-    """Return the lines that hold anything, without the three counts (the third may be missing)."""
+    """Return the lines that are not empty, without the three counts (the third may be missing)."""
     head, *rest = (line for line in text.splitlines() if line.strip())
     counts = head.split()
     while len(counts) < 2:
@@ -53,10 +53,10 @@ def _lines_after_counts(text: bytes) -> list[bytes]:
 
 
 def _columns(lines: list[bytes], announced: int) -> int:
-    """Return the numbers a vertex has.
+    """Return the number of columns per vertex.
 
-    Colours come with or without alpha, and behind headers that do not announce them, so the first
-    line tells best; a file whose lines are not vertices has what its header says.
+    Colours may have an alpha or not, and the header may not announce them, so the first line is
+    decisive; if the lines do not look like vertices, the header is.
     """
     first = len(lines[0].split()) if lines else 0
     return first if 3 <= first <= 12 and len(lines) > 1 else announced
@@ -65,8 +65,8 @@ def _columns(lines: list[bytes], announced: int) -> int:
 def _faces(tokens: list[bytes], lines: list[bytes], n_faces: int) -> tuple[IntArray, IntArray]:
     """Return the sizes of the faces and their corners.
 
-    A face may run over several lines, or end in colours: where taking one face after the other
-    does not use up the file, each face is a line.
+    A face may span several lines, or end in colours. If reading one face after the other does not
+    consume the whole file, each line is a face.
     """
     quick = _triangles(tokens, n_faces)
     if quick is not None:
@@ -85,7 +85,7 @@ def _faces(tokens: list[bytes], lines: list[bytes], n_faces: int) -> tuple[IntAr
 
 
 def _triangles(tokens: list[bytes], n_faces: int) -> tuple[IntArray, IntArray] | None:
-    """Return the faces where all are triangles and nothing else follows."""
+    """Return the faces if all are triangles and nothing else follows."""
     if len(tokens) != 4 * n_faces or any(size != b"3" for size in tokens[::4]):
         return None
     rows = integers(tokens, "the corners of faces").reshape(n_faces, 4)
@@ -94,7 +94,7 @@ def _triangles(tokens: list[bytes], n_faces: int) -> tuple[IntArray, IntArray] |
 
 def _faces_by_line(lines: list[bytes], n_faces: int) -> tuple[IntArray, IntArray]:
     sizes, corners = [], []
-    # Whatever follows the faces is not ours; what precedes them are the vertices' lines.
+    # Lines after the faces are ignored; lines before them are vertices.
     rows = [line.split() for line in lines]
     first = len(rows) - n_faces
     for number, row in enumerate(rows[first:] if first >= 0 else []):
@@ -106,12 +106,12 @@ def _faces_by_line(lines: list[bytes], n_faces: int) -> tuple[IntArray, IntArray
         sizes.append(size)
         corners.extend(row[1 : 1 + size])
     if len(sizes) != n_faces:
-        raise ReadError(f"the file ends before its {n_faces} faces do, or does not end with them")
+        raise ReadError(f"the file ends within its {n_faces} faces, or does not end with them")
     return np.array(sizes, dtype=np.int64), integers(corners, "the corners of faces")
 
 
 def _size(tokens: list[bytes], position: int) -> int | None:
-    """Return how many corners the face at `position` has, or None where it has not that many."""
+    """Return the number of corners of the face at `position`, or None if some are missing."""
     if position >= len(tokens):
         return None
     size = int(integers(tokens[position : position + 1], "the sizes of faces")[0])

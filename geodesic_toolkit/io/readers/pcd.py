@@ -1,7 +1,7 @@
 """PCD, the Point Cloud Library's format: text, binary and compressed.
 
-Our own reader rather than Open3D's: it keeps missing points and float64 coordinates, and does not
-need Open3D's system libraries.
+This reader replaces Open3D's: it keeps missing points and float64 coordinates, and does not need
+Open3D's system libraries.
 """
 
 from pathlib import Path
@@ -24,7 +24,7 @@ _Layout = list[tuple[str, np.dtype[Any], int]]  # name, type and number of entri
 
 
 def read_pcd(path: Path) -> PointCloud:
-    """Read a PCD file; points that are NaN stay, as missing ones."""
+    """Read a PCD file; points that are NaN are kept as missing points."""
     header, layout, fields = _contents(path)
     columns = {
         name: values[:, 0]
@@ -33,7 +33,7 @@ def read_pcd(path: Path) -> PointCloud:
     }
     points = _triple(columns, ("x", "y", "z"))
     if points is None:
-        raise ReadError(f"the fields are {' '.join(header['FIELDS'])[:80]}: no x, y and z")
+        raise ReadError(f"the fields are {' '.join(header['FIELDS'])[:80]}, without x, y and z")
     return cloud(path, points, _triple(columns, ("normal_x", "normal_y", "normal_z")))
 
 
@@ -43,15 +43,15 @@ def encode_pcd(domain: Domain, field: FloatArray, like: Path | None) -> bytes:
     Parameters
     ----------
     domain : Domain
-        Positions, and normals if there are any, are written where there is no `like`.
+        Its positions, and normals if there are any, are written if there is no `like`.
     field : ndarray of shape (N,)
     like : Path, optional
-        A PCD file of the same points: all of its fields are kept, and whether it is organised.
+        A PCD file of the same points; all its fields are kept, and its organisation.
 
     Raises
     ------
     InvalidOptionError
-        A file of another number of points.
+        A file with another number of points.
     """
     header: dict[str, list[str]] = {}
     layout: _Layout = []
@@ -72,7 +72,7 @@ def encode_pcd(domain: Domain, field: FloatArray, like: Path | None) -> bytes:
     layout.append(("distance", np.dtype("<f8"), 1))
     fields.append(field[:, None])
     rows = np.empty(len(field), _row(layout))
-    with np.errstate(invalid="ignore"):  # integers that a text calls nan
+    with np.errstate(invalid="ignore"):  # a text may have nan for integers
         for number, values in enumerate(fields):
             rows[f"field{number}"] = values
     kinds = {"f": "F", "i": "I", "u": "U"}
@@ -93,7 +93,7 @@ def encode_pcd(domain: Domain, field: FloatArray, like: Path | None) -> bytes:
 
 
 def _contents(path: Path) -> tuple[dict[str, list[str]], _Layout, list[NDArray[Any]]]:
-    """Return the header of a file, what its fields are, and their values, of shape (N, count)."""
+    """Return the header of a file, the layout of its fields, and their values, (N, count) each."""
     data = path.read_bytes()
     header, form, start = _header(data)
     n_points = _n_points(header)
@@ -109,7 +109,7 @@ def _triple(columns: dict[str, Any], names: tuple[str, str, str]) -> FloatArray 
 
 
 def _header(data: bytes) -> tuple[dict[str, list[str]], str, int]:
-    """Return the lines of the header by their keyword, the form of the data, and their start."""
+    """Return the header lines by keyword, the form of the data, and the start of the data."""
     header: dict[str, list[str]] = {}
     at = 0
     while 0 <= (end := data.find(b"\n", at)) < LONGEST_HEADER:
@@ -121,7 +121,7 @@ def _header(data: bytes) -> tuple[dict[str, list[str]], str, int]:
         if keyword.upper() == "DATA":
             form = " ".join(words).lower()
             if form not in {"ascii", "binary", "binary_compressed"}:
-                raise ReadError(f"PCD data of the form {form[:40]!r} are not known")
+                raise ReadError(f"unknown form of PCD data: {form[:40]!r}")
             header["FIELDS"] = header.get("FIELDS", header.get("COLUMNS", []))
             return header, form, at
     raise ReadError("not a PCD file: its header has no DATA line")
@@ -134,19 +134,19 @@ def _n_points(header: dict[str, list[str]]) -> int:
         else:
             n_points = int(header["WIDTH"][0]) * int(header.get("HEIGHT", ["1"])[0])
     except (ValueError, LookupError) as error:
-        raise ReadError("the header does not say how many points there are") from error
+        raise ReadError("the header has no valid number of points") from error
     if not 0 < n_points < 2**48:
         raise ReadError(f"the header announces {n_points} points")
     return n_points
 
 
 def _layout(header: dict[str, list[str]]) -> _Layout:
-    """Return name, type and number of entries of each field."""
+    """Return the name, type and number of entries of each field."""
     names = header["FIELDS"]
     counts = header.get("COUNT", ["1"] * len(names))
     sizes, kinds = header.get("SIZE", []), header.get("TYPE", [])
     if not names or not len(names) == len(sizes) == len(kinds) == len(counts):
-        raise ReadError("FIELDS, SIZE, TYPE and COUNT of the header do not go together")
+        raise ReadError("FIELDS, SIZE, TYPE and COUNT of the header do not match")
     layout = []
     for name, size, kind, count in zip(names, sizes, kinds, counts, strict=True):
         if not (size.isdecimal() and int(size) in SIZES.get(kind.upper(), ())):
@@ -161,7 +161,7 @@ def _text(text: bytes, layout: _Layout, n_points: int) -> list[NDArray[Any]]:
     width = sum(count for _, _, count in layout)
     tokens = text.split()
     if len(tokens) < n_points * width:
-        raise ReadError(f"the file ends before its {n_points} points do")
+        raise ReadError(f"the file ends before the last of its {n_points} points")
     table = floats(tokens[: n_points * width], "the fields").reshape(n_points, width)
     ends = np.cumsum([count for _, _, count in layout])[:-1]
     return list(np.split(table, ends, axis=1))
@@ -172,23 +172,23 @@ def _row(layout: _Layout) -> np.dtype[Any]:
 
 
 def _rows(data: bytes, layout: _Layout, n_points: int) -> list[NDArray[Any]]:
-    """Take the fields of data that hold one point after the other."""
+    """Read the fields from data that hold one point after the other."""
     row = _row(layout)
     if n_points * row.itemsize > len(data):
-        raise ReadError(f"the file ends before its {n_points} points do")
+        raise ReadError(f"the file ends before the last of its {n_points} points")
     table = np.frombuffer(data, row, n_points)
     return [table[f"field{i}"] for i in range(len(layout))]
 
 
 def _compressed(data: bytes, layout: _Layout, n_points: int) -> list[NDArray[Any]]:
-    """Take the fields of compressed data, which hold one field after the other."""
+    """Read the fields from compressed data, which hold one field after the other."""
     packed = int.from_bytes(data[:4], "little")
     size = int.from_bytes(data[4:8], "little")
     if len(data) < 8 + packed:
-        raise ReadError("the file ends before its compressed points do")
+        raise ReadError("the file ends before the last of its compressed points")
     if size != n_points * sum(kind.itemsize * count for _, kind, count in layout):
         raise ReadError(
-            f"the compressed data announce {size} bytes: not those of {n_points} points"
+            f"the compressed data announce {size} bytes, which are not {n_points} points"
         )
     unpacked = _unpack(data[8 : 8 + packed], size)
     fields, at = [], 0
@@ -200,7 +200,7 @@ def _compressed(data: bytes, layout: _Layout, n_points: int) -> list[NDArray[Any
 
 
 def _unpack(packed: bytes, size: int) -> bytes:
-    """Undo the compression of liblzf: literal bytes, and repetitions of what came before."""
+    """Decompress liblzf data: literal bytes, and repetitions of earlier bytes."""
     out = bytearray()
     at, end = 0, len(packed)
     try:
@@ -221,11 +221,11 @@ def _unpack(packed: bytes, size: int) -> bytes:
             start = len(out) - back
             if start < 0:
                 raise ReadError(
-                    "the compressed points are damaged: they refer to before their start"
+                    "the compressed points are damaged: they refer to bytes before their start"
                 )
             if back >= length:
                 out += out[start : start + length]
-            else:  # the repetition runs into itself
+            else:  # the repetition overlaps its own output
                 out += (out[start:] * (length // back + 1))[:length]
     except IndexError as error:
         raise ReadError(

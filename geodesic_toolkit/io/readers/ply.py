@@ -37,7 +37,7 @@ HEADER_END = re.compile(rb"[\r\n](end_header)[ \t]*[\r\n]")
 
 @dataclass(frozen=True)
 class _Property:
-    """One property: a scalar, or a list where it has a type for the count."""
+    """A property: a scalar, or a list if it has a type for the count."""
 
     name: str
     kind: str
@@ -51,7 +51,7 @@ class _Element:
     properties: list[_Property] = field(default_factory=list)
 
 
-# An element's data by property: (n,) values of a scalar; of a list (n,) sizes and all values.
+# An element's data by property: (n,) values of a scalar; (n,) sizes and all values of a list.
 _Column = tuple[IntArray | None, NDArray[Any]]
 _Table = dict[str, _Column]
 
@@ -61,11 +61,11 @@ class _Body(Protocol):
 
 
 def read_ply(path: Path) -> Domain:
-    """Read a PLY file: a mesh where it has faces or triangle strips, else a cloud."""
+    """Read a PLY file: a mesh if it has faces or triangle strips, else a cloud."""
     _, _, tables = _contents(path)
     vertices = _triple(tables.get("vertex", {}), ("x", "y", "z"))
     if vertices is None:
-        raise ReadError("no element vertex with properties x, y and z")
+        raise ReadError("the file has no element vertex with properties x, y and z")
     faces = []
     if "face" in tables:
         sizes, corners = _indices(tables["face"], "face")
@@ -79,7 +79,7 @@ def read_ply(path: Path) -> Domain:
 
 
 def _contents(path: Path) -> tuple[list[str], list[_Element], dict[str, _Table]]:
-    """Return the remarks of a file, what its elements are, and their values."""
+    """Return the remarks of a file, the declarations of its elements, and their values."""
     data = path.read_bytes()
     form, elements, start = _header(data)
     body: _Body = _Text(data[start:]) if form == "ascii" else _Binary(data, start, ORDERS[form])
@@ -104,23 +104,23 @@ def _indices(table: _Table, element: str) -> tuple[IntArray, IntArray]:
             return sizes, whole_numbers(values, f"vertex indices of {element}")
     if all(len(column) == 0 for _, column in table.values()):
         return np.empty(0, dtype=np.int64), np.empty(0, dtype=np.int64)
-    raise ReadError(f"element {element} has no list vertex_indices")
+    raise ReadError(f"the element {element} has no list vertex_indices")
 
 
 # -- the header ----------------------------------------------------------------------------------
 
 
 def _header(data: bytes) -> tuple[str, list[_Element], int]:
-    """Return the format, the elements, and where the data begin."""
+    """Return the format, the elements, and the start of the data."""
     if data[:3] != b"ply" or data[3:4] not in {b"\n", b"\r", b" "}:
         raise ReadError('not a PLY file: it does not begin with "ply"')
-    found = HEADER_END.search(data, 0, LONGEST_HEADER)  # a comment may hold the word
+    found = HEADER_END.search(data, 0, LONGEST_HEADER)  # a comment may contain the word
     end = found.start(1) if found else -1
     newline = min(
         (at for at in (data.find(b"\n", end), data.find(b"\r", end)) if at >= 0), default=-1
     )
     if end < 0 or newline < 0:
-        raise ReadError("the header of the PLY file has no end")
+        raise ReadError("the PLY header has no end_header line")
     start = newline + (2 if data[newline : newline + 2] == b"\r\n" else 1)
     form, elements = "", list[_Element]()
     for line in data[:end].decode("latin-1").splitlines()[1:]:
@@ -138,7 +138,7 @@ def _header(data: bytes) -> tuple[str, list[_Element], int]:
             case _:
                 raise ReadError(f"unrecognised line in the header: {line[:60]!r}")
     if form != "ascii" and form not in ORDERS:
-        raise ReadError(f"PLY files of format {form[:40]!r} are not known")
+        raise ReadError(f"unknown format of PLY file: {form[:40]!r}")
     return form, elements, start
 
 
@@ -150,26 +150,26 @@ def _count(number: str, name: str) -> int:
 
 def _type(name: str) -> str:
     if name not in TYPES:
-        raise ReadError(f"the header names a type that PLY has not: {name[:40]!r}")
+        raise ReadError(f"unknown type in the PLY header: {name[:40]!r}")
     return TYPES[name]
 
 
 def _count_type(name: str) -> str:
     kind = _type(name)
     if kind[0] == "f":
-        raise ReadError(f"lists cannot count their entries in {name}")
+        raise ReadError(f"the type {name} cannot count the entries of a list")
     return kind
 
 
 def _ends_early(element: _Element) -> ReadError:
-    return ReadError(f"the file ends before its {element.n} elements {element.name} do")
+    return ReadError(f"the file ends before the last of its {element.n} elements {element.name}")
 
 
 # -- the data ------------------------------------------------------------------------------------
 
 
 class _Binary:
-    """The data of a binary file, taken element by element."""
+    """The data of a binary file, read element by element."""
 
     def __init__(self, data: bytes, start: int, order: str) -> None:
         self.data, self.at, self.order = data, start, order
@@ -186,7 +186,7 @@ class _Binary:
             raise _ends_early(element) from error
 
     def _uniform(self, element: _Element) -> _Table | None:
-        """Take rows that all have the lengths of the first; None where they have not."""
+        """Read rows that all have the lengths of the first; None if they do not."""
         lengths = [size for size, _ in self._row(element, self.at)[0]]
         fields: list[Any] = []
         for number, (each, length) in enumerate(zip(element.properties, lengths, strict=True)):
@@ -246,7 +246,7 @@ class _Binary:
 
 
 class _Text:
-    """The data of a text file, taken element by element."""
+    """The data of a text file, read element by element."""
 
     def __init__(self, text: bytes) -> None:
         self.tokens, self.at = text.split(), 0
@@ -260,7 +260,7 @@ class _Text:
         return self._uniform(element) or self._walk(element)
 
     def _uniform(self, element: _Element) -> _Table | None:
-        """Take rows that all have the lengths of the first; None where they have not."""
+        """Read rows that all have the lengths of the first; None if they do not."""
         lengths = [len(row) for row in self._row(element, self.at)[0]]
         width = sum(lengths) + sum(each.count is not None for each in element.properties)
         end = self.at + element.n * width
@@ -357,23 +357,23 @@ def encode_ply(
 
 
 def encode_ply_like(path: Path, fields: Mapping[str, NDArray[Any]], comment: str) -> bytes:
-    """Return a binary little-endian PLY file that is another one with more vertex properties.
+    """Return another PLY file as a binary little-endian one with more vertex properties.
 
-    All elements and their properties are kept, polygons and colours too, but for vertex properties
-    of those names.
+    All elements and their properties are kept, including polygons and colours, except vertex
+    properties of the same names.
 
     Parameters
     ----------
     path : Path
-        The other one.
+        The other file.
     fields : mapping from property names to arrays of shape (N,)
-        uint8, float32 or float64. Colours are left out where the file has its own.
+        uint8, float32 or float64. Colours are omitted if the file has colours of its own.
     comment : str
 
     Raises
     ------
     InvalidOptionError
-        A file of another number of vertices.
+        A file with another number of vertices.
     """
     remarks, elements, tables = _contents(path)
     (vertex,) = (element for element in elements if element.name == "vertex")
@@ -387,7 +387,7 @@ def encode_ply_like(path: Path, fields: Mapping[str, NDArray[Any]], comment: str
         *(_Property(name, values.dtype.str[1:]) for name, values in new.items()),
     ]
     tables["vertex"] = {**tables["vertex"], **{name: (None, new[name]) for name in new}}
-    first = comment.partition(" from ")[0]  # of a file that we have written before
+    first = comment.partition(" from ")[0]  # of a file written by this package
     lines = ["ply", "format binary_little_endian 1.0", f"comment {comment}"]
     lines += [remark for remark in remarks if not remark.startswith(f"comment {first}")]
     for element in elements:
@@ -413,7 +413,7 @@ def _encoded(element: _Element, table: _Table) -> bytes:
         length = 1 if size is None else int(size[0])
         fields.append((f"value{number}", f"<{each.kind}", (length,)))
     rows = np.empty(element.n, fields)
-    with np.errstate(invalid="ignore"):  # integers that a text calls nan
+    with np.errstate(invalid="ignore"):  # a text may have nan for integers
         for number, each in enumerate(element.properties):
             size, values = table[each.name]
             if size is not None:
@@ -423,7 +423,7 @@ def _encoded(element: _Element, table: _Table) -> bytes:
 
 
 def _encoded_row_by_row(element: _Element, table: _Table) -> bytes:
-    """Return rows whose lists are not all as long as each other."""
+    """Return rows whose lists have different lengths."""
     columns = []
     for each in element.properties:
         size, values = table[each.name]

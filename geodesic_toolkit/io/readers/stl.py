@@ -29,12 +29,12 @@ VERTEX = re.compile(rb"\bvertex\s+(\S+)\s+(\S+)\s+(\S+)", re.IGNORECASE)
 def read_stl(path: Path) -> TriangleMesh:
     """Read an STL file and weld its corners.
 
-    The format stores three corners a face and no vertices; corners with the same coordinates
-    become one vertex, numbered in the order of first appearance, and so do those at open edges that
-    differ by rounding. No face is left out, though corners that agree make some degenerate.
+    The format stores three corners per face and no vertices. Corners with the same coordinates
+    become one vertex, numbered in the order of first appearance, and so do corners at open edges
+    that differ by rounding. All faces are kept, even those that become degenerate.
     """
     data = path.read_bytes()
-    # Binary files may begin with "solid" too, so their length is looked at first.
+    # Binary files may begin with "solid" too, so their length is checked first.
     announced = int.from_bytes(data[80:HEADER], "little") if len(data) >= HEADER else 0
     size = HEADER + announced * FACET.itemsize
     text = data.lstrip()[:5].lower() == b"solid" and b"\0" not in data
@@ -44,10 +44,10 @@ def read_stl(path: Path) -> TriangleMesh:
     if text:
         return _weld(_text_corners(data))
     if len(data) < HEADER:
-        raise ReadError("not an STL file: too short for a binary one, and no text one either")
+        raise ReadError("not an STL file: too short for a binary one, and not a text one")
     raise ReadError(
-        f"not an STL file, or one that was cut off: {announced} faces take {size} bytes, "
-        f"there are {len(data)}"
+        f"not an STL file, or a truncated one: {announced} faces need {size} bytes, but there are "
+        f"{len(data)}"
     )
 
 
@@ -58,21 +58,21 @@ def _text_corners(data: bytes) -> FloatArray:
         b"endsolid"
     ):
         raise ReadError(
-            f"a text STL, cut off or damaged: {facets} facets with {len(tokens) // 3} corners"
+            f"a text STL, truncated or damaged: {facets} facets with {len(tokens) // 3} corners"
         )
     return floats(tokens, "vertex coordinates").reshape(-1, 3)
 
 
 def _weld(corners: FloatArray) -> TriangleMesh:
-    """Return the mesh whose vertices are the places of corners.
+    """Return the mesh whose vertices are the positions of the corners.
 
-    First those that are equal. Edges that are open then may have been rounded differently for each
-    facet: their ends are merged within :data:`COINCIDENCE_TOLERANCE`, but closed bodies stay as they
-    are, however near they are to each other.
+    First, equal corners are merged. Open edges may then have been rounded differently for each
+    facet: their ends are merged within :data:`COINCIDENCE_TOLERANCE`. Closed bodies do not change,
+    however near to each other.
     """
-    corners = corners + 0.0  # makes of -0.0 the 0.0 that it equals
-    first, place = same_places(corners)
-    points, faces = corners[first], place.reshape(-1, 3)
+    corners = corners + 0.0  # turns -0.0 into the equal 0.0
+    first, vertex_of_corner = same_places(corners)
+    points, faces = corners[first], vertex_of_corner.reshape(-1, 3)
     rim = np.unique(boundary_edges(faces))
     if len(rim):
         limit = movable_by(points, edges_and_counts(faces)[0], rounding_of(points))[rim]

@@ -1,6 +1,6 @@
 """Legacy VTK files: polygonal surfaces by our own reader, grids through meshio.
 
-The former are what surfaces are saved as, and the one kind that meshio does not know.
+Surfaces are usually saved in the former format, which meshio does not support.
 """
 
 import re
@@ -31,7 +31,7 @@ ATTRIBUTES = {"POINT_DATA", "CELL_DATA", "FIELD"}
 
 
 def read_vtk(path: Path) -> Domain:
-    """Read a legacy VTK file: polygons and strips of triangles, or points alone, or a grid."""
+    """Read a legacy VTK file: polygons and triangle strips, or only points, or a grid."""
     data = path.read_bytes()
     head = data[:2048].decode("latin-1").splitlines()[:4]
     if len(head) < 4 or not head[0].lower().startswith("# vtk datafile version"):
@@ -49,20 +49,20 @@ def read_vtk(path: Path) -> Domain:
             case [section, number, size] if section in CELLS:
                 sizes, corners = cursor.cells(_count(number), _count(size))
                 if section == "POLYGONS" and len(sizes):
-                    if points is None:  # the triangles of a polygon depend on where it lies
+                    if points is None:  # the triangulation of a polygon needs its points
                         raise ReadError("the VTK file has polygons before its points")
                     faces.append(triangulate(path, points, sizes, corners))
                 elif section == "TRIANGLE_STRIPS":
                     faces.append(strip_triangles(sizes, corners))
             case _:
-                pass  # METADATA and its lines
+                pass  # skip METADATA and its lines
     if points is None:
         raise ReadError("the VTK file has no points")
     return TriangleMesh(points, np.concatenate(faces)) if faces else PointCloud(points)
 
 
 def _read_grid(path: Path, data: bytes) -> Domain:
-    """Read a grid without the data at its points and cells, of which meshio does not know all."""
+    """Read a grid without its point and cell data, as meshio does not support all of them."""
     cells = data.rfind(b"CELL_TYPES")
     found = DATA.search(data, cells) if cells >= 0 else None
     if found is None:
@@ -75,18 +75,18 @@ def _read_grid(path: Path, data: bytes) -> Domain:
 
 def _count(word: str) -> int:
     if not (word.isascii() and word.isdigit() and len(word) < 19):
-        raise ReadError(f"a number of entries is {word[:40]!r}")
+        raise ReadError(f"{word[:40]!r} is not a number of entries")
     return int(word)
 
 
 class _Cursor:
-    """A place in the file, which moves on with what is read."""
+    """A position in the file, which advances as data are read."""
 
     def __init__(self, data: bytes, *, binary: bool) -> None:
         self.data, self.binary, self.at = data, binary, 0
 
     def words(self) -> list[str]:
-        """Return the words of the next line that has any; none at the end of the file."""
+        """Return the words of the next line that is not empty; [] at the end of the file."""
         while self.at < len(self.data):
             end = self.data.find(b"\n", self.at)
             end = len(self.data) if end < 0 else end
@@ -97,11 +97,11 @@ class _Cursor:
         return []
 
     def numbers(self, n: int, kind: str) -> NDArray[Any]:
-        """Return the next `n` numbers of the type that VTK calls `kind`."""
+        """Return the next `n` numbers of VTK's type `kind`."""
         if kind.lower() not in TYPES:
-            raise ReadError(f"numbers of type {kind[:40]!r} are not known")
+            raise ReadError(f"unknown type of numbers: {kind[:40]!r}")
         code = TYPES[kind.lower()]
-        early = ReadError(f"the file ends before {n} numbers that it announces")
+        early = ReadError(f"the file ends before the last of {n} announced numbers")
         if n * (int(code[1]) if self.binary else 1) > len(self.data) - self.at:
             raise early
         if self.binary:
@@ -117,8 +117,8 @@ class _Cursor:
     def cells(self, n: int, size: int) -> tuple[IntArray, IntArray]:
         """Return the sizes of cells and their corners.
 
-        From version 5 on they are stored as offsets and corners, before as each size with its
-        corners behind it.
+        From version 5 on they are stored as offsets and corners; earlier versions store each size
+        followed by its corners.
         """
         at = self.at
         match self.words():
@@ -126,19 +126,19 @@ class _Cursor:
                 offsets = whole_numbers(self.numbers(n, kind), "offsets of cells")
                 words = self.words()
                 if words[:1] != ["CONNECTIVITY"] or len(words) != 2:
-                    raise ReadError("offsets of cells without their corners")
+                    raise ReadError("the corners of cells are missing after their offsets")
                 corners = whole_numbers(self.numbers(size, words[1]), "corners of cells")
                 sizes = np.diff(offsets)
                 if (sizes < 0).any() or (len(offsets) and (offsets[0], offsets[-1]) != (0, size)):
-                    raise ReadError("the offsets of cells do not go together with their corners")
+                    raise ReadError("the offsets of cells do not match their corners")
                 return sizes, corners
         self.at = at
         row = whole_numbers(self.numbers(size, "int"), "corners of cells")
-        lengths, places, place = [], [], 0
+        lengths, size_positions, position = [], [], 0
         for _ in range(n):
-            if place >= size or not 0 <= row[place] < size - place:
-                raise ReadError("the sizes of cells do not go together with their number")
-            lengths.append(int(row[place]))
-            places.append(place)
-            place += 1 + lengths[-1]
-        return np.array(lengths, dtype=np.int64), np.delete(row[:place], places)
+            if position >= size or not 0 <= row[position] < size - position:
+                raise ReadError("the sizes of cells do not match their number")
+            lengths.append(int(row[position]))
+            size_positions.append(position)
+            position += 1 + lengths[-1]
+        return np.array(lengths, dtype=np.int64), np.delete(row[:position], size_positions)

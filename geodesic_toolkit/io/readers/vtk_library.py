@@ -1,4 +1,4 @@
-"""Files of VTK, written by its own library."""
+"""Files of VTK, written by VTK's own library."""
 
 import re
 import threading
@@ -16,17 +16,17 @@ from geodesic_toolkit.io.common import optional_package
 __all__ = ["require_vtk", "write_vtk"]
 
 MESSAGE_LOCK = threading.Lock()
-"""VTK has one place for messages: one thread at a time listens there."""
+"""Lock for VTK's single output window, which is replaced while messages are captured."""
 
 ERROR_LOCATION = re.compile(r"(ERROR|Warning): In \S+, line \d+ \S+ \(\w+\): ")
-"""Where in its sources VTK met an error."""
+"""Pattern of the position in VTK's sources that precedes an error message."""
 
 CELLS = {1: (1, "SetVerts"), 2: (3, "SetLines"), 3: (5, "SetPolys")}
-"""VTK's number of vertices, lines and triangles, and what takes them, by their corners."""
+"""VTK's cell numbers of vertices, lines and triangles, and their setters, by number of corners."""
 
 
 def require_vtk(path: Path) -> Any:
-    """Import what arrays become those of VTK with.
+    """Import the module that converts arrays to VTK's.
 
     Raises
     ------
@@ -37,9 +37,9 @@ def require_vtk(path: Path) -> Any:
 
 
 def write_vtk(path: Path, domain: Domain, field: FloatArray) -> None:
-    """Write a mesh or a cloud with its distances, as the suffix says: .vtp, .vtk or .vtu.
+    """Write a mesh or a cloud with its distances, in the format of the suffix: .vtp, .vtk or .vtu.
 
-    They are the array ``distance`` of the points.
+    The distances are the point array ``distance``.
     """
     numpy_support = require_vtk(path)
     from vtkmodules.vtkCommonDataModel import vtkPolyData, vtkUnstructuredGrid
@@ -58,12 +58,12 @@ def write_vtk(path: Path, domain: Domain, field: FloatArray) -> None:
         getattr(data, setter)(cells)
     if path.suffix.lower() == ".vtk":
         writer.SetFileTypeToBinary()
-        writer.SetFileVersion(42)  # 5.1, the default, is not known to programs older than 2020
+        writer.SetFileVersion(42)  # programs older than 2020 cannot read the default, 5.1
     _fill(numpy_support, data, domain, field)
     writer.SetFileName(str(path))
     writer.SetInputData(data)
-    if said := _listened(writer.Write):
-        raise WriteError(f"{path.name} cannot be written: {said}")
+    if messages := _messages_of(writer.Write):
+        raise WriteError(f"{path.name} cannot be written: {messages}")
 
 
 def _elements(domain: Domain) -> IntArray:
@@ -76,7 +76,7 @@ def _elements(domain: Domain) -> IntArray:
 
 
 def _vtk_cells(numpy_support: Any, rows: IntArray) -> Any:
-    """Return cells of these vertices, one a row."""
+    """Return cells with these vertices, one per row."""
     from vtkmodules.vtkCommonDataModel import vtkCellArray
 
     cells = vtkCellArray()
@@ -90,7 +90,7 @@ def _vtk_cells(numpy_support: Any, rows: IntArray) -> Any:
 
 
 def _fill(numpy_support: Any, data: Any, domain: Domain, field: FloatArray) -> None:
-    """Give the data their points, distances and normals."""
+    """Set the points, distances and normals of the data."""
     from vtkmodules.vtkCommonCore import vtkPoints
 
     def array(values: FloatArray, name: str) -> Any:
@@ -107,8 +107,8 @@ def _fill(numpy_support: Any, data: Any, domain: Domain, field: FloatArray) -> N
         data.GetPointData().SetNormals(array(normals, "Normals"))
 
 
-def _listened(work: Callable[[], Any]) -> str:
-    """Return what VTK says while it works, which it would print, and print on its log as well."""
+def _messages_of(work: Callable[[], Any]) -> str:
+    """Return the messages of VTK during `work`, which would go to stderr and to its log."""
     from vtkmodules.vtkCommonCore import vtkLogger, vtkOutputWindow, vtkStringOutputWindow
 
     with MESSAGE_LOCK:
@@ -121,5 +121,5 @@ def _listened(work: Callable[[], Any]) -> str:
         finally:
             vtkOutputWindow.SetInstance(before)
             vtkLogger.SetStderrVerbosity(verbosity)
-    said = " ".join(str(window.GetOutput()).split())
-    return ERROR_LOCATION.sub("", said)[:300]
+    messages = " ".join(str(window.GetOutput()).split())
+    return ERROR_LOCATION.sub("", messages)[:300]

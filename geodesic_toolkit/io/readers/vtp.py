@@ -1,13 +1,13 @@
 """Surfaces in VTK's XML format (.vtp), by our own reader: VTK's crashes on some damaged files.
 
-Arrays stand in the file as text, as base64, or behind all else in one block, which is base64 or
-raw; the last three may be compressed in blocks.
+Arrays are stored as text, as base64, or in one block at the end of the file, which is base64 or
+raw; all forms but text may be compressed in blocks.
 """
 
 import base64
 import lzma
 import re
-import xml.etree.ElementTree as ET  # entities are refused before it sees them
+import xml.etree.ElementTree as ET  # entities are refused before parsing
 import zlib
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -34,25 +34,25 @@ APPENDED = re.compile(rb"<AppendedData[^>]*>\s*_")
 
 
 def read_vtp(path: Path) -> Domain:
-    """Read a surface: polygons and strips of triangles, or points alone."""
+    """Read a surface: polygons and triangle strips, or only points."""
     file = _File.of(path.read_bytes())
     points: list[FloatArray] = []
     normals: list[FloatArray | None] = []
     cells: dict[str, list[tuple[IntArray, IntArray]]] = {"Polys": [], "Strips": [], "Lines": []}
     offset = 0
     for piece in file.root.iterfind("PolyData/Piece"):
-        places = file.array(piece.find("Points/DataArray"), "points").reshape(-1, 3)
+        positions = file.array(piece.find("Points/DataArray"), "points").reshape(-1, 3)
         for section, found in cells.items():
             sizes, corners = _cells(file, piece.find(section))
-            outside = (corners < 0) | (corners >= len(places))
+            outside = (corners < 0) | (corners >= len(positions))
             if outside.any():
                 raise ReadError(
-                    f"a cell refers to vertex {corners[outside][0]}; there are {len(places)}"
+                    f"a cell refers to vertex {corners[outside][0]}; there are {len(positions)}"
                 )
             found.append((sizes, corners + offset))
-        points.append(places.astype(np.float64))
+        points.append(positions.astype(np.float64))
         normals.append(_normals(file, piece))
-        offset += len(places)
+        offset += len(positions)
     if not offset:
         raise ReadError("the file has no points")
     return _domain(path, np.concatenate(points), normals, cells)
@@ -92,7 +92,7 @@ def _cells(file: "_File", section: ET.Element | None) -> tuple[IntArray, IntArra
     )
     sizes = np.diff(ends, prepend=0)
     if (sizes < 0).any() or int(sizes.sum()) != len(corners):
-        raise ReadError("the offsets of cells do not go together with their corners")
+        raise ReadError("the offsets of cells do not match their corners")
     return sizes, corners
 
 
@@ -109,7 +109,7 @@ def _normals(file: "_File", piece: ET.Element) -> FloatArray | None:
 
 @dataclass(frozen=True)
 class _File:
-    """The tree of a file, and how its arrays are stored."""
+    """The XML tree of a file, and the encoding of its arrays."""
 
     root: ET.Element
     order: str
@@ -128,23 +128,23 @@ class _File:
             data = data[: start.start()] + b"</VTKFile>"
         if b"<!ENTITY" in data:
             raise ReadError("not a VTP file: it declares entities")
-        root = ET.fromstring(data)  # noqa: S314 - without entities nothing can grow
+        root = ET.fromstring(data)  # noqa: S314 - without entities it cannot expand
         if root.tag != "VTKFile" or root.get("type") != "PolyData":
-            raise ReadError(f"not a VTP file: its root is {root.tag} of {root.get('type')}")
+            raise ReadError(f"not a VTP file: its root is {root.tag} of type {root.get('type')}")
         order = ORDERS.get(root.get("byte_order", "LittleEndian"))
         header = TYPES.get(root.get("header_type", "UInt32"))
         if order is None or header not in {"u4", "u8"}:
-            raise ReadError("the order of bytes or the type of headers is not known")
+            raise ReadError("unknown byte order or type of headers")
         kind = root.get("compressor", "")
         if kind not in DECOMPRESS:
-            raise ReadError(f"{kind} is not known; save it with zlib, or without compression")
+            raise ReadError(f"unknown compressor {kind}; save it with zlib, or uncompressed")
         return cls(root, order, np.dtype(order + header), DECOMPRESS[kind], appended, raw)
 
     def array(self, element: ET.Element | None, what: str) -> NDArray[Any]:
         """Return the numbers of an array."""
         kind = TYPES.get("" if element is None else element.get("type", ""))
         if element is None or kind is None:
-            raise ReadError(f"there are no {what}, or of a type that is not known")
+            raise ReadError(f"the {what} are missing, or of an unknown type")
         form, text = element.get("format", "ascii"), (element.text or "").encode()
         if form == "ascii":
             return floats(text.split(), what)
@@ -153,14 +153,14 @@ class _File:
         elif form == "appended":
             start = int(element.get("offset", "-1"))
             if not 0 <= start <= len(self.appended):
-                raise ReadError(f"the {what} lie outside the file")
+                raise ReadError(f"the {what} are outside the file")
             data = self._payload(self.appended[start:], encoded=not self.raw)
         else:
-            raise ReadError(f"{what} of the format {form[:40]!r} are not known")
+            raise ReadError(f"unknown format of the {what}: {form[:40]!r}")
         return np.frombuffer(data, self.order + kind)
 
     def _payload(self, stored: bytes, *, encoded: bool) -> bytes:
-        """Return the bytes of an array from where it begins."""
+        """Return the bytes of an array from its beginning."""
         head = _Bytes(stored, encoded=encoded)
         if self.decompress is None:
             size = int(head.numbers(self.header, 1)[0])
@@ -178,27 +178,27 @@ class _File:
 
 @dataclass(frozen=True)
 class _Bytes:
-    """Bytes as they are, or in base64; what one encodes may be followed by something else."""
+    """Bytes as they are, or in base64; base64 may be followed by other data."""
 
     stored: bytes
     encoded: bool
 
     def take(self, size: int, start: int) -> bytes:
-        """Return so many bytes from a place on."""
+        """Return `size` bytes from `start` on."""
         end = start + size
         data = self.stored[:end]
         if self.encoded:
             data = base64.b64decode(self.stored[: 4 * -(-end // 3)])
         if len(data) < end or size < 0:
-            raise ReadError(f"the file ends before {size} bytes that it announces")
+            raise ReadError(f"the file ends before the last of {size} announced bytes")
         return data[start:end]
 
     def numbers(self, kind: np.dtype[Any], count: int) -> NDArray[Any]:
-        """Return the first numbers."""
+        """Return the first `count` numbers of a kind."""
         return np.frombuffer(self.take(count * kind.itemsize, 0), kind)
 
     def after(self, size: int) -> "_Bytes":
-        """Return what follows so many bytes, which were encoded on their own."""
+        """Return the rest after `size` bytes, which were encoded separately."""
         return _Bytes(self.stored[4 * -(-size // 3) if self.encoded else size :], self.encoded)
 
 
@@ -207,4 +207,4 @@ DECOMPRESS: dict[str, Callable[[bytes], bytes] | None] = {
     "vtkZLibDataCompressor": zlib.decompress,
     "vtkLZMADataCompressor": lzma.decompress,
 }
-"""By VTK's names of compressors."""
+"""Functions that decompress, by VTK's names of compressors."""

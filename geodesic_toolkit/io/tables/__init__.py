@@ -1,4 +1,4 @@
 """Tables of numbers as text: points, indices of vertices, masks.
 
-Imports domains and what is below.
+Imports domains and lower layers.
 """

@@ -1,4 +1,4 @@
-"""`read_points`: places to ask for, from a table or from any shape."""
+"""`read_points`: read points in space from a table or from any shape."""
 
 import os
 from pathlib import Path
@@ -20,8 +20,8 @@ def read_points(path: str | os.PathLike[str]) -> PointCloud:
     ----------
     path : str or path-like
         An .npy array of shape (N, 3), or (3,) for one point; or a file that
-        :func:`geodesic_toolkit.read` takes, such as a .csv with columns x, y and z, of which the
-        vertices count.
+        :func:`geodesic_toolkit.read` accepts, such as a .csv with columns x, y and z; its vertices
+        are the points.
 
     Returns
     -------
@@ -31,9 +31,9 @@ def read_points(path: str | os.PathLike[str]) -> PointCloud:
     Raises
     ------
     ReadError
-        No such file, or no points in it; the message names the file and what is wrong.
+        The file does not exist, or has no points; the message names the file and the defect.
     GeodesicError
-        What :func:`geodesic_toolkit.read` raises.
+        As for :func:`geodesic_toolkit.read`.
 
     Examples
     --------

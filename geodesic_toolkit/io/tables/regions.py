@@ -1,4 +1,4 @@
-"""Vertices that a file of neuroimaging marks: labels, annotations, GIFTI."""
+"""Vertices that are marked by a file of neuroimaging: labels, annotations, GIFTI."""
 
 from pathlib import Path
 
@@ -14,25 +14,25 @@ __all__ = ["REGION_SUFFIXES", "read_region"]
 REGION_SUFFIXES = (".label", ".annot", ".gii")
 
 MAX_LISTED_REGIONS = 12
-"""Regions that a message lists."""
+"""Number of regions listed in a message."""
 
 
 def read_region(path: Path, region: str | None) -> tuple[IntArray, int | None]:
-    """Return the vertices that are marked, and of how many, where the file says so.
+    """Return the marked vertices, and the number of all vertices if the file states it.
 
     Parameters
     ----------
     path : Path
-        A FreeSurfer label, which lists them; an annotation or a GIFTI label file, of which `region`
-        is taken; or a GIFTI file of zeros and ones.
+        A FreeSurfer label, which lists vertices; an annotation or a GIFTI label file, of which
+        `region` is read; or a GIFTI file of zeros and ones.
     region : str or None
 
     Raises
     ------
     ReadError
-        The file holds something else.
+        The file holds other data.
     InvalidOptionError
-        No such region; a region of a file that has none; none where there are several.
+        The region does not exist, the file has no regions, or a region must be chosen.
     """
     if path.suffix.lower() == ".label":
         check_no_region(path, region)
@@ -45,14 +45,14 @@ def read_region(path: Path, region: str | None) -> tuple[IntArray, int | None]:
         return _of_region(path, values.astype(np.int64), gifti_names, region), len(values)
     check_no_region(path, region)
     if not np.isin(values, (0, 1)).all():
-        raise ReadError("its numbers are other than 0 and 1, which would mark vertices")
+        raise ReadError("its numbers must be 0 and 1 to mark vertices, but others occur")
     return np.flatnonzero(values), len(values)
 
 
 def check_no_region(path: Path, region: str | None) -> None:
-    """Raise an `InvalidOptionError` where a region is asked for and the file has none."""
+    """Raise an `InvalidOptionError` if a region is requested but the file has none."""
     if region is not None:
-        raise InvalidOptionError(f"{path.name} has no regions, and none called {region!r}")
+        raise InvalidOptionError(f"{path.name} has no regions: omit region={region!r}")
 
 
 def _of_region(
@@ -63,11 +63,11 @@ def _of_region(
     )
     if region is None:
         raise InvalidOptionError(
-            f"{path.name} holds {len(names)} regions; say which by region: {listed}"
+            f"{path.name} holds {len(names)} regions; choose a region: {listed}"
         )
     if region not in names:
         raise InvalidOptionError(f"{path.name} has no region {region!r}; it has {listed}")
     vertices = np.flatnonzero(numbers == names[region])
     if not len(vertices):
-        raise ReadError(f"no vertex is in the region {region!r}")
+        raise ReadError(f"the region {region!r} has no vertices")
     return vertices

@@ -1,7 +1,7 @@
-"""Tables of numbers as text: what separates their columns, and what commas mean in them.
+"""Tables of numbers as text: their separators, and the meaning of commas.
 
-A comma may separate columns, stand for the decimal point, or group thousands. Where a file leaves
-open which, it is refused: one reading would be wrong numbers.
+A comma may separate columns, be a decimal comma, or group thousands. An ambiguous file is refused,
+because one reading would give wrong numbers.
 """
 
 import io
@@ -29,10 +29,10 @@ THOUSANDS = re.compile(r"(?<![\d.])\d{1,3}(,\d{3})+\.\d")
 SPACED = re.compile(r",[ \t]|[ \t],")
 GLUED = re.compile(r"[^\s,],[^\s,]")
 QUOTED = re.compile(r"(?<![^\s,;])(\"[^\"\n]*\"|'[^'\n]*')(?![^\s,;])")
-"""A field in quotes."""
+"""Pattern of a field in quotes."""
 
 SPLIT_DECIMAL = re.compile(r"(^|,)([+-]?0\d|-0(,|$))", re.MULTILINE)
-"""What no whole number looks like: the digits behind a decimal comma, or a negative zero."""
+"""Pattern of digits that are not a whole number: those of decimals, or a negative zero."""
 
 ADVICE = "write decimal points, or separate the columns by semicolons"
 
@@ -44,11 +44,11 @@ class Table:
     Attributes
     ----------
     names : list of str
-        Names of the columns in lower case, without quotes and units; none without a line of them.
+        Names of the columns in lower case, without quotes and units; [] if there is no such line.
     lines : list of str
-        The rows; there is one at least.
+        The rows; at least one.
     separator : str or None
-        What stands between columns: ``","``, ``";"``, or None for blanks.
+        Separator of the columns: ``","``, ``";"``, or None for blanks.
     """
 
     names: list[str]
@@ -56,7 +56,7 @@ class Table:
     separator: str | None
 
     def fields(self, row: int) -> list[str]:
-        """Return what stands in a row."""
+        """Return the fields of a row."""
         return [field.strip() for field in self.lines[row].split(self.separator)]
 
     def numbers(self, columns: Sequence[int] | None = None) -> FloatArray:
@@ -65,25 +65,25 @@ class Table:
         Raises
         ------
         ReadError
-            They are not a table of numbers.
+            The rows are not a table of numbers.
         """
         return number_table(self.lines, self.separator, columns)
 
     def values(self, name: str) -> list[bytes]:
-        """Return all that stands in the rows, which may be of different lengths.
+        """Return all fields of the rows, which may have different lengths.
 
-        Of several named columns, that which is called `name` counts.
+        If columns are named, only the column `name` is read.
 
         Raises
         ------
         ReadError
-            None of several columns is called so, or rows such as ``5,0`` are two numbers each, or
-            one with a decimal comma.
+            Several columns are named, but not one of them `name`; or rows such as ``5,0`` may be
+            two numbers each, or one with a decimal comma.
         """
         rows = [line.replace(self.separator or " ", " ").split() for line in self.lines]
         if len(self.names) > 1:
             if name not in self.names:
-                raise ReadError(f"none of the columns {', '.join(self.names)[:80]} is {name!r}")
+                raise ReadError(f"no column is {name!r}; there are {', '.join(self.names)[:80]}")
             column = self.names.index(name)
             return [self.fields(row)[column].encode() for row in range(len(rows))]
         if (
@@ -96,12 +96,12 @@ class Table:
 
 
 def read_table(path: Path) -> Table:
-    """Return the table in a text file, without comments, which ``#``, ``//`` or ``%`` begin.
+    """Return the table in a text file, without comments, which begin with ``#``, ``//`` or ``%``.
 
     Raises
     ------
     ReadError
-        Nothing is in it, it is binary, or its commas may be read in two ways.
+        The file is empty or binary, or its commas are ambiguous.
     """
     whole = text_of(path).decode("latin-1")
     text = COMMENT.sub("", whole)
@@ -118,14 +118,14 @@ def read_table(path: Path) -> Table:
         return replace(table, names=names) if len(names) == len(table.fields(0)) else table
     if len(names) != len(table.fields(0)):
         raise ReadError(
-            f"the first line, {lines[0][:40]!r}, names {len(names)} columns, and there are "
+            f"the first line, {lines[0][:40]!r}, names {len(names)} columns, but there are "
             f"{len(table.fields(0))}; if their commas are decimal ones, {ADVICE}"
         )
     return table
 
 
 def _commented_names(text: str) -> list[str]:
-    """Return the names of columns in the last comment before the numbers, x, y and z among them.
+    """Return the names of columns in the last comment before the numbers, if it has x, y and z.
 
     CloudCompare writes ``//X,Y,Z,R,G,B``, NumPy ``# x y z``.
     """
@@ -139,12 +139,12 @@ def _commented_names(text: str) -> list[str]:
 
 
 def _unquoted(body: str) -> str:
-    """Return lines without quotes around their fields, in which no commas are left.
+    """Return lines without quotes around their fields, and without commas in the fields.
 
     Raises
     ------
     ReadError
-        It is not sure that the commas in quoted numbers are decimal ones.
+        Commas in quoted numbers may not be decimal commas.
     """
     if not ('"' in body or "'" in body):
         return body
@@ -157,12 +157,12 @@ def _bare(field: re.Match[str]) -> str:
     inner = field.group()[1:-1].strip()
     if DECIMAL.fullmatch(inner):
         return inner.replace(",", ".")
-    return re.sub(r"[,;\s]+", "_", inner)  # of a word, which is not a number
+    return re.sub(r"[,;\s]+", "_", inner)  # in a word, not a number
 
 
 def _names(line: str) -> list[str]:
-    """Return the names of columns that a line holds; none if a number or a truth value is there."""
-    line = re.sub(r"\s*[,;]$", "", line)  # as of rows
+    """Return the names of columns in a line; [] if it has a number or a truth value."""
+    line = re.sub(r"\s*[,;]$", "", line)  # as in rows
     separator = next((mark for mark in ";\t," if mark in line), None)
     words = [word.strip().strip("\"'").strip().lower() for word in line.split(separator)]
     if not any(word[:1].isalpha() for word in words):
@@ -181,7 +181,7 @@ def _is_number(word: str) -> bool:
 
 
 def _separated(body: str) -> tuple[str, str | None]:
-    """Return some lines with decimal points alone, and what separates their columns."""
+    """Return lines with decimal points only, and the separator of their columns."""
     if ";" in body:
         body = re.sub(r"[ \t]*;$", "", body, flags=re.MULTILINE)
         return _decimal_points(body), ";"
@@ -204,12 +204,12 @@ def _separated(body: str) -> tuple[str, str | None]:
 
 
 def _decimal_points(body: str) -> str:
-    """Return a text in which a comma can only be decimal with points in their place.
+    """Replace commas that can only be decimal by points, in a text, and return it.
 
     Raises
     ------
     ReadError
-        Something with a comma is not such a number, others have points, or all might be thousands.
+        A number with a comma is not decimal, others have points, or all might group thousands.
     """
     words = re.findall(r"[^\s;]*,[^\s;]*", body)
     for word in words:

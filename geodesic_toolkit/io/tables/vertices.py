@@ -1,4 +1,4 @@
-"""`read_vertices` and `read_mask`: vertices that a table or a file of neuroimaging names."""
+"""`read_vertices` and `read_mask`: read vertices from a table or a file of neuroimaging."""
 
 import os
 from collections.abc import Iterator
@@ -21,7 +21,7 @@ __all__ = ["read_mask", "read_vertices"]
 SUFFIXES = (".npy", ".txt", ".csv", *REGION_SUFFIXES)
 
 WORDS = {b"true": True, b"false": False}
-"""What programs write for booleans beside 1 and 0, in lower case."""
+"""Booleans as programs write them besides 1 and 0, in lower case."""
 
 
 def read_vertices(path: str | os.PathLike[str], *, region: str | None = None) -> IntArray:
@@ -31,25 +31,25 @@ def read_vertices(path: str | os.PathLike[str], *, region: str | None = None) ->
     ----------
     path : str or path-like
         An .npy array with one dimension, or a .txt or .csv of whole numbers separated by blanks,
-        commas, semicolons or line ends, where the first line may be one of names, and ``#`` begins
-        a comment; of several named columns, that of ``vertex`` is read. Or a file of neuroimaging
-        that marks vertices: a FreeSurfer .label; an .annot or GIFTI .label.gii with a `region`; a
-        GIFTI .gii of zeros and ones. Each may be compressed (.gz).
+        commas, semicolons or line ends. The first line may hold names, and ``#`` begins a comment;
+        of several named columns, ``vertex`` is read. Or a file of neuroimaging that marks
+        vertices: a FreeSurfer .label; an .annot or GIFTI .label.gii with a `region`; a GIFTI .gii
+        of zeros and ones. Each may be compressed (.gz).
     region : str, optional
         The name of the region of an .annot or .label.gii.
 
     Returns
     -------
     ndarray of shape (K,), int64
-        As they stand there; whether a shape has such vertices is for the shape to say.
+        In the order of the file. They are not checked against a shape.
 
     Raises
     ------
     ReadError
-        No such file, another suffix, or contents that are not whole numbers; the message names the
-        file and what is wrong.
+        The file does not exist, has another suffix, or its contents are not whole numbers; the
+        message names the file and the defect.
     InvalidOptionError
-        A region that the file has not, or none where it has several.
+        The region does not exist, or one must be chosen.
 
     Examples
     --------
@@ -80,8 +80,8 @@ def read_mask(
     ----------
     path : str or path-like
         An .npy array with one dimension, or a .txt or .csv of values separated by blanks, commas,
-        semicolons or line ends. Booleans, or more than two numbers that are all 0 or 1, say for
-        each vertex whether it is masked; other numbers are the indices, from 0, of those that are.
+        semicolons or line ends. Booleans, or more than two numbers that are all 0 or 1, state for
+        each vertex whether it is masked; other numbers are the indices of masked vertices, from 0.
         Or a file of neuroimaging that marks vertices: a FreeSurfer .label; an .annot or GIFTI
         .label.gii, of which `region` is masked; a GIFTI .gii of zeros and ones. Each may be
         compressed (.gz).
@@ -98,13 +98,13 @@ def read_mask(
     Raises
     ------
     ReadError
-        No such file, another suffix, or contents that are not whole numbers; the message names the
-        file and what is wrong.
+        The file does not exist, has another suffix, or its contents are not whole numbers; the
+        message names the file and the defect.
     NotEnoughMemoryError
-        The file announces more than fits.
+        The file announces more data than fit into memory.
     InvalidOptionError
-        Booleans or regions that are not one for each vertex, an index of no vertex, a region that
-        the file has not.
+        The number of booleans or regions is not that of the vertices, an index is out of range, or
+        the region does not exist.
 
     Examples
     --------
@@ -130,12 +130,12 @@ def read_mask(
             values = np.flatnonzero(values) if flags else values
     if expected not in {None, n_vertices}:
         raise InvalidOptionError(
-            f"{file}: {expected} {what}, where the shape has {n_vertices} vertices"
+            f"{file}: {expected} {what}, but the shape has {n_vertices} vertices"
         )
     outside = values[(values < 0) | (values >= n_vertices)]
     if len(outside):
         raise InvalidOptionError(
-            f"{file}: the shape has {n_vertices} vertices, counted from 0, and none is {outside[0]}"
+            f"{file}: there is no vertex {outside[0]}: they are 0 to {n_vertices - 1}"
         )
     mask = np.zeros(n_vertices, dtype=np.bool_)
     mask[values] = True
@@ -144,7 +144,7 @@ def read_mask(
 
 @contextmanager
 def _opened(file: Path, are: str, what: str) -> Iterator[Path]:
-    """Give the path of a file, unpacked, with errors that name it."""
+    """Yield the path of a file, unpacked, with errors that name the file."""
     check_file(file)
     with unpacked(file) as plain:
         if plain.suffix.lower() not in SUFFIXES:
@@ -165,7 +165,7 @@ def _flags_or_indices(file: Path) -> NDArray[Any]:
 
 
 def _no_indices(values: NDArray[Any], n_vertices: int) -> bool:
-    """Return whether whole numbers are booleans: a list of two indices would name each once."""
+    """Return whether whole numbers are booleans: a list of two indices would have each once."""
     return bool(np.isin(values, (0, 1)).all() and (len(values) > 2 or len(values) == n_vertices))
 
 
