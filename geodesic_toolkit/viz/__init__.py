@@ -1,6 +1,6 @@
-"""Pictures: PNG without a display, one HTML file that rotates, widgets, the desktop.
+"""Pictures: PNG without a display, a rotatable HTML file, notebook widgets, a desktop window.
 
-Nothing is imported until it is used: the packages behind it come with
+Nothing is imported until it is used: the packages for it are installed by
 ``pip install "geodesic-toolkit[viz]"`` (and ``[gui]`` for :func:`polyscope`).
 """
 

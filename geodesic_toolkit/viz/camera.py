@@ -1,4 +1,4 @@
-"""The camera: directions of view that suit a shape of unknown orientation."""
+"""The camera: suitable viewing directions for a shape of unknown orientation."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -27,7 +27,7 @@ MOST_VIEWS = 12
 
 @dataclass(frozen=True)
 class View:
-    """A direction to look from, with what is up and what is right on the picture: unit vectors."""
+    """A viewing direction, with the directions up and right on the picture: unit vectors."""
 
     name: str
     toward: FloatArray
@@ -40,10 +40,10 @@ class View:
 
 
 def choose_views(scene: Scene, views: Sequence[str | ArrayLike]) -> list[View]:
-    """Return the views asked for.
+    """Return the requested views.
 
-    "front" looks along the thinnest extent of the shape, a little from the side and from above,
-    from where the most sources are seen; "back" is half a turn about the vertical from there.
+    "front" looks along the thinnest extent of the shape, slightly from the side and from above,
+    where the most sources are visible; "back" is half a turn about the vertical from there.
     """
     if isinstance(views, str) or len(views) == 0:
         raise InvalidOptionError(f"views is a sequence such as ('front', 'back'), not {views!r}")
@@ -63,7 +63,7 @@ def choose_views(scene: Scene, views: Sequence[str | ArrayLike]) -> list[View]:
 
 
 def fit(scene: Scene, views: Sequence[View]) -> FloatArray:
-    """Return what each view shows: centre and half extents on its picture, of shape (V, 4)."""
+    """Return the centre and half extents of the shape on the picture of each view, (V, 4)."""
     shown = scene.points[scene.present]
     ball = scene.ball if scene.faces is None else 0.0
     frames = []
@@ -88,7 +88,7 @@ def _direction(view: object) -> FloatArray:
 
 
 def _looking_from(name: str, toward: FloatArray) -> View:
-    """Return the view from a direction, with y up (z where one looks along y)."""
+    """Return the view from a direction, with y up (z if the view is along y)."""
     vertical = np.array([0.0, 0.0, 1.0] if abs(toward[1]) > 0.9 else [0.0, 1.0, 0.0])
     up = vertical - toward * (vertical @ toward)
     return View(name, toward, up / np.linalg.norm(up))
@@ -133,8 +133,8 @@ def _tilted(view: View, turn: float, lift: float) -> View:
 def _thin_axis(points: FloatArray) -> tuple[FloatArray, bool]:
     """Return the direction in which a shape is thinnest, and whether it is flat.
 
-    A coordinate axis, as most shapes were made along them (z before x before y where they are
-    alike); the least principal axis where that is much thinner: a slanting sheet.
+    It is a coordinate axis, as most shapes are aligned with them (z before x before y if they are
+    alike), or the least principal axis if the shape is much thinner along it: a slanting sheet.
     """
     spread = points - points.mean(axis=0)
     deviation = spread.std(axis=0)
@@ -148,33 +148,33 @@ def _thin_axis(points: FloatArray) -> tuple[FloatArray, bool]:
 
 
 def _sees(scene: Scene, view: View) -> float:
-    """Return how well a view shows the sources: how many are not hidden behind the shape."""
+    """Return the number of sources that are not hidden behind the shape in a view."""
     if len(scene.sources) == 0:
         return 0.0
     frame = np.column_stack([view.right, view.up, view.toward])
-    places = scene.points @ frame
+    positions = scene.points @ frame
     seen = 0.0
-    for source in scene.sources[:20] @ frame:  # twenty tell which side is the better one
+    for source in scene.sources[:20] @ frame:  # twenty are enough to choose a side
         if scene.faces is not None:
-            hidden = _behind_faces(source, places, scene)
+            hidden = _behind_faces(source, positions, scene)
         else:
-            offset = places[scene.present] - source
+            offset = positions[scene.present] - source
             near = np.hypot(offset[:, 0], offset[:, 1]) < 0.03
             hidden = bool((near & (offset[:, 2] > 0.1)).any())
         seen += 0.0 if hidden else 1.0
     return seen
 
 
-def _behind_faces(source: FloatArray, places: FloatArray, scene: Scene) -> bool:
+def _behind_faces(source: FloatArray, positions: FloatArray, scene: Scene) -> bool:
     """Return whether a face lies between the camera and the source."""
     assert scene.faces is not None
-    a, b, c = (places[scene.faces[:, corner]] - source for corner in range(3))
+    a, b, c = (positions[scene.faces[:, corner]] - source for corner in range(3))
     areas = np.stack([_cross(b, c), _cross(c, a), _cross(a, b)])  # barycentric, up to a factor
     total = areas.sum(axis=0)
     over = (np.abs(total) > 1e-15) & ((areas >= 0).all(axis=0) | (areas <= 0).all(axis=0))
     depths = np.stack([a[over, 2], b[over, 2], c[over, 2]])
     depth = (areas[:, over] * depths).sum(axis=0) / total[over]
-    return bool((depth > 0.02).any())  # the faces at the source itself are no nearer than that
+    return bool((depth > 0.02).any())  # closer faces are those at the source itself
 
 
 def _cross(p: FloatArray, q: FloatArray) -> FloatArray:

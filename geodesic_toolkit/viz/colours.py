@@ -1,4 +1,4 @@
-"""Colours by value: maps by name, and round numbers for isolines."""
+"""Colours by value: named colour maps, and round values for isolines."""
 
 import difflib
 from dataclasses import dataclass
@@ -23,10 +23,10 @@ __all__ = [
 ]
 
 UNREACHED = (0.78, 0.78, 0.78)
-"""Grey of what has no finite value."""
+"""Grey of vertices without a finite value."""
 
 INK = (0.08, 0.08, 0.10)
-"""Of isolines and text."""
+"""Colour of isolines and text."""
 
 MARKER = (0.86, 0.08, 0.14)
 """Red of the sources."""
@@ -34,7 +34,7 @@ MARKER = (0.86, 0.08, 0.14)
 
 @dataclass(frozen=True)
 class Style:
-    """Colours from the least value to the greatest, and the values that have a line.
+    """Colours from the least value to the greatest, and the values of isolines.
 
     Attributes
     ----------
@@ -48,7 +48,7 @@ class Style:
 
 
 def choose_style(scene: Scene, cmap: Any, isolines: int | ArrayLike) -> Style:
-    """Return the colours and levels asked for; on points, only as many levels as discernible."""
+    """Return the requested colours and levels; on points, only as many levels as discernible."""
     levels = isoline_levels(isolines, scene.limits)
     return Style(
         colour_table(cmap), levels if scene.faces is not None else _thinned(levels, 6 * scene.band)
@@ -61,9 +61,9 @@ def colour_table(cmap: Any, n: int = 256) -> FloatArray:
     Parameters
     ----------
     cmap : str or matplotlib Colormap
-        Name of any map that matplotlib knows, registered ones too.
+        Name of a colour map of matplotlib, including registered ones.
     n : int
-        How many colours.
+        Number of colours.
 
     Returns
     -------
@@ -73,7 +73,7 @@ def colour_table(cmap: Any, n: int = 256) -> FloatArray:
     Raises
     ------
     InvalidOptionError
-        No map of that name; the message lists near misses.
+        There is no map of that name; the message lists near misses.
     MissingDependencyError
         matplotlib is not installed.
 
@@ -92,22 +92,22 @@ def colour_table(cmap: Any, n: int = 256) -> FloatArray:
                 f"did you mean {' or '.join(repr(known[name]) for name in near)}?" if near else ""
             )
             raise InvalidOptionError(
-                f"no colour map {cmap!r}; {hint or 'any name that matplotlib knows will do'}"
+                f"no colour map {cmap!r}; {hint or 'use a name in matplotlib.colormaps'}"
             )
         cmap = matplotlib.colormaps[cmap]
     if not isinstance(cmap, require("matplotlib.colors", "viz", "Colour maps need").Colormap):
-        raise InvalidOptionError(f"cmap is a name or a matplotlib Colormap, not {cmap!r}")
+        raise InvalidOptionError(f"cmap must be a name or a matplotlib Colormap, not {cmap!r}")
     table: FloatArray = np.asarray(cmap(np.linspace(0.0, 1.0, n)), dtype=np.float64)[:, :3]
     return table
 
 
 def isoline_levels(isolines: int | ArrayLike, limits: tuple[float, float]) -> FloatArray:
-    """Return the values to draw lines at.
+    """Return the values of isolines.
 
     Parameters
     ----------
     isolines : int or array-like of float
-        About how many, at round values (0 for none); or the values themselves.
+        Approximate number, at round values (0 for none); or the values themselves.
     limits : (float, float)
         Least and greatest value of the field; levels lie between them.
 
@@ -133,10 +133,10 @@ def isoline_levels(isolines: int | ArrayLike, limits: tuple[float, float]) -> Fl
     except (TypeError, ValueError) as error:
         raise InvalidOptionError(f"isolines are a number or values, not {isolines!r}") from error
     if wanted.dtype.kind not in "iuf" or not np.isfinite(levels).all():
-        raise InvalidOptionError(f"isolines are a number or finite values, not {isolines!r}")
+        raise InvalidOptionError(f"isolines must be a number or finite values, not {isolines!r}")
     if wanted.ndim == 0:
         if wanted.dtype.kind == "f" or wanted < 0:
-            raise InvalidOptionError(f"the number of isolines is an integer >= 0, not {isolines!r}")
+            raise InvalidOptionError(f"isolines are values or an integer >= 0, not {isolines!r}")
         if wanted == 0:
             return np.zeros(0)
         ticker = require("matplotlib.ticker", "viz", "Isolines need")
@@ -147,7 +147,7 @@ def isoline_levels(isolines: int | ArrayLike, limits: tuple[float, float]) -> Fl
 
 
 def point_colours(scene: Scene, style: Style) -> FloatArray:
-    """Return a colour for each point, of shape (N, 3): by its value, darker next to a level."""
+    """Return a colour for each point, of shape (N, 3): by its value, darker close to a level."""
     low, high = scene.limits
     values, levels = scene.values, style.levels
     place = np.clip((np.nan_to_num(values) - low) / (high - low), 0.0, 1.0)
@@ -175,8 +175,8 @@ def packed(colour: Any) -> int:
 def _thinned(levels: FloatArray, gap: float) -> FloatArray:
     """Return every second, fifth, tenth ... level, so that they are at least `gap` apart.
 
-    Counted from a level that stays round: 0.2, 0.4 rather than 0.1, 0.3. None where even two do
-    not fit.
+    Levels are counted from one that stays round: 0.2, 0.4 rather than 0.1, 0.3. The result is empty
+    if even two levels do not fit.
     """
     if len(levels) < 2:
         return levels

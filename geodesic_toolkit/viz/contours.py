@@ -1,4 +1,4 @@
-"""Isolines on a triangle mesh, by VTK."""
+"""Isolines on a triangle mesh, computed by VTK."""
 
 from typing import Any
 
@@ -12,7 +12,7 @@ __all__ = ["contour_lines", "surface"]
 
 
 def surface(points: FloatArray, faces: IntArray) -> tuple[Any, IntArray]:
-    """Return a ``pyvista.PolyData`` of `faces`, and the points that it is made of."""
+    """Return a ``pyvista.PolyData`` of `faces`, and the indices of its points."""
     pyvista = require("pyvista", "viz", "Pictures need")
     used, own = compacted(faces)
     return pyvista.PolyData.from_regular_faces(points[used], own), used
@@ -21,7 +21,7 @@ def surface(points: FloatArray, faces: IntArray) -> tuple[Any, IntArray]:
 def contour_lines(scene: Scene, levels: FloatArray) -> tuple[FloatArray, IntArray]:
     """Return the isolines of a scene's field as segments.
 
-    Only faces with a value at every corner have any.
+    Only faces with a value at every corner have isolines.
 
     Returns
     -------

@@ -1,4 +1,4 @@
-"""The desktop viewer: polyscope, in a window of its own."""
+"""The desktop viewer: polyscope, in a separate window."""
 
 from typing import Any
 
@@ -32,14 +32,14 @@ def polyscope(
     domain, distance, sources, label, positions
         As for :func:`plot`.
     block : bool
-        Open the window and return when it is closed; False only sets the scene, to add to it
-        before calling ``polyscope.show()``.
+        True opens the window and returns when it is closed; False only sets up the scene, which can
+        be extended before calling ``polyscope.show()``.
 
     Returns
     -------
     polyscope.SurfaceMesh, polyscope.PointCloud or polyscope.CurveNetwork
-        What is reached; the rest is a structure of its own, "not reached", in grey. None where
-        nothing is.
+        The reached part; the rest is another structure, "not reached", in grey. None if no vertex
+        is reached.
 
     Raises
     ------
@@ -59,10 +59,10 @@ def polyscope(
     viewer = require("polyscope", "gui", "Desktop windows need")
     try:
         viewer.init()
-    except RuntimeError as error:  # it raises nothing finer
+    except RuntimeError as error:  # polyscope raises nothing more specific
         raise MissingDependencyError(
-            f"polyscope cannot open a window, for want of a display: {error}; "
-            "gt.viz.plot and gt.viz.save_html need none"
+            f"polyscope cannot open a window without a display: {error}; "
+            "gt.viz.plot and gt.viz.save_html do not need one"
         ) from error
     _forget(viewer)
     viewer.set_ground_plane_mode("none")
@@ -91,7 +91,7 @@ def polyscope(
 
 
 def _forget(viewer: Any) -> None:
-    """Remove what an earlier call left, and nothing that the user has registered."""
+    """Remove the structures of an earlier call, but not those that the user registered."""
     for name in NAMES:
         viewer.remove_surface_mesh(name, error_if_absent=False)
         viewer.remove_point_cloud(name, error_if_absent=False)
@@ -99,7 +99,7 @@ def _forget(viewer: Any) -> None:
 
 
 def _register(viewer: Any, scene: Scene, name: str, *, reached: bool) -> tuple[Any, Any]:
-    """Register what is reached, or what is not; return it with the vertices that it is made of."""
+    """Register the reached part, or the rest; return it with its vertices."""
     points = scene.points * scene.radius + scene.centre
     rows = scene.faces if scene.faces is not None else scene.edges
     if rows is None:

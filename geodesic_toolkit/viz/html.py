@@ -37,7 +37,7 @@ FIELD_OF_VIEW = 25.0
 LINE_WIDTH = 0.004
 MARKER_RADIUS = 0.025
 VIEWER = "static/standalone.js"  # k3d's viewer, an AMD module without dependencies
-ENTRY = "CreateK3DAndLoadBinarySnapshot"  # the function of it that page.js calls
+ENTRY = "CreateK3DAndLoadBinarySnapshot"  # its function that page.js calls
 COMPRESSION = 6
 
 
@@ -55,25 +55,25 @@ def save_html(
     limits: Sequence[float] | None = None,
     positions: ArrayLike | None = None,
 ) -> None:
-    """Write one HTML file that shows a distance on its shape: it rotates, and needs no network.
+    """Write one HTML file that shows a distance on its shape, rotatable and without a network.
 
-    Turn it with the mouse; on meshes the value under the pointer is shown. The file holds the
-    whole viewer (k3d, 1 MB) and the shape in single precision, compressed. A browser that offers no
-    WebGL 2 cannot draw it: the page then says so.
+    Drag the mouse to rotate; on meshes the value under the pointer is shown. The file contains the
+    viewer (k3d, 1 MB) and the shape in single precision, compressed. If a browser does not offer
+    WebGL 2, the page says so.
 
     Parameters
     ----------
     domain, distance, sources, cmap, isolines, unit, title, label, limits, positions
         As for :func:`plot`.
     path : str or path-like
-        The file to write, whole or not at all.
+        The file to write; it is complete or absent.
 
     Raises
     ------
     UnsupportedDomainError, InvalidOptionError, InvalidSourceError, WriteError
         As for :func:`plot`.
     MissingDependencyError
-        k3d, pyvista or matplotlib is not installed, or k3d is of a version without the viewer.
+        k3d, pyvista or matplotlib is not installed, or this version of k3d lacks the viewer.
 
     Examples
     --------
@@ -88,9 +88,9 @@ def save_html(
     scene = make_scene(domain, distance, sources=sources, positions=positions, limits=limits)
     style = choose_style(scene, cmap, isolines)
     widget = _widget(scene, style, name=label)
-    widget.colorbar_object_id = 0  # the page has a better one
+    widget.colorbar_object_id = 0  # the page has its own
     widget.menu_visibility = False
-    widget.mode = "callback"  # follow the pointer: page.js says what it points at
+    widget.mode = "callback"  # follow the pointer: page.js shows the value there
     for item in widget.objects:
         if item.type == "Mesh":
             item.hover_callback = _nothing
@@ -118,7 +118,7 @@ def show(
     positions: ArrayLike | None = None,
     height: int = 512,
 ) -> Any:
-    """Return a distance on its shape as a widget that rotates: the last line of a notebook's cell.
+    """Return a rotatable widget of a distance on its shape: the last line of a notebook's cell.
 
     Parameters
     ----------
@@ -154,12 +154,12 @@ def show(
 
 
 def _viewer() -> bytes:
-    """Return the program that draws in the browser, from the files of k3d.
+    """Return the JavaScript viewer from the files of k3d.
 
     Raises
     ------
     MissingDependencyError
-        The installed k3d has no such program.
+        The installed k3d lacks the viewer.
     """
     try:
         program = resources.files("k3d").joinpath(VIEWER).read_bytes()
@@ -168,7 +168,7 @@ def _viewer() -> bytes:
     if ENTRY.encode() not in program:
         raise MissingDependencyError(
             f"the installed k3d has no viewer for HTML pages ({VIEWER} with {ENTRY}), as version "
-            '3.2 has; install one that fits: pip install -U "geodesic-toolkit[viz]"'
+            '3.2 has; install a suitable one: pip install -U "geodesic-toolkit[viz]"'
         )
     return program
 
@@ -182,7 +182,7 @@ def _encoded(data: bytes) -> str:
 
 
 def _widget(scene: Scene, style: Style, *, name: str) -> Any:
-    """Return a k3d plot of a scene, in the scene's own frame."""
+    """Return a k3d plot of a scene, in the scene's coordinates."""
     k3d = require("k3d", "viz", "HTML pictures and widgets need")
     front = choose_views(scene, ["front"])[0]
     reach = max(0.1, float(np.linalg.norm(scene.points[scene.present], axis=1).max()))
@@ -272,7 +272,7 @@ def _points(k3d: Any, scene: Scene, style: Style, name: str) -> list[Any]:
 
 
 def _nothing(*_: Any) -> None:
-    """Do nothing: a callback must be there for the viewer to follow the pointer."""
+    """Do nothing: the viewer follows the pointer only if there is a callback."""
 
 
 def _single(values: FloatArray) -> Any:

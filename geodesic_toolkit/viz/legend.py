@@ -8,20 +8,20 @@ from geodesic_toolkit.viz.scene import Scene
 __all__ = ["legend"]
 
 NO_WEBGL = """\
-<div class="gt" id="gt-no-webgl">This browser offers no WebGL 2, which draws the shape. Turn on
+<div class="gt" id="gt-no-webgl">This browser does not offer WebGL 2, which draws the shape. Turn on
 hardware acceleration in its settings, or open the page in another browser.</div>
 <script>
 if (document.createElement('canvas').getContext('webgl2')) {
     document.getElementById('gt-no-webgl').remove();
 }
 </script>"""
-"""Shown until the browser has proved that it can draw: k3d reports nothing if it cannot."""
+"""Shown until the browser has proved that it can draw: k3d does not report if it cannot."""
 
 STOPS = 64
-"""Colours of the bar's gradient."""
+"""Number of colours of the bar's gradient."""
 
 MOST_MARKS = 60
-"""More isolines than that would blacken the bar."""
+"""Largest number of isolines marked on the bar; more would blacken it."""
 
 
 def legend(scene: Scene, style: Style, *, label: str, unit: str, title: str | None) -> str:

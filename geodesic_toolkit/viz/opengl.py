@@ -1,4 +1,4 @@
-"""A probe of whether the system can draw, in a process of its own."""
+"""A probe, in a separate process, of whether the system can draw."""
 
 import contextlib
 import ctypes.util
@@ -12,7 +12,7 @@ __all__ = ["check_opengl", "quiet"]
 
 @contextlib.contextmanager
 def quiet() -> Iterator[None]:
-    """Keep VTK from writing to stderr that there is no X server, which nobody asked for."""
+    """Suppress VTK's message on stderr that there is no X server."""
     logger = require("vtkmodules.vtkCommonCore", "viz", "Pictures need").vtkLogger
     before = logger.GetCurrentVerbosityCutoff()
     logger.SetStderrVerbosity(logger.VERBOSITY_OFF)
@@ -23,21 +23,21 @@ def quiet() -> Iterator[None]:
 
 
 def check_opengl() -> None:
-    """Raise where drawing would end the process: VTK without OpenGL follows a null pointer.
+    """Raise if drawing would end the process: VTK without OpenGL dereferences a null pointer.
 
-    Its factory tries X, then EGL, then returns a window of OSMesa without trying that one.
+    Its factory tries X, then EGL, then returns an OSMesa window without testing it.
 
     Raises
     ------
     MissingDependencyError
-        None of the three is there; the message names the system packages.
+        All three are missing; the message names the system packages.
     """
     require("vtkmodules.vtkRenderingOpenGL2", "viz", "Pictures need")  # it registers the windows
     window = require("vtkmodules.vtkRenderingCore", "viz", "Pictures need").vtkRenderWindow()
     if window.GetClassName() != "vtkOSOpenGLRenderWindow" or ctypes.util.find_library("OSMesa"):
         return
     raise MissingDependencyError(
-        "there is no OpenGL to draw pictures with: the system library libEGL or its driver is "
+        "OpenGL is not available: the system library libEGL or its driver is "
         "missing; install it (Debian, Ubuntu: apt-get install libegl1 libgl1 libgl1-mesa-dri; "
         "Fedora: dnf install mesa-libEGL mesa-dri-drivers)"
     )

@@ -1,5 +1,5 @@
 // The page of html.py: unpack the viewer and the scene, and show the value under the pointer.
-const place = document.getElementById('gt-value');
+const valueLabel = document.getElementById('gt-value');
 
 function bytes(id) {
     const text = atob(document.getElementById(id).textContent);
@@ -41,11 +41,11 @@ async function start() {
         const t = area > 0 ? (dot(u, u) * dot(w, v) - dot(u, v) * dot(w, u)) / area : 0;
         const at = hit.face.map(function (v) { return item.attribute.data[v]; });
         const value = (1 - s - t) * at[0] + s * at[1] + t * at[2];
-        place.textContent = value.toPrecision(4) + ' ' + place.dataset.unit;
+        valueLabel.textContent = value.toPrecision(4) + ' ' + valueLabel.dataset.unit;
     });
 }
 
 start().catch(function (error) {
     console.error(error);
-    place.textContent = 'The shape cannot be drawn: ' + error;
+    valueLabel.textContent = 'The shape cannot be drawn: ' + error;
 });

@@ -1,4 +1,4 @@
-"""The page of a picture: where views, colour bar and words stand. Set by matplotlib, in pixels."""
+"""The page of a picture: the layout of views, colour bar and texts by matplotlib, in pixels."""
 
 from collections.abc import Sequence
 from typing import Any
@@ -14,10 +14,10 @@ from geodesic_toolkit.viz.scene import Scene
 __all__ = ["Page"]
 
 PIXELS_PER_POINT = 0.72
-"""Pixels in typographic points, at the 100 pixels an inch that the figure has."""
+"""Size of a pixel in typographic points, at the figure's 100 pixels per inch."""
 
 MOST_MARKS = 60
-"""More isolines than that would blacken the colour bar."""
+"""Largest number of isolines drawn in the colour bar; more would blacken it."""
 
 
 class Page:
@@ -26,14 +26,14 @@ class Page:
     Attributes
     ----------
     em : float
-        Size of the type, which everything else is measured by.
+        Size of the type, the unit of all other lengths.
     cell : (int, int)
         Width and height of the cell of each view.
     scale : float
-        Pixels to a unit of the scene, the same in all views.
+        Pixels per unit of the scene, the same in all views.
     views : sequence of View
     frames : ndarray of shape (V, 4)
-        What each shows: centre and half extents on its picture.
+        Centre and half extents of the shape on the picture of each view.
     """
 
     def __init__(
@@ -56,9 +56,9 @@ class Page:
         canvases.FigureCanvasAgg(self.figure)  # not pyplot: no global state, no display
 
     def _arrange(self) -> tuple[int, float]:
-        """Return the number of columns that shows the shape largest, and the scale it has there.
+        """Return the number of columns that shows the shape largest, and the scale of that layout.
 
-        Side by side unless another arrangement is a tenth larger.
+        Views are side by side unless another layout is larger by a tenth.
         """
         best = (len(self.views), 1.0)
         extent = np.maximum(2 * self.frames[:, 2:].max(axis=0), 1e-9)
@@ -72,7 +72,7 @@ class Page:
         return best
 
     def place(self, index: int, picture: NDArray[np.uint8]) -> None:
-        """Set a rendered view into its cell, pixel by pixel."""
+        """Copy a rendered view into its cell, pixel by pixel."""
         row, column = divmod(index, self.columns)
         left, top = column * self.cell[0], self.top + row * self.cell[1]
         self.figure.figimage(picture, left, self.height - top - picture.shape[0], origin="upper")
@@ -82,11 +82,11 @@ class Page:
             self._text(middle, below, name, size=0.85, color="#777777")
 
     def write_title(self, title: str) -> None:
-        """Set a line above the views."""
+        """Write a line above the views."""
         self._text(self.width / 2, 1.6 * self.em, title, size=1.25)
 
     def write_legend(self, style: Style, label: str) -> None:
-        """Set the colour bar, with the isolines in it, and what grey means where there is grey."""
+        """Draw the colour bar with the isolines in it, and explain grey if it occurs."""
         if not self.scene.reached.any():
             return
         cm = require("matplotlib.cm", "viz", "Pictures need")
@@ -114,7 +114,7 @@ class Page:
             self._text(beside, below, "not reached", size=0.9, align="left")
 
     def _beyond(self) -> str:
-        """Return at which ends of the bar it stands for values beyond: there it gets an arrow."""
+        """Return the ends of the bar that have an arrow, as values exceed the limits there."""
         low, high = self.scene.limits
         values = self.scene.values[self.scene.reached & self.scene.present]
         slack = 1e-6 * (high - low)
@@ -154,5 +154,5 @@ class Page:
             va="center",
             fontsize=size * self.em * PIXELS_PER_POINT,
             color=color,
-            parse_math=False,  # a title is the user's words: "$" and "_" mean themselves
+            parse_math=False,  # a title is literal text, including "$" and "_"
         )

@@ -1,4 +1,4 @@
-"""Colours by connected part instead of by distance."""
+"""Colours by component instead of by distance."""
 
 from typing import Any
 
@@ -10,7 +10,7 @@ from geodesic_toolkit.core.types import FloatArray
 __all__ = ["OF_PARTS", "by_part"]
 
 N_COLOURS = 20
-"""Colours of matplotlib's tab20; those behind share all but the first."""
+"""Number of colours of matplotlib's tab20; further components share all but the first."""
 
 OF_PARTS: dict[str, Any] = {
     "cmap": "tab20",
@@ -18,22 +18,22 @@ OF_PARTS: dict[str, Any] = {
     "isolines": 0,
     "label": "part, the largest 0",
 }
-"""Options of pictures that show them."""
+"""Options of pictures of components."""
 
 
 def by_part(components: ArrayLike) -> FloatArray:
-    """Return what to draw to see the connected parts of a shape, one colour each.
+    """Return values that draw each component of a shape in its own colour.
 
     Parameters
     ----------
     components : array-like of shape (N,), int
-        The part of each vertex, ``solver.method.metric.components``.
+        The component of each vertex, ``solver.method.metric.components``.
 
     Returns
     -------
     ndarray of shape (N,), float64
-        0 on the largest part, 1 on the second, ... 19; the parts behind take 1 to 19 again. Those
-        of one vertex have NaN, and are grey.
+        0 on the largest component, 1 on the second, ... 19; further ones have 1 to 19 again. Those
+        of a single vertex have NaN, and are grey.
 
     Examples
     --------
@@ -45,8 +45,8 @@ def by_part(components: ArrayLike) -> FloatArray:
     it.
     """
     part, sizes = np.unique(np.asarray(components), return_inverse=True, return_counts=True)[1:]
-    rank = np.empty(len(sizes))
-    rank[np.argsort(-sizes, kind="stable")] = np.arange(len(sizes))
-    shown = np.where(rank < N_COLOURS, rank, 1 + (rank - 1) % (N_COLOURS - 1))
+    order = np.empty(len(sizes))
+    order[np.argsort(-sizes, kind="stable")] = np.arange(len(sizes))
+    shown = np.where(order < N_COLOURS, order, 1 + (order - 1) % (N_COLOURS - 1))
     shown[sizes == 1] = np.nan
     return np.asarray(shown[part])

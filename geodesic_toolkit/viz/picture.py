@@ -1,4 +1,4 @@
-"""PNG pictures without a window or a display: VTK draws the shape, matplotlib sets the page."""
+"""PNG pictures without a window or a display: VTK draws the shape, matplotlib the page."""
 
 import os
 from collections.abc import Sequence
@@ -38,39 +38,39 @@ def plot(
     size: tuple[int, int] = (1600, 800),
     positions: ArrayLike | None = None,
 ) -> NDArray[np.uint8]:
-    """Draw a distance on its shape, as a PNG and as an array; never a window, never a display.
+    """Draw a distance on its shape, as a PNG and as an array, without a window or a display.
 
     Parameters
     ----------
     domain : Domain
         A TriangleMesh or a PointCloud; a Graph with `positions`.
     distance : array-like of shape (N,)
-        Or any other number a vertex. Where it is not finite the shape is grey.
+        Or any other number per vertex. The shape is grey where it is not finite.
     path : str or path-like, optional
-        The PNG file to write, whole or not at all.
+        The PNG file to write; it is complete or absent.
     sources : optional
-        Places to mark, as :meth:`GeodesicSolver.distance` takes them. By default those where the
-        value is exactly 0, if they are few; an empty list marks none.
+        Sources to mark, as for :meth:`GeodesicSolver.distance`. By default the vertices with value
+        0, if they are few; an empty list marks none.
     cmap : str or matplotlib Colormap
-        Perceptually uniform by default; "brg" or any other name that matplotlib knows.
+        Perceptually uniform by default; "brg" or any other name of a colour map of matplotlib.
     isolines : int or array-like of float
-        About how many lines, at round values; 0 for none; or the values to draw them at. On
-        clouds and graphs the points nearest to them are darker, where points are dense enough.
+        Approximate number of lines, at round values; 0 for none; or the values themselves. On
+        clouds and graphs the points nearest to them are darker, if points are dense enough.
     views : sequence of str or of array-like of shape (3,)
-        "front" (along the thinnest extent, from where the sources are seen), "back" (the other
+        "front" (along the thinnest extent, from where the sources are visible), "back" (the other
         side), "x", "-x", "y", "-y", "z", "-z", or a direction to look from.
     unit : str
         Unit of the values, for the colour bar.
     title : str, optional
         A line above the picture.
     label : str
-        What the values are, for the colour bar.
+        Name of the values, for the colour bar.
     limits : pair of float, optional
-        Ends of the colour map, to compare pictures; those of the values by default.
+        Ends of the colour map, to compare pictures; the extremes of the values by default.
     size : (int, int)
         Width and height in pixels.
     positions : array-like of shape (N, 3) or (N, 2), optional
-        Where to draw the vertices of a graph.
+        Positions at which the vertices of a graph are drawn.
 
     Returns
     -------
@@ -79,13 +79,13 @@ def plot(
     Raises
     ------
     UnsupportedDomainError
-        A domain without positions.
+        The domain has no positions.
     InvalidOptionError
         An unknown colour map, view or size; values that do not fit the domain.
     InvalidSourceError
-        Sources that name no place.
+        Sources that do not name points of the domain.
     MissingDependencyError
-        pyvista or matplotlib is not installed, or the system has no OpenGL to draw with.
+        pyvista or matplotlib is not installed, or the system has no OpenGL.
     WriteError
         The file cannot be written.
 
@@ -116,10 +116,10 @@ def _checked_size(size: tuple[int, int]) -> tuple[int, int]:
     try:
         width, height = (int(side) for side in size)
     except (TypeError, ValueError) as error:
-        raise InvalidOptionError(f"size is (width, height) in pixels, not {size!r}") from error
+        raise InvalidOptionError(f"size must be (width, height) in pixels, not {size!r}") from error
     if not (100 <= width <= LARGEST_SIDE and 100 <= height <= LARGEST_SIDE):
         raise InvalidOptionError(
-            f"each side of the picture has 100 to {LARGEST_SIDE} pixels, not {size!r}"
+            f"each side of the picture must have 100 to {LARGEST_SIDE} pixels, not {size!r}"
         )
     return width, height
 

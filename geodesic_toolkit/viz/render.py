@@ -1,4 +1,4 @@
-"""Views of a scene drawn by VTK, through pyvista, into arrays."""
+"""Views of a scene, drawn by VTK into arrays, through pyvista."""
 
 from typing import Any
 
@@ -18,10 +18,10 @@ __all__ = ["render"]
 
 SUPERSAMPLING = 2
 LARGEST_WINDOW = 8192
-"""What OpenGL draws at once on any machine."""
+"""Largest window that OpenGL draws on any machine."""
 
 SHADING: dict[str, Any] = {
-    "ambient": 0.46,  # colours must stay those of the bar, in the shade too
+    "ambient": 0.46,  # colours must match the bar, also in the shade
     "diffuse": 0.66,
     "specular": 0.1,
     "specular_power": 25,
@@ -32,7 +32,7 @@ SHADING: dict[str, Any] = {
 
 
 def render(scene: Scene, style: Style, page: Page) -> list[NDArray[np.uint8]]:
-    """Return one picture a view, of the size of the page's cells.
+    """Return one picture per view, of the size of the page's cells.
 
     Raises
     ------
@@ -60,10 +60,10 @@ def render(scene: Scene, style: Style, page: Page) -> list[NDArray[np.uint8]]:
 
 
 class _Stage:
-    """The objects before the camera, and how far each is moved towards it.
+    """The objects before the camera, and the shift of each towards it.
 
-    The projection is parallel: views share one scale, lines are equally wide everywhere, and what
-    is moved towards the camera stays where it was on the picture.
+    The projection is parallel: views share one scale, lines have the same width everywhere, and an
+    object shifted towards the camera does not move on the picture.
     """
 
     def __init__(self, plotter: Any, pyvista: Any, scale: float, em: float) -> None:
@@ -79,7 +79,7 @@ class _Stage:
         else:
             self._add_points(scene, style)
         if len(scene.sources):
-            buried = 0.0 if scene.faces is not None else scene.ball  # among the points about it
+            buried = 0.0 if scene.faces is not None else scene.ball  # among the surrounding points
             radius = max(0.55 * self.em / self.scale, 1.1 * buried)
             ball = self.pyvista.Sphere(radius=radius, theta_resolution=32, phi_resolution=32)
             marks = self.pyvista.PolyData(scene.sources)
@@ -124,12 +124,12 @@ class _Stage:
         if len(segments) == 0:
             return
         lines = self.pyvista.PolyData(points, lines=np.insert(segments, 0, 2, axis=1).ravel())
-        # Tubes: VTK's own lines break up where a segment is shorter than they are wide.
+        # Tubes: VTK's own lines break up if a segment is shorter than their width.
         tubes = lines.clean().strip().tube(radius=0.055 * self.em / self.scale, n_sides=6)
         self.raised.append((self.plotter.add_mesh(tubes, color=INK, lighting=False), 0.004))
 
     def _add_points(self, scene: Scene, style: Style) -> None:
-        """Add points as balls that close up to a surface; dark outlines show their depth."""
+        """Add points as balls that form a closed surface; dark outlines show their depth."""
         colours = np.round(255 * point_colours(scene, style)).astype(np.uint8)
         self.plotter.add_mesh(
             self.pyvista.PolyData(scene.points[scene.present]),
@@ -156,7 +156,7 @@ def _add_lights(plotter: Any, pyvista: Any) -> None:
 
 
 def _averaged(image: NDArray[np.uint8], factor: int) -> NDArray[np.uint8]:
-    """Return the picture reduced to the size asked for: edges and lines come out smooth."""
+    """Return the picture reduced by `factor`, with smooth edges and lines."""
     height, width = image.shape[0] // factor, image.shape[1] // factor
     blocks = image[:, :, :3].reshape(height, factor, width, factor, 3)
     averaged: NDArray[np.uint8] = np.round(blocks.mean(axis=(1, 3))).astype(np.uint8)

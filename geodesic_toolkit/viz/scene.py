@@ -1,6 +1,6 @@
 """The data of a picture: a domain, a value at each vertex, the positions of the sources.
 
-All that depends on no graphics package, so that picture, HTML and desktop show the same.
+They do not depend on a graphics package, so that picture, HTML and desktop show the same.
 """
 
 from collections.abc import Sequence
@@ -20,35 +20,35 @@ from geodesic_toolkit.sources.locate import locate_sources
 __all__ = ["Scene", "compacted", "make_scene"]
 
 MOST_IMPLICIT_SOURCES = 100
-"""With more zeros than that a field has no sources worth marking, but a flat part."""
+"""Largest number of zeros that are marked as sources; a field with more has a flat part."""
 
 
 @dataclass(frozen=True)
 class Scene:
-    """A field on a shape, in a frame where the shape has its centre at 0 and radius near 1.
+    """A field on a shape, in coordinates where the shape has its centre at 0 and radius near 1.
 
-    So neither coordinates of millions nor models of a micrometre trouble single precision, and
-    sizes of markers need no scale.
+    Large coordinates and tiny models therefore do not exceed single precision, and the sizes of
+    markers need no scale.
 
     Attributes
     ----------
     points : ndarray of shape (N, 3)
-        Positions in that frame; 0 where a point is missing.
+        Positions in these coordinates; 0 if a point is missing.
     present : ndarray of shape (N,), bool
-        Which of them are to be seen.
+        The points to show.
     faces : ndarray of shape (F, 3)
-        None where there are no triangles, as of clouds and graphs.
+        None if there are no triangles, as in clouds and graphs.
     edges : ndarray of shape (E, 2)
-        Where there are edges and no triangles, as of graphs.
+        The edges if there are no triangles, as in graphs.
     values : ndarray of shape (N,)
-        NaN where there is none.
+        NaN at vertices without a value.
     limits : (float, float)
         Ends of the colour map.
     sources : ndarray of shape (S, 3)
-        Places of the sources in the frame.
+        Positions of the sources in these coordinates.
     centre : ndarray of shape (3,)
     radius : float
-        ``points * radius + centre`` is where the domain has them.
+        ``points * radius + centre`` are the positions in the domain.
     """
 
     points: FloatArray
@@ -63,18 +63,18 @@ class Scene:
 
     @property
     def reached(self) -> BoolArray:
-        """A mask of the vertices with a value."""
+        """Mask of the vertices with a value."""
         return np.isfinite(self.values)
 
     @property
     def face_reached(self) -> BoolArray:
-        """A mask of the faces with a value at every corner."""
+        """Mask of the faces with a value at every corner."""
         assert self.faces is not None
         return np.asarray(self.reached[self.faces].all(axis=1))
 
     @property
     def ball(self) -> float:
-        """Radius to draw a point with: neighbours overlap; on a graph they stay apart."""
+        """Radius of a drawn point: neighbours overlap; on a graph they do not."""
         return float(np.clip((1.1 if self.edges is None else 0.3) * self.spacing, 0.003, 0.04))
 
     @property
@@ -84,13 +84,13 @@ class Scene:
 
     @cached_property
     def spacing(self) -> float:
-        """Typical distance of neighbouring points, in the scene's frame."""
+        """Typical distance of neighbouring points, in the scene's coordinates."""
         from scipy.spatial import cKDTree
 
         shown = self.points[self.present]
         if len(shown) < 2:
             return 1.0
-        step = max(1, len(shown) // 5000)  # a sample tells
+        step = max(1, len(shown) // 5000)  # a sample is enough
         gaps = np.asarray(cKDTree(shown).query(shown[::step], k=min(5, len(shown)))[0])
         positive = gaps[gaps > 0]  # repeated points have no spacing
         return float(np.quantile(positive, 0.75)) if len(positive) else 1.0
@@ -104,20 +104,20 @@ def make_scene(
     positions: ArrayLike | None = None,
     limits: Sequence[float] | None = None,
 ) -> Scene:
-    """Return what there is to draw.
+    """Return the scene of a domain and its values.
 
     Parameters
     ----------
     domain : Domain
     values : array-like of shape (N,)
-        The distance, or any other number a vertex; not finite where there is none.
+        The distance, or any other number per vertex; not finite where it has no value.
     sources : optional
-        As :meth:`GeodesicSolver.distance` takes them. By default the places where the value is
-        exactly 0, if they are few; an empty list marks none.
+        As for :meth:`GeodesicSolver.distance`. By default the vertices with value 0, if they are
+        few; an empty list marks none.
     positions : array-like of shape (N, 3), optional
-        Where to draw the vertices of a graph.
+        Positions at which the vertices of a graph are drawn.
     limits : pair of float, optional
-        Ends of the colour map; those of the values by default.
+        Ends of the colour map; the extremes of the values by default.
 
     Returns
     -------
@@ -126,11 +126,11 @@ def make_scene(
     Raises
     ------
     UnsupportedDomainError
-        A domain without positions, and none given.
+        The domain has no positions, and none were given.
     InvalidOptionError
         Values or positions that do not fit the domain, limits that are not an interval.
     InvalidSourceError
-        Sources that name no place.
+        Sources that do not name points of the domain.
     """
     points = _positions(domain, positions)
     field = _field(domain, values)
@@ -157,14 +157,14 @@ def make_scene(
         edges=edges,
         values=field,
         limits=_limits(field[present], limits),
-        sources=_source_places(domain, sources, framed, field, finite=finite, present=present),
+        sources=_source_positions(domain, sources, framed, field, finite=finite, present=present),
         centre=centre,
         radius=radius,
     )
 
 
 def compacted(rows: IntArray) -> tuple[IntArray, IntArray]:
-    """Return which points faces or edges use, and the rows in terms of those.
+    """Return the points that faces or edges use, and the rows as indices into them.
 
     Examples
     --------
@@ -185,7 +185,7 @@ def _positions(domain: Domain, positions: ArrayLike | None) -> FloatArray:
             given = np.column_stack([given, np.zeros(len(given))])
         if given.shape != (domain.n_vertices, 3) or not np.isfinite(given).any(axis=0).all():
             raise InvalidOptionError(
-                f"positions must have shape ({domain.n_vertices}, 3), one finite point a vertex, "
+                f"positions must have shape ({domain.n_vertices}, 3), one finite point per vertex, "
                 f"not {given.shape}"
             )
         return given
@@ -206,7 +206,7 @@ def _field(domain: Domain, values: ArrayLike) -> FloatArray:
         raise InvalidOptionError(f"the distance cannot be read as numbers: {error}") from error
     if field.shape != (domain.n_vertices,):
         raise InvalidOptionError(
-            f"the distance must have shape ({domain.n_vertices},), one number a vertex, "
+            f"the distance must have shape ({domain.n_vertices},), one number per vertex, "
             f"not {field.shape}"
         )
     field[~np.isfinite(field)] = np.nan
@@ -218,9 +218,9 @@ def _limits(field: FloatArray, limits: Sequence[float] | None) -> tuple[float, f
         try:
             low, high = (float(end) for end in limits)
         except (TypeError, ValueError) as error:
-            raise InvalidOptionError(f"limits are two numbers, not {limits!r}") from error
+            raise InvalidOptionError(f"limits must be two numbers, not {limits!r}") from error
         if not (np.isfinite([low, high]).all() and low < high):
-            raise InvalidOptionError(f"limits are two numbers, the lesser first, not {limits!r}")
+            raise InvalidOptionError(f"limits must be two increasing numbers, not {limits!r}")
         return low, high
     finite = field[np.isfinite(field)]
     if len(finite) == 0:
@@ -229,7 +229,7 @@ def _limits(field: FloatArray, limits: Sequence[float] | None) -> tuple[float, f
     return (low, high) if low < high else (low, low + (abs(low) or 1.0))
 
 
-def _source_places(
+def _source_positions(
     domain: Domain,
     sources: Any,
     framed: FloatArray,
@@ -247,6 +247,6 @@ def _source_places(
     ):
         return np.zeros((0, 3))
     weights = locate_sources(domain, sources).weights
-    places: FloatArray = weights @ framed
+    points_of_sources: FloatArray = weights @ framed
     somewhere = weights @ (~finite).astype(np.float64) == 0
-    return np.asarray(places[somewhere])
+    return np.asarray(points_of_sources[somewhere])

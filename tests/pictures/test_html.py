@@ -124,7 +124,7 @@ def test_a_browser_without_webgl_says_so_where_the_shape_would_be(browser, page,
     with open_browser(tmp_path, "--disable-3d-apis") as without:
         without.open(page)
         without.wait_for("document.readyState === 'complete'")
-        assert "offers no WebGL 2" in without.evaluate(f"{words}.textContent")
+        assert "does not offer WebGL 2" in without.evaluate(f"{words}.textContent")
         assert "another browser" in without.evaluate(f"{words}.textContent")
         assert without.evaluate(f"{words}.checkVisibility()")
 

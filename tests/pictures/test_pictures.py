@@ -297,8 +297,8 @@ def test_any_map_of_matplotlib_goes_by_its_name_or_itself():
     [
         ("virids", "no colour map 'virids'; did you mean 'viridis'"),
         ("Viridis", "did you mean 'viridis'"),
-        ("no such thing at all", "any name that matplotlib knows"),
-        (7, "cmap is a name or a matplotlib Colormap, not 7"),
+        ("no such thing at all", "use a name in matplotlib.colormaps"),
+        (7, "cmap must be a name or a matplotlib Colormap, not 7"),
     ],
 )
 def test_a_wrong_colour_map_is_named_with_near_misses(sphere, angles, name, message):
@@ -353,9 +353,9 @@ def test_a_coarse_cloud_has_fewer_levels_but_round_ones():
         ({"views": ["front"] * 13}, "at most 12 views"),
         ({"views": ["sideways"]}, "a view is 'front'"),
         ({"views": [(0, 0, 0)]}, "a view is 'front'"),
-        ({"limits": (1, 0)}, "the lesser first"),
-        ({"limits": "ab"}, "limits are two numbers"),
-        ({"limits": (0, np.inf)}, "limits are two numbers"),
+        ({"limits": (1, 0)}, "two increasing numbers"),
+        ({"limits": "ab"}, "limits must be two numbers"),
+        ({"limits": (0, np.inf)}, "limits must be two numbers"),
     ],
 )
 def test_options_out_of_range_are_refused(sphere, angles, options, message):
