@@ -1,7 +1,7 @@
-"""Shapes with closed forms, and the contract as executable checks.
+"""Shapes with closed-form distances, and contracts as executable checks.
 
-The core, its plugins and ``geodesic-toolkit check NAME`` run the same list of checks; nothing here
-imports a test framework.
+The core, its plugins and ``geodesic-toolkit check NAME`` run the same checks; this package does not
+import a test framework.
 """
 
 from geodesic_toolkit.testing import shapes

@@ -1,4 +1,4 @@
-"""Laws as executable checks: what a check is, what comes of it, and the report of many."""
+"""Laws as executable checks: the check, its outcome, and the report of several checks."""
 
 import math
 import warnings
@@ -18,11 +18,11 @@ class Measured(NamedTuple):
     Attributes
     ----------
     figure : float
-        What was measured, 0 at best; NaN breaks every law.
+        The measured value, 0 at best; NaN breaks every law.
     bound : float
-        The most that the law allows.
+        The largest value that the law allows.
     where : str
-        On which sample, and what else helps to find the fault.
+        The sample, and details that help to find the fault.
     """
 
     figure: float
@@ -36,7 +36,7 @@ class Measured(NamedTuple):
 
 
 def worst(measurements: Iterable[Measured]) -> Measured | None:
-    """Return the measurement that breaks its bound most, or comes nearest to it; None of none."""
+    """Return the measurement that is farthest above its bound, or nearest to it; None if empty."""
 
     def excess(measured: Measured) -> float:
         if math.isnan(measured.figure):
@@ -57,16 +57,16 @@ class Outcome:
     law : str
         The name of the law.
     statement : str
-        What it says, in one line.
+        The law in one line.
     figure, bound : float or None
-        What was measured and the most allowed; both None where the law has nothing to say about
-        the subject, or measuring it raised an error.
+        The measured value and its bound; both None if the law does not apply to the subject, or
+        measuring it raised an error.
     where : str
-        The sample that came out worst, or the error that was raised.
+        The worst sample, or the error that was raised.
     held : bool
         Whether the law held.
     expected_failure : str or None
-        The reason declared for it to fail.
+        The declared reason for the law to fail.
     """
 
     law: str
@@ -89,32 +89,32 @@ class Outcome:
 
     def __str__(self) -> str:
         measured = "" if self.figure is None else f" {self.figure:.3g} (at most {self.bound:.3g})"
-        place = f" [{self.where}]" if self.where else ""
+        location = f" [{self.where}]" if self.where else ""
         if self.expected_failure is None:
             verdict = "holds" if self.held else "is broken"
         elif self.held:
             verdict = (
-                f"holds, but is declared to fail ({self.expected_failure}): declare it no more"
+                f"holds, but is declared to fail ({self.expected_failure}): remove the declaration"
             )
         else:
             verdict = f"fails as declared ({self.expected_failure})"
-        return f"{self.law} {verdict}:{measured} {self.statement}{place}"
+        return f"{self.law} {verdict}:{measured} {self.statement}{location}"
 
 
 @dataclass(frozen=True)
 class Check:
-    """A check of one law on one subject: call it as a test, or :meth:`run` it for its figures.
+    """A check of one law on one subject: call it as a test, or use :meth:`run` for its figures.
 
     Attributes
     ----------
     law : str
         The name of the law, such as ``"stiffness_is_symmetric"``.
     statement : str
-        What it says, in one line.
+        The law in one line.
     measure : callable
-        Returns the worst measurement, or None where the law has nothing to say.
+        Returns the worst measurement, or None if the law does not apply.
     expected_failure : str or None
-        Why it is known to fail, where it is.
+        The known reason for the law to fail, if any.
     """
 
     law: str
@@ -123,12 +123,12 @@ class Check:
     expected_failure: str | None = None
 
     def run(self) -> Outcome:
-        """Return what comes of it; an error that the subject raises is a broken law."""
+        """Run the check and return its outcome; an error of the subject breaks the law."""
         try:
             with warnings.catch_warnings():
                 warnings.simplefilter("ignore", GeodesicWarning)
                 measured = self.measure()
-        except Exception as error:  # noqa: BLE001 - a third party's error is a finding, not ours
+        except Exception as error:  # noqa: BLE001 - an error of the subject is a finding
             raised = f"{type(error).__name__}: {error}"
             return self._outcome(None, None, raised, held=False)
         if measured is None:
@@ -148,7 +148,7 @@ class Check:
         Raises
         ------
         ConformanceError
-            With the law, the figure and the bound.
+            The message has the law, the figure and the bound.
         """
         outcome = self.run()
         if not outcome.ok:
@@ -160,14 +160,14 @@ class Check:
 
 @dataclass(frozen=True)
 class ConformanceReport:
-    """The outcomes of all checks of one subject.
+    """The outcomes of all checks on one subject.
 
     Attributes
     ----------
     subject : str
         Its repr.
     outcomes : tuple of Outcome
-        One a law.
+        One per law.
     """
 
     subject: str
@@ -180,7 +180,7 @@ class ConformanceReport:
 
     @property
     def broken(self) -> tuple[Outcome, ...]:
-        """The outcomes that are not as they should be."""
+        """The outcomes that are not as expected."""
         return tuple(outcome for outcome in self.outcomes if not outcome.ok)
 
     def or_raise(self) -> "ConformanceReport":
@@ -199,7 +199,7 @@ class ConformanceReport:
 
     def __str__(self) -> str:
         good = len(self.outcomes) - len(self.broken)
-        lines = [f"{self.subject}: {good} of {len(self.outcomes)} laws as they should be"]
+        lines = [f"{self.subject}: {good} of {len(self.outcomes)} laws as expected"]
         return "\n".join(lines + [f"  {outcome}" for outcome in self.broken])
 
 
@@ -210,12 +210,12 @@ def as_checks(
 ) -> list[Check]:
     """Return one check for each law, a function from the subject to its measurements.
 
-    The law is called by the function's name, and says the first line of its docstring.
+    The function's name is the name of the law, and the first line of its docstring the statement.
 
     Raises
     ------
     InvalidOptionError
-        A failure is declared of a law that there is not.
+        A failure is declared for a law that does not exist.
     """
     names = [law.__name__ for law in laws]
     unknown = sorted(set(expected_failures) - set(names))
@@ -244,14 +244,14 @@ def run_checks(subject: object, checks: Iterable[Check]) -> ConformanceReport:
     Parameters
     ----------
     subject : object
-        What they are about, for the report.
+        The subject of the checks, for the report.
     checks : iterable of Check
-        As :func:`laplace_operator_checks` and :func:`linear_solver_checks` return them.
+        Results of :func:`laplace_operator_checks` or :func:`linear_solver_checks`.
 
     Returns
     -------
     ConformanceReport
-        Every law with its figure and its bound, the broken ones too.
+        Every law with its figure and its bound, including broken laws.
 
     Examples
     --------

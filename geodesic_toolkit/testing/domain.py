@@ -1,4 +1,4 @@
-"""The contract of a kind of domain as executable laws."""
+"""The contract of a kind of domain, as executable laws."""
 
 import copy
 import pickle
@@ -23,33 +23,33 @@ from geodesic_toolkit.testing.recipe_laws import faults
 __all__ = ["DOMAIN_LAWS", "check_domain", "domain_checks"]
 
 ROUNDING = 1e-9
-"""Share of the size of a shape: for places that are computed in two ways."""
+"""Tolerance of points computed in two ways, relative to the size of the shape."""
 
 ARRAYS = {"positions": positions_of, "triangles": triangles_of, "as_graph": graph_of}
-"""Capabilities that are data, and how each is asked for."""
+"""Capabilities that are data, and the calls that return them."""
 
 
 def domain_checks(
     domain: Domain, *, expected_failures: Mapping[str, str] | None = None
 ) -> list[Check]:
-    """Return the contract of a kind of domain as a list of checks, one a law.
+    """Return the contract of a kind of domain as a list of checks, one per law.
 
     Parameters
     ----------
     domain : Domain
-        A shape of that kind, of ten vertices or more.
+        A shape of that kind, with at least ten vertices.
     expected_failures : mapping of str to str, optional
-        Laws that are known to fail, with the reason. One that holds after all is reported too.
+        Laws that are known to fail, with the reason. A law that holds nevertheless is reported too.
 
     Returns
     -------
     list of Check
-        Call one to have it raise where its law is broken; ``check.run()`` returns the figures.
+        Calling one raises if its law is broken; ``check.run()`` returns the figures.
 
     Raises
     ------
     InvalidOptionError
-        Something else than a domain, or a failure declared of a law that there is not.
+        The object is not a domain, or a failure is declared for a law that does not exist.
 
     Examples
     --------
@@ -78,7 +78,7 @@ def check_domain(
     Raises
     ------
     ConformanceError
-        Laws are broken, or hold that were declared to fail.
+        Laws are broken, or laws that were declared to fail hold.
 
     Examples
     --------
@@ -114,12 +114,12 @@ def capabilities_have_the_agreed_form(domain: Domain) -> Iterable[Measured]:
         somewhere = np.isfinite(domain.positions).all(axis=1)
         lost = _used(domain) & domain.present & ~somewhere
         if lost.any():
-            found.append(f"vertex {int(lost.argmax())} is present and used, and not finite")
+            found.append(f"vertex {int(lost.argmax())} is present and used, but not finite")
     yield faults(found)
 
 
 def capabilities_left_out_are_refused(domain: Domain) -> Iterable[Measured]:
-    """Capabilities that the kind leaves out raise an UnsupportedDomainError."""
+    """Capabilities that the kind omits raise an UnsupportedDomainError."""
     points, mask = np.zeros((1, 3)), np.zeros(domain.n_vertices, dtype=np.bool_)
     asked = {
         "positions": lambda: domain.positions,
@@ -132,12 +132,12 @@ def capabilities_left_out_are_refused(domain: Domain) -> Iterable[Measured]:
     for name, ask in asked.items():
         raised = None if domain.has(name) else _raised(ask)
         if not domain.has(name) and not isinstance(raised, UnsupportedDomainError):
-            found.append(f"{name} gave {raised!r}")
+            found.append(f"{name} raised {raised!r}")
     yield faults(found)
 
 
 def arrays_are_read_only(domain: Domain) -> Iterable[Measured]:
-    """No array that a domain holds or gives can be written to, nor those of a pickled copy."""
+    """All arrays that a domain holds or returns are read-only, also in a pickled copy."""
     found = []
     for way, shape in (("", domain), ("pickled ", pickle.loads(pickle.dumps(domain)))):  # noqa: S301
         held = {**getattr(shape, "__dict__", {}), **_data(shape), "present": shape.present}
@@ -150,45 +150,45 @@ def arrays_are_read_only(domain: Domain) -> Iterable[Measured]:
 
 
 def copies_are_the_same(domain: Domain) -> Iterable[Measured]:
-    """A domain comes back from pickle and from deepcopy with the same numbers."""
+    """Pickle and deepcopy keep all numbers of a domain."""
     copies = {"pickle": pickle.loads(pickle.dumps(domain)), "deepcopy": copy.deepcopy(domain)}  # noqa: S301
     yield faults([f"{way} changes it" for way, other in copies.items() if not _same(domain, other)])
 
 
 def masked_vertices_belong_to_nothing(domain: Domain) -> Iterable[Measured]:
-    """``without`` keeps all vertices and their numbers; no element has a masked one."""
+    """``without`` keeps all vertices and their indices; no element has a masked one."""
     if not domain.has("without"):
         return
     mask = _mask(domain)
     left, found = domain.without(mask), []
     if not isinstance(left, Domain) or left.n_vertices != domain.n_vertices:
-        yield faults([f"{left!r} is left of {domain!r}"])
+        yield faults([f"{domain!r} became {left!r}"])
         return
     for name, rows in (("triangle", _triangles(left)), ("edge", _edges(left))):
         if rows is not None and mask[rows].any():
-            found.append(f"a masked vertex has a {name}")
+            found.append(f"an element of {name} has a masked vertex")
     if domain.has("positions"):
         kept = _used(left)
         if not np.array_equal(left.positions[kept], domain.positions[kept]):
-            found.append("vertices that are left have moved")
+            found.append("vertices that are not masked have moved")
     yield faults(found)
 
 
 def masking_changes_nothing_else(domain: Domain) -> Iterable[Measured]:
-    """``without`` leaves the domain itself as it was; an empty mask leaves all of it."""
+    """``without`` does not change the domain itself; an empty mask keeps all of it."""
     if not domain.has("without"):
         return
     before = copy.deepcopy(domain)
     domain.without(_mask(domain))
     whole = domain.without(np.zeros(domain.n_vertices, dtype=np.bool_))
-    found = [] if _same(before, domain) else ["a mask has changed the domain"]
+    found = [] if _same(before, domain) else ["a mask changed the domain"]
     if not _same(whole, domain):
-        found.append("an empty mask has changed something")
+        found.append("an empty mask changed the domain")
     yield faults(found)
 
 
 def a_mask_of_everything_is_refused(domain: Domain) -> Iterable[Measured]:
-    """``without`` all vertices is an InvalidOptionError."""
+    """Masking all vertices raises an InvalidOptionError."""
     if domain.has("without"):
         raised = _raised(lambda: domain.without(np.ones(domain.n_vertices, dtype=np.bool_)))
         good = isinstance(raised, InvalidOptionError)
@@ -196,15 +196,15 @@ def a_mask_of_everything_is_refused(domain: Domain) -> Iterable[Measured]:
 
 
 def vertices_are_closest_to_themselves(domain: Domain) -> Iterable[Measured]:
-    """The place closest to a vertex is there (over the size of the shape)."""
+    """The point closest to a vertex is the vertex (distance, relative to the size of the shape)."""
     if domain.has("positions"):
-        places = domain.positions[_used(domain)]
-        feet = Ground(domain).closest(places).positions(domain)
-        yield Measured(_farthest(feet - places) / _size(places), ROUNDING, "vertices")
+        points = domain.positions[_used(domain)]
+        feet = Ground(domain).closest(points).positions(domain)
+        yield Measured(_farthest(feet - points) / _size(points), ROUNDING, "vertices")
 
 
 def places_are_closest(domain: Domain) -> Iterable[Measured]:
-    """The place closest to a point is not farther than any vertex, and closest to itself."""
+    """The point closest to another is not farther than any vertex, and is closest to itself."""
     if not domain.has("positions"):
         return
     own, ground = domain.positions[_used(domain)], Ground(domain)
@@ -236,13 +236,13 @@ DOMAIN_LAWS = (
 def _raised(ask: Any) -> Exception | None:
     try:
         ask()
-    except Exception as error:  # noqa: BLE001 - which error it is is the question
+    except Exception as error:  # noqa: BLE001 - the caller examines the error
         return error
     return None
 
 
 def _data(domain: Domain) -> dict[str, Any]:
-    """Return the arrays that a domain gives, by name."""
+    """Return the arrays that a domain provides, by name."""
     found: dict[str, Any] = {"normals": domain.normals}
     if domain.has("positions"):
         found["positions"] = domain.positions
@@ -255,7 +255,7 @@ def _data(domain: Domain) -> dict[str, Any]:
 
 
 def _same(first: Domain, second: Domain) -> bool:
-    """Return whether two domains give the same, bit for bit."""
+    """Return whether two domains have equal data, bit for bit."""
     if first.n_vertices != second.n_vertices or not (first.present == second.present).all():
         return False
     ours, theirs = _data(first), _data(second)
@@ -275,7 +275,7 @@ def _edges(domain: Domain) -> IntArray | None:
 
 
 def _used(domain: Domain) -> BoolArray:
-    """Return the vertices that places lie at: those of elements, as far as these are known."""
+    """Return a mask of the vertices of elements, or of all present ones if elements are unknown."""
     rows = _triangles(domain) if lies_in_triangles(domain) else _edges(domain)
     if rows is None:
         return np.asarray(domain.present)
@@ -285,14 +285,14 @@ def _used(domain: Domain) -> BoolArray:
 
 
 def _mask(domain: Domain) -> BoolArray:
-    """Return a mask of a tenth of the vertices, two of them at least."""
+    """Return a mask of a tenth of the vertices, at least two."""
     mask = np.zeros(domain.n_vertices, dtype=np.bool_)
     mask[:: max(1, min(10, domain.n_vertices // 2))] = True
     return mask
 
 
-def _size(places: FloatArray) -> float:
-    return float(np.linalg.norm(np.ptp(places, axis=0))) or 1.0
+def _size(points: FloatArray) -> float:
+    return float(np.linalg.norm(np.ptp(points, axis=0))) or 1.0
 
 
 def _farthest(steps: FloatArray) -> float:

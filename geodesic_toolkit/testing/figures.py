@@ -1,4 +1,4 @@
-"""Differences that several laws measure."""
+"""Measures of difference that several laws use."""
 
 import numpy as np
 from scipy.sparse import csr_array
@@ -8,11 +8,11 @@ from geodesic_toolkit.core.types import FloatArray
 __all__ = ["ALGEBRA", "largest", "relative"]
 
 ALGEBRA = 1e-9
-"""For identities between products of sparse matrices."""
+"""Tolerance of identities between products of sparse matrices."""
 
 
 def largest(matrix: csr_array) -> float:
-    """Return the largest absolute entry, 0 where there is none."""
+    """Return the largest absolute entry, or 0 if there is none."""
     return float(np.abs(matrix.data).max(initial=0.0))
 
 

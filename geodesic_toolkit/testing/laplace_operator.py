@@ -1,4 +1,4 @@
-"""The contract of a Laplace operator as executable checks."""
+"""The contract of a Laplace operator, as executable checks."""
 
 from collections.abc import Mapping, Sequence
 from typing import Any
@@ -18,32 +18,32 @@ def laplace_operator_checks(
     samples: Sequence[DomainSamples[Any]] | None = None,
     expected_failures: Mapping[str, str] | None = None,
 ) -> list[Check]:
-    """Return the contract of a Laplace operator as a list of checks, one a law.
+    """Return the contract of a Laplace operator as a list of checks, one per law.
 
     Parameters
     ----------
     operator : LaplaceOperator
-        An instance; its options are part of what is checked.
+        An instance; its options are checked with it.
     samples : sequence of DomainSamples, optional
-        What to measure it on; by default the core's samples of every kind in ``operator.domains``.
+        The samples to measure on; by default the core's for all kinds in ``operator.domains``.
     expected_failures : mapping of str to str, optional
-        Laws that are known to fail, with the reason; added to ``operator.known_failures``. One
-        that holds after all is reported too.
+        Laws that are known to fail, with the reason; added to ``operator.known_failures``. A law
+        that holds nevertheless is reported too.
 
     Returns
     -------
     list of Check
-        Call one to have it raise where its law is broken; ``check.run()`` returns the figures.
+        Calling one raises if its law is broken; ``check.run()`` returns the figures.
 
     Raises
     ------
     InvalidOptionError
-        Something else than an instance, a kind of domain without samples, a failure declared of
-        a law that there is not.
+        The operator is not an instance, a kind of domain has no samples, or a failure is declared
+        for a law that does not exist.
 
     Notes
     -----
-    As tests, in five lines::
+    As a test module::
 
         import geodesic_toolkit as gt, pytest
         from my_package import MyLaplacian
@@ -84,8 +84,8 @@ def check_laplace_operator(
     Raises
     ------
     ConformanceError
-        Laws are broken, or hold that were declared to fail: all of them, each with its figure and
-        its bound.
+        Laws are broken, or laws that were declared to fail hold: the message has all of them, with
+        figures and bounds.
 
     Examples
     --------

@@ -1,4 +1,4 @@
-"""The contract of a linear solver as executable laws."""
+"""The contract of a linear solver, as executable laws."""
 
 from collections.abc import Iterable, Iterator, Mapping
 from concurrent.futures import ThreadPoolExecutor
@@ -27,41 +27,41 @@ from geodesic_toolkit.testing.recipe_laws import RECIPE_LAWS, faults
 __all__ = ["SOLVER_LAWS", "check_linear_solver", "linear_solver_checks"]
 
 RESIDUAL = 1e-6
-"""For any solver: a distance is not to lose more than the discretization does."""
+"""Tolerance of any solver: a distance must not lose more than the discretization does."""
 
 REPEATED = 1e-12
-"""For the same solve done otherwise: in a block, again, in another thread."""
+"""Tolerance of the same solve in another way: in a block, again, in another thread."""
 
 COMPONENTWISE = 1e-9
-"""For every entry, relative to itself: some N times the rounding of one operation."""
+"""Tolerance of every entry, relative to itself: about N roundings of one operation."""
 
 
 def linear_solver_checks(
     solver: LinearSolver, *, expected_failures: Mapping[str, str] | None = None
 ) -> list[Check]:
-    """Return the contract of a linear solver as a list of checks, one a law.
+    """Return the contract of a linear solver as a list of checks, one per law.
 
     Parameters
     ----------
     solver : LinearSolver
-        An instance; its options are part of what is checked.
+        An instance; its options are checked with it.
     expected_failures : mapping of str to str, optional
-        Laws that are known to fail, with the reason; added to ``solver.known_failures``. One that
-        holds after all is reported too.
+        Laws that are known to fail, with the reason; added to ``solver.known_failures``. A law that
+        holds nevertheless is reported too.
 
     Returns
     -------
     list of Check
-        Call one to have it raise where its law is broken; ``check.run()`` returns the figures.
+        Calling one raises if its law is broken; ``check.run()`` returns the figures.
 
     Raises
     ------
     InvalidOptionError
-        Something else than an instance, or a failure declared of a law that there is not.
+        The solver is not an instance, or a failure is declared for a law that does not exist.
 
     Notes
     -----
-    As tests, in five lines::
+    As a test module::
 
         import geodesic_toolkit as gt, pytest
         from my_package import MySolver
@@ -97,8 +97,8 @@ def check_linear_solver(
     Raises
     ------
     ConformanceError
-        Laws are broken, or hold that were declared to fail: all of them, each with its figure and
-        its bound.
+        Laws are broken, or laws that were declared to fail hold: the message has all of them, with
+        figures and bounds.
 
     Examples
     --------
@@ -111,7 +111,7 @@ def check_linear_solver(
 
 
 class SolverSubject:
-    """A solver with the systems that it is measured on; each is factorised once."""
+    """A solver with the systems on which it is measured; each is factorised once."""
 
     def __init__(self, solver: LinearSolver) -> None:
         self.recipe = solver
@@ -174,7 +174,7 @@ def blocks_equal_their_columns(subject: SolverSubject) -> Iterable[Measured]:
 
 
 def result_is_a_fresh_float64_array(subject: SolverSubject) -> Iterable[Measured]:
-    """A solution is a new writeable float64 array of b's shape, and b is left as it was."""
+    """A solution is a new writeable float64 array of b's shape, and b does not change."""
     for name, matrix, factor in subject.cases():
         for shape in ((), (1,), (3,)):
             load = freeze(
@@ -187,7 +187,7 @@ def result_is_a_fresh_float64_array(subject: SolverSubject) -> Iterable[Measured
             if solution.dtype != np.float64:
                 found.append(f"dtype {solution.dtype}")
             if np.shares_memory(solution, load) or not solution.flags.writeable:
-                found.append("not an array of its own")
+                found.append("the array is shared")
             if (load != before).any():
                 found.append("b was overwritten")
             yield Measured(float(len(found)), 0.0, f"{name}: {'; '.join(found)}")
@@ -204,7 +204,7 @@ def memory_order_does_not_matter(subject: SolverSubject) -> Iterable[Measured]:
 
 
 def factor_can_be_used_again(subject: SolverSubject) -> Iterable[Measured]:
-    """Solving again, after other right-hand sides or over this one, gives the same (relative)."""
+    """Solving again, after other right-hand sides or in place, gives the same (relative)."""
     for name, matrix, factor in subject.cases():
         load = _load(matrix, 2)
         first = factor.solve(load)
@@ -214,7 +214,7 @@ def factor_can_be_used_again(subject: SolverSubject) -> Iterable[Measured]:
 
 
 def factor_is_safe_from_threads(subject: SolverSubject) -> Iterable[Measured]:
-    """Threads that solve with one factor at once get what one thread gets (relative)."""
+    """Threads that use one factor concurrently get the result of a single thread (relative)."""
     for name, matrix, factor in subject.cases():
         loads = [_load(matrix, 2) * (k + 1) for k in range(16)]
         alone = [factor.solve(load) for load in loads]
@@ -225,7 +225,7 @@ def factor_is_safe_from_threads(subject: SolverSubject) -> Iterable[Measured]:
 
 
 def factor_tells_its_size(subject: SolverSubject) -> Iterable[Measured]:
-    """``nnz`` and ``nbytes`` are integers: an entry a row, 8 bytes an entry, at the least."""
+    """``nnz`` and ``nbytes`` are integers: at least one entry per row, and 8 bytes per entry."""
     for name, matrix, factor in subject.cases():
         sizes, found = (factor.nnz, factor.nbytes), []
         if not all(isinstance(size, int) and not isinstance(size, bool) for size in sizes):
@@ -256,18 +256,18 @@ def tiny_entries_are_resolved(subject: SolverSubject) -> Iterable[Measured]:
 
 
 def singular_matrices_are_refused(subject: SolverSubject) -> Iterable[Measured]:
-    """A matrix without a solution is a SolverError, on factorising or on solving."""
+    """A singular matrix raises a SolverError, on factorising or on solving."""
     chain = _path_laplacian(30)
     hollow = diags_array(np.r_[np.ones(9), 0.0])
     found = []
-    for name, matrix in (("path that is not grounded", chain), ("row of zeros", hollow)):
+    for name, matrix in (("path without a grounded vertex", chain), ("row of zeros", hollow)):
         load = np.zeros(matrix.shape[0])
         load[-1] = 1.0
         try:
             subject.recipe.factorize(freeze_csr(csr_array(matrix))).solve(load)
         except SolverError:
             continue
-        except Exception as error:  # noqa: BLE001 - which error it is is the question
+        except Exception as error:  # noqa: BLE001 - the error is the finding
             found.append(f"{name}: {type(error).__name__}: {error}")
         else:
             found.append(f"{name}: no error")
@@ -275,7 +275,7 @@ def singular_matrices_are_refused(subject: SolverSubject) -> Iterable[Measured]:
 
 
 def componentwise_is_declared(subject: SolverSubject) -> Iterable[Measured]:
-    """The class says whether it is `componentwise`: True or False."""
+    """The class declares whether it is `componentwise`: True or False."""
     declared: Any = getattr(type(subject.recipe), "componentwise", None)
     yield faults([] if isinstance(declared, bool) else [f"componentwise is {declared!r}"])
 
@@ -285,7 +285,7 @@ def _load(matrix: csr_array, columns: int) -> FloatArray:
 
 
 def _log_error(solution: FloatArray, log_exact: FloatArray) -> float:
-    """Return the largest difference of logarithms; inf where an entry is not positive."""
+    """Return the largest difference of logarithms; inf if an entry is not positive."""
     if not (solution > 0).all():
         return np.inf
     return float(np.abs(np.log(solution) - log_exact).max())
@@ -305,7 +305,7 @@ def _heat_on_a_path(n: int, time: float) -> tuple[csr_array, FloatArray]:
     matrix = eye_array(n) + time * _path_laplacian(n)
     rate = np.arccosh(1 + 1 / (2 * time))
     steps = n - 0.5 - np.arange(n)
-    log_cosh = rate * steps + np.log1p(np.exp(-2 * rate * steps))  # and log 2 more, which cancels
+    log_cosh = rate * steps + np.log1p(np.exp(-2 * rate * steps))  # omits log 2, which cancels
     first = (1 + time) - time * np.exp(log_cosh[1] - log_cosh[0])
     return csr_array(matrix), log_cosh - log_cosh[0] - np.log(first)
 
@@ -314,7 +314,7 @@ def _heat_on_a_path(n: int, time: float) -> tuple[csr_array, FloatArray]:
 def _heat_on_a_grid() -> tuple[csr_array, FloatArray, FloatArray]:
     """Return ``I + t L`` of a square grid, a load at its corner, and log u.
 
-    The reference eliminates in extended precision, without pivoting, as is right for an M-matrix.
+    The reference eliminates in extended precision without pivoting, as suits an M-matrix.
     """
     n, time = 15, 1e-3
     one = _path_laplacian(n)

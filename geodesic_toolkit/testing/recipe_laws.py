@@ -1,4 +1,4 @@
-"""Laws that every recipe keeps, be it an operator's or a solver's."""
+"""Laws of every recipe, of operators and of solvers."""
 
 import copy
 import dataclasses
@@ -12,7 +12,7 @@ __all__ = ["RECIPE_LAWS", "Recipe", "faults"]
 
 
 class Recipe(Protocol):
-    """A subject of checks that holds the recipe under test."""
+    """A subject of checks, which holds the recipe under test."""
 
     @property
     def recipe(self) -> Any:
@@ -20,12 +20,12 @@ class Recipe(Protocol):
 
 
 def faults(found: Sequence[str]) -> Measured:
-    """Return a number of faults, of which none is allowed, with their text."""
+    """Return the number of faults as a measurement with bound 0, and their text."""
     return Measured(float(len(found)), 0.0, "; ".join(found))
 
 
 def recipe_is_frozen_data(subject: Recipe) -> Iterable[Measured]:
-    """The recipe is a frozen dataclass of options that all have defaults, and names its DOIs."""
+    """The recipe is a frozen dataclass of options with defaults, and has its DOIs in references."""
     kind, found = type(subject.recipe), []
     how: Any = getattr(kind, "__dataclass_params__", None)
     if how is None:
@@ -47,7 +47,7 @@ def recipe_is_frozen_data(subject: Recipe) -> Iterable[Measured]:
 
 
 def equal_recipes_are_equal(subject: Recipe) -> Iterable[Measured]:
-    """Two recipes of the same options are equal and hash alike."""
+    """Two recipes with the same options are equal and have the same hash."""
     recipe, found = subject.recipe, []
     if dataclasses.is_dataclass(recipe) and not isinstance(recipe, type):
         twin = dataclasses.replace(recipe)
@@ -61,16 +61,16 @@ def equal_recipes_are_equal(subject: Recipe) -> Iterable[Measured]:
 
 
 def recipe_survives_pickling(subject: Recipe) -> Iterable[Measured]:
-    """The recipe comes back from pickle and from deepcopy as it was: in kind and in options."""
+    """Pickle and deepcopy keep the class and the options of the recipe."""
     recipe, found = subject.recipe, []
     for way, arrived in arrivals(recipe).items():
         if type(arrived) is not type(recipe) or _options(arrived) != _options(recipe):
-            found.append(f"{way} makes {arrived!r} of {recipe!r}")
+            found.append(f"{way} turns {recipe!r} into {arrived!r}")
     yield faults(found)
 
 
 def repr_says_what_it_is(subject: Recipe) -> Iterable[Measured]:
-    """The repr holds the name of the class and every option that is not at its default."""
+    """The repr has the name of the class and every option that differs from its default."""
     recipe, text = subject.recipe, repr(subject.recipe)
     wanted = [type(recipe).__name__]
     if dataclasses.is_dataclass(recipe):

@@ -1,4 +1,4 @@
-"""Domains about which the truth is known: what the checks of an operator measure it on."""
+"""Domains with known distances, on which operators are measured."""
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
@@ -18,30 +18,30 @@ Kind = TypeVar("Kind", bound=Domain)
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Sample:
-    """A domain about which the truth is known.
+    """A domain with known distances.
 
     Parameters
     ----------
     name : str
-        For reports.
+        Name for reports.
     domain : Domain
         Connected, without isolated vertices.
     dim : int
         Its dimension: 1 for a curve, 2 for a surface, 3 for a solid.
     positions : ndarray of shape (N, d)
-        Where its vertices lie in a Euclidean space in which its lengths are measured.
+        Positions of its vertices in the Euclidean space of its lengths.
     source : int
         A vertex.
     distance : ndarray of shape (N,)
         The distance of every vertex from the source, by a closed form.
     spacing : float
-        Its mean edge length, or what plays that part.
+        Its mean edge length, or an equivalent length.
     measure : float
         Its length, area or volume.
     error : float
         The largest mean relative error of a distance that the contract allows.
     inner : ndarray of shape (N,), bool, optional
-        On a flat sample, the vertices well away from its boundary; left out where it is curved.
+        On a flat sample, the vertices well away from its boundary; None for a curved one.
 
     Examples
     --------
@@ -67,7 +67,7 @@ class Sample:
 class DomainSamples(Generic[Kind]):
     """The samples of one kind of domain that the checks need.
 
-    The core has them for meshes, clouds and graphs; a kind of domain of a plugin returns them from
+    The core has them for meshes, clouds and graphs. A plugin's kind of domain returns them from
     its classmethod ``samples()``, or they are passed as ``samples=``.
 
     Parameters
@@ -77,20 +77,20 @@ class DomainSamples(Generic[Kind]):
     families : sequence of sequences of Sample
         Each family is one shape, from coarse to fine.
     generic : Domain
-        A shape without symmetry and without ties, such as equal distances.
+        A shape without symmetry and without equal distances.
     permuted : callable
-        From a domain and a permutation p to the same domain, its vertex i the old ``p[i]``.
+        From a domain and a permutation p to the same domain whose vertex i is the old ``p[i]``.
     united : callable
-        From two domains to one of both, not connected: the vertices of the first come first.
+        From two domains to their disconnected union: the vertices of the first come first.
     isolated : callable
-        From a domain to the same with one more vertex, the last, that nothing connects to.
+        From a domain to the same with an additional last vertex that is isolated.
     moved : callable, optional
-        From a domain, a rotation matrix (3, 3) and a shift (3,) to the domain so moved; left out
-        where it has no place in space.
+        From a domain, a rotation matrix (3, 3) and a shift (3,) to the moved domain; None if the
+        domain has no positions.
     scaled : callable, optional
-        From a domain and a factor to the domain whose lengths are that many times as large.
+        From a domain and a factor to the domain with lengths multiplied by it.
     degenerate : sequence of Domain
-        Valid domains that an operator may find nothing to do on.
+        Valid domains that may have no distances to compute.
 
     Examples
     --------
@@ -111,7 +111,7 @@ class DomainSamples(Generic[Kind]):
 
 
 def samples_of(kinds: Sequence[type[Domain]]) -> list[DomainSamples[Any]]:
-    """Return the samples of `kinds` of domain: the core's own, or what :meth:`Domain.samples` has.
+    """Return the samples of `kinds` of domain: the core's own, or those of :meth:`Domain.samples`.
 
     Parameters
     ----------
@@ -126,7 +126,7 @@ def samples_of(kinds: Sequence[type[Domain]]) -> list[DomainSamples[Any]]:
     Raises
     ------
     InvalidOptionError
-        A kind of which there are none.
+        A kind has no samples.
 
     Examples
     --------
@@ -139,35 +139,35 @@ def samples_of(kinds: Sequence[type[Domain]]) -> list[DomainSamples[Any]]:
     if missing:
         raise InvalidOptionError(
             f"there are no samples of {', '.join(missing)}: pass samples=[DomainSamples(...)], or "
-            "give the class the classmethod samples() of Domain"
+            "implement the classmethod samples() of Domain"
         )
     return [_MAKERS[kind]() if kind in _MAKERS else kind.samples() for kind in kinds]
 
 
 MEAN_ERROR = 0.05
-"""Mean relative error allowed at some 20 edges across: a right operator has 0.5 to 3.5 % there."""
+"""Mean relative error allowed at about 20 edges across: correct operators have 0.5 to 3.5 %."""
 
 SEGMENT_ERROR = 0.01
-"""The same on a segment, where only the ends disturb."""
+"""Mean relative error allowed on a segment, where only the ends cause errors."""
 
 PLANE = (11, 21)
-"""Vertices along the side of the square, coarse and fine."""
+"""Number of vertices along the side of the square, coarse and fine."""
 
 SPHERE = (2, 3)
 """Levels of the icosphere: 162 and 642 vertices."""
 
 SEGMENT = (17, 65)
-"""Vertices of the segment."""
+"""Number of vertices of the segment, coarse and fine."""
 
-BESIDE = np.array([10.0, 0.0, 0.0])
-"""Shift that sets one sample well apart from another."""
+SEPARATING_SHIFT = np.array([10.0, 0.0, 0.0])
+"""Shift that separates one sample from another."""
 
-NOWHERE = [np.nan, 0.0, 0.0]
-"""A missing point."""
+MISSING_POINT = [np.nan, 0.0, 0.0]
+"""Position of a missing point."""
 
 
 def _plane(n: int, domain: Domain, spacing: float, positions: FloatArray) -> Sample:
-    """Return the unit square as sampled by `domain`, measured from its middle."""
+    """Return the unit square as a sample, with distances from its centre."""
     source = int(np.abs(positions - 0.5).sum(axis=1).argmin())
     return Sample(
         name=f"plane, {n} x {n} {type(domain).__name__}",
@@ -189,7 +189,7 @@ def _near_the_middle(positions: FloatArray) -> BoolArray:
 
 
 def _sphere(domain: Domain, spacing: float, positions: FloatArray) -> Sample:
-    """Return the unit sphere as sampled by `domain`."""
+    """Return the unit sphere as a sample."""
     cosine = np.clip(positions @ positions[0], -1.0, 1.0)
     return Sample(
         name=f"sphere, {len(positions)} vertices, {type(domain).__name__}",
@@ -248,7 +248,7 @@ def _mesh_samples() -> DomainSamples[TriangleMesh]:
         generic=_lumpy(),
         permuted=lambda m, order: TriangleMesh(m.vertices[order], np.argsort(order)[m.faces]),
         united=lambda first, second: shapes.disjoint_union(
-            first, TriangleMesh(second.vertices + BESIDE, second.faces)
+            first, TriangleMesh(second.vertices + SEPARATING_SHIFT, second.faces)
         ),
         isolated=lambda m: TriangleMesh(np.concatenate([m.vertices, [[0.1, 0.2, 0.3]]]), m.faces),
         moved=lambda m, rotation, shift: TriangleMesh(m.vertices @ rotation.T + shift, m.faces),
@@ -276,14 +276,14 @@ def _cloud_samples() -> DomainSamples[PointCloud]:
         generic=PointCloud(_lumpy().vertices),
         permuted=lambda c, order: PointCloud(c.points[order]),
         united=lambda first, second: PointCloud(
-            np.concatenate([first.points, second.points + BESIDE])
+            np.concatenate([first.points, second.points + SEPARATING_SHIFT])
         ),
-        isolated=lambda c: PointCloud(np.concatenate([c.points, [NOWHERE]])),
+        isolated=lambda c: PointCloud(np.concatenate([c.points, [MISSING_POINT]])),
         moved=lambda c, rotation, shift: PointCloud(c.points @ rotation.T + shift),
         scaled=lambda c, factor: PointCloud(c.points * factor),
         degenerate=(
             PointCloud([[0, 0, 0]]),
-            PointCloud([[0.0, 0.0, 0.0], NOWHERE]),
+            PointCloud([[0.0, 0.0, 0.0], MISSING_POINT]),
             PointCloud([[0, 0, 0], [1, 0, 0]]),
             PointCloud([[0, 0, 0], [1, 0, 0], [0, 1, 0]]),
             PointCloud(np.zeros((40, 3))),

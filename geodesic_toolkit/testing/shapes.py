@@ -1,4 +1,4 @@
-"""Generated shapes, most of them with a closed form for their distances."""
+"""Generated shapes, most with closed-form distances."""
 
 import numpy as np
 
@@ -27,7 +27,7 @@ def grid(
     n, m : int
         Vertices along x and along y; m = n by default.
     spacing : float, optional
-        Distance of neighbours; ``1 / (n - 1)`` by default, which makes x run from 0 to 1.
+        Distance between neighbours; ``1 / (n - 1)`` by default, so that x runs from 0 to 1.
     shear : float
         Adds `shear` times y to x; distances stay Euclidean.
 
@@ -35,7 +35,7 @@ def grid(
     -------
     TriangleMesh
         Vertex ``i + n * j`` lies in column i and row j. Diagonals alternate, so that no direction
-        is favoured; under shear they all run the same way.
+        is favoured; under shear all have the same direction.
 
     Examples
     --------
@@ -60,7 +60,7 @@ def icosphere(level: int, radius: float = 1.0) -> TriangleMesh:
     Parameters
     ----------
     level : int
-        How often each triangle is split in four.
+        Number of times that each triangle is split in four.
     radius : float
         Distance of the vertices from the origin.
 
@@ -88,16 +88,16 @@ def icosphere(level: int, radius: float = 1.0) -> TriangleMesh:
 def torus(n: int, m: int, *, major: float = 2.0, minor: float = 0.5) -> TriangleMesh:
     """Return a torus of n rings of m vertices about the z axis.
 
-    Vertex ``i * m + j`` lies on ring i at angle ``2 π j / m`` of the ring, counted from outside;
-    so the vertices with j = 0 are the outer equator. Along it, and across a ring, distances have
-    closed forms.
+    Vertex ``i * m + j`` is on ring i at angle ``2 π j / m`` of the ring, counted from outside.
+    The vertices with j = 0 are therefore the outer equator. Distances along it, and across a ring,
+    have closed forms.
 
     Parameters
     ----------
     n, m : int
         Rings, and vertices on each.
     major, minor : float
-        Radius of the circle that the rings are centred on, and of a ring.
+        Radius of the circle of ring centres, and of a ring.
 
     Returns
     -------
@@ -155,7 +155,7 @@ def bumpy_torus(n: int = 72, m: int = 36, *, rng: np.random.Generator) -> Triang
 def tube(rings: int, around: int, *, edge: float = 1.0) -> TriangleMesh:
     """Return an open cylinder along z: `rings` rings of `around` vertices, all edges near `edge`.
 
-    Rings are twisted by half a step against each other, which makes the faces nearly equilateral.
+    Rings are twisted by half a step against each other, so that faces are nearly equilateral.
     Vertex ``i * around + j`` is the j-th of ring i. The distance of two vertices is that of the
     unrolled plane.
 
@@ -232,7 +232,7 @@ def pyramid(sides: int, rings: int, *, height: float = 1.0) -> TriangleMesh:
 def knot(
     n: int = 600, m: int = 24, *, p: int = 2, q: int = 3, thickness: float = 0.42
 ) -> TriangleMesh:
-    """Return a tube about a (p, q) torus knot, the trefoil by default: a shape to look at.
+    """Return a tube around a (p, q) torus knot, the trefoil by default, as an example shape.
 
     Parameters
     ----------
@@ -241,7 +241,7 @@ def knot(
     p, q : int
         Turns about the axis and about the core circle, without a common factor.
     thickness : float
-        Radius of the tube; the knot winds about a circle of radius 2.
+        Radius of the tube; the knot winds around a circle of radius 2.
 
     Returns
     -------
@@ -259,7 +259,7 @@ def knot(
     tangent = np.roll(curve, -1, axis=0) - np.roll(curve, 1, axis=0)
     tangent /= np.linalg.norm(tangent, axis=1, keepdims=True)
     core = np.column_stack([2 * np.cos(p * s), 2 * np.sin(p * s), np.zeros(n)])
-    out = curve - core  # from the core circle: a frame that closes up
+    out = curve - core  # from the core circle: a periodic frame
     out -= np.einsum("nd,nd->n", out, tangent)[:, None] * tangent
     out /= np.linalg.norm(out, axis=1, keepdims=True)
     side = np.cross(tangent, out)
@@ -273,7 +273,7 @@ def knot(
 
 
 def disjoint_union(*meshes: TriangleMesh) -> TriangleMesh:
-    """Return meshes side by side in one: vertices one after the other, nothing joined.
+    """Return meshes side by side as one: vertices one after the other, without merging.
 
     Parameters
     ----------
@@ -318,7 +318,7 @@ def _quads_to_triangles(cells: IntArray, one_way: BoolArray | bool | None = None
 
 
 def _icosahedron_faces(vertices: FloatArray) -> IntArray:
-    """Return the triples of mutual neighbours, turned outwards."""
+    """Return the triples of mutual neighbours, oriented outwards."""
     near = (vertices @ vertices.T > 0.4) & ~np.eye(len(vertices), dtype=np.bool_)
     faces = [
         (i, j, k) if np.dot(vertices[i], np.cross(vertices[j], vertices[k])) > 0 else (i, k, j)
@@ -331,7 +331,7 @@ def _icosahedron_faces(vertices: FloatArray) -> IntArray:
 
 
 def _subdivide(vertices: FloatArray, faces: IntArray) -> tuple[FloatArray, IntArray]:
-    """Return each triangle split in four at the midpoints of its edges."""
+    """Return the mesh with each triangle split in four at the midpoints of its edges."""
     sides = np.sort(faces[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2), axis=1)
     edges, position = np.unique(sides, axis=0, return_inverse=True)
     middle = len(vertices) + position.reshape(-1, 3)

@@ -1,4 +1,4 @@
-"""Copies that arrive in other places and processes."""
+"""Copies of objects by pickle and by deepcopy."""
 
 import copy
 import pickle
@@ -6,10 +6,10 @@ from typing import TypeVar
 
 __all__ = ["arrivals"]
 
-Thing = TypeVar("Thing")
+Copied = TypeVar("Copied")
 
 
-def arrivals(thing: Thing) -> dict[str, Thing]:
-    """Return what arrives of a thing, by the way that it takes: "pickle" and "deepcopy"."""
-    by_pickle: Thing = pickle.loads(pickle.dumps(thing))  # noqa: S301 - made here
-    return {"pickle": by_pickle, "deepcopy": copy.deepcopy(thing)}
+def arrivals(original: Copied) -> dict[str, Copied]:
+    """Return copies of an object, by the method of copying: "pickle" and "deepcopy"."""
+    by_pickle: Copied = pickle.loads(pickle.dumps(original))  # noqa: S301 - made here
+    return {"pickle": by_pickle, "deepcopy": copy.deepcopy(original)}

@@ -20,7 +20,7 @@ def test_the_command_shows_every_law_and_leaves_with_0(name):
     result = run("check", name)
     assert result.exit_code == 0
     assert "recipe_is_frozen_data" in result.stdout
-    assert "laws as they should be" in result.stdout
+    assert "laws as expected" in result.stdout
 
 
 def test_the_command_prints_one_json_object():

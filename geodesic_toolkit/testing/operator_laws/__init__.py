@@ -1,4 +1,4 @@
-"""The laws of a Laplace operator, by what they are about: functions of a subject."""
+"""The laws of a Laplace operator, by subject matter: functions of a subject."""
 
 from geodesic_toolkit.testing.operator_laws.algebra import ALGEBRA_LAWS
 from geodesic_toolkit.testing.operator_laws.data import DATA_LAWS, REFUSAL_LAWS

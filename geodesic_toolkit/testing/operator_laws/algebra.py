@@ -14,20 +14,20 @@ from geodesic_toolkit.testing.operator_laws.subject import OperatorSubject
 __all__ = ["ALGEBRA_LAWS"]
 
 ROUNDING = 1e-12
-"""For identities that assembly keeps to the last bits."""
+"""Tolerance of identities that assembly keeps to the last bits."""
 
 FIELD = 0.1
-"""For totals and slopes of smooth functions on samples of some 20 edges across."""
+"""Tolerance of totals and slopes of smooth functions on samples about 20 edges across."""
 
 SMALL = 200
-"""Largest number of vertices whose eigenvalues are computed."""
+"""Largest number of vertices for which eigenvalues are computed."""
 
 
 # -- mass and stiffness ----------------------------------------------------------------------------
 
 
 def mass_is_positive(subject: OperatorSubject) -> Iterable[Measured]:
-    """Every vertex of a connected domain has positive mass (the figure counts those without)."""
+    """Every vertex of a connected domain has positive mass (the figure counts the others)."""
     for sample, discretization in subject.cases():
         yield Measured(float((discretization.mass <= 0).sum()), 0.0, sample.name)
 
@@ -35,7 +35,7 @@ def mass_is_positive(subject: OperatorSubject) -> Iterable[Measured]:
 def mass_adds_up_to_the_measure(subject: OperatorSubject) -> Iterable[Measured]:
     """On elements, the mass adds up to the length, area or volume (the figure is relative)."""
     for sample, discretization in subject.cases():
-        # Elsewhere only M⁻¹L has a scale: a graph knows no area.
+        # On other domains only M⁻¹L has a scale: a graph has no area.
         if isinstance(discretization.gradient, ElementGradient):
             excess = abs(discretization.mass.sum() / sample.measure - 1)
             yield Measured(excess, FIELD, sample.name)
@@ -117,7 +117,7 @@ def unit_has_the_slope_of_the_plane(subject: OperatorSubject) -> Iterable[Measur
         weights = np.where(outside == 0, gradient.weights, 0.0)
         height = sample.positions @ _directions(sample.dim)
         slope = matrix @ height
-        # So slow a decay that the exponential is all but linear within an element.
+        # The decay is so slow that the exponential is almost linear within an element.
         log_heat = 0.01 / sample.spacing * height
         columns = [gradient.unit(column[:, None]).reshape(-1) for column in log_heat.T]
         unit = np.stack(columns, axis=1)
@@ -140,7 +140,7 @@ def unit_depends_on_ratios_only(subject: OperatorSubject) -> Iterable[Measured]:
 
 
 def _directions(dim: int) -> FloatArray:
-    """Return unit vectors of a space as columns: its axes and some between them."""
+    """Return unit vectors of a space as columns: its axes and some directions between them."""
     between = np.random.default_rng(4).normal(size=(dim, 3))
     return np.concatenate([np.eye(dim), between / np.linalg.norm(between, axis=0)], axis=1)
 

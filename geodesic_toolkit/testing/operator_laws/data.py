@@ -55,7 +55,7 @@ def shapes_fit(subject: OperatorSubject) -> Iterable[Measured]:
 
 
 def dtypes_are_the_agreed_ones(subject: OperatorSubject) -> Iterable[Measured]:
-    """Everything is float64 but the boundary, which is bool; L and G are csr_array."""
+    """All arrays are float64 except the boundary, which is bool; L and G are csr_array."""
     for sample, discretization in subject.cases():
         gradient = discretization.gradient
         field = gradient.unit(np.zeros((sample.domain.n_vertices, 1)))
@@ -84,7 +84,7 @@ def dtypes_are_the_agreed_ones(subject: OperatorSubject) -> Iterable[Measured]:
 
 
 def arrays_are_read_only(subject: OperatorSubject) -> Iterable[Measured]:
-    """The arrays of a discretization cannot be written to, nor those of a pickled copy of it."""
+    """The arrays of a discretization are read-only, also in a pickled copy of it."""
     for sample, discretization in subject.cases():
         found = []
         copied = arrivals(discretization)["pickle"]
@@ -104,21 +104,21 @@ def arrays_are_read_only(subject: OperatorSubject) -> Iterable[Measured]:
 
 
 def pickled_data_is_the_same(subject: OperatorSubject) -> Iterable[Measured]:
-    """A discretization comes back from pickle and from deepcopy with the same numbers."""
+    """Pickle and deepcopy keep all numbers of a discretization."""
     for sample, discretization in subject.cases():
         for arrived in arrivals(discretization).values():
             yield Measured(_distance_of_data(discretization, arrived), 0.0, sample.name)
 
 
 def assembly_is_deterministic(subject: OperatorSubject) -> Iterable[Measured]:
-    """Assembling twice gives the same numbers to the bit."""
+    """Assembling twice gives the same numbers, bit for bit."""
     for sample, discretization in subject.cases():
         again = subject.recipe.assemble(sample.domain)
         yield Measured(_distance_of_data(discretization, again), 0.0, sample.name)
 
 
 def _distance_of_data(first: Discretization, second: Discretization) -> float:
-    """Return the largest difference of the numbers of two discretizations; inf for other shapes."""
+    """Return the largest difference between two discretizations; inf if their shapes differ."""
     if (
         first.stiffness.shape != second.stiffness.shape
         or first.boundary.tolist() != second.boundary.tolist()
@@ -134,11 +134,11 @@ def _distance_of_data(first: Discretization, second: Discretization) -> float:
     )
 
 
-# -- what is not a domain of its own --------------------------------------------------------------
+# -- domains that an operator must refuse ---------------------------------------------------------
 
 
 class ForeignDomain(Domain):
-    """A kind of domain that no operator has heard of."""
+    """A kind of domain that no operator supports."""
 
     @property
     def n_vertices(self) -> int:
@@ -147,12 +147,12 @@ class ForeignDomain(Domain):
 
 
 def other_domains_are_refused_by_name(subject: OperatorSubject) -> Iterable[Measured]:
-    """Another kind of domain, or none, is an UnsupportedDomainError (counts what is not)."""
+    """Another kind of domain, or no domain, raises an UnsupportedDomainError (counts faults)."""
     found = []
     for other in (ForeignDomain(), None, np.zeros((4, 3))):
         raised = _raised(subject.recipe, other)
         if not isinstance(raised, UnsupportedDomainError):
-            found.append(f"a {type(other).__name__} gave {_text(raised)}")
+            found.append(f"a {type(other).__name__} raised {_text(raised)}")
     yield faults(found)
 
 
@@ -163,14 +163,14 @@ def degenerate_domains_are_assembled_or_refused(subject: OperatorSubject) -> Ite
             raised = _raised(subject.recipe, domain)
             good = raised is None or isinstance(raised, GeodesicError)
             yield Measured(
-                0.0 if good else 1.0, 0.0, "" if good else f"{domain!r} gave {_text(raised)}"
+                0.0 if good else 1.0, 0.0, "" if good else f"{domain!r} raised {_text(raised)}"
             )
 
 
 def _raised(operator: LaplaceOperator, domain: Any) -> Exception | None:
     try:
         operator.assemble(domain)
-    except Exception as error:  # noqa: BLE001 - which error it is is the question
+    except Exception as error:  # noqa: BLE001 - the caller examines the error
         return error
     return None
 

@@ -12,11 +12,11 @@ from geodesic_toolkit.testing.operator_laws.subject import OperatorSubject, heat
 __all__ = ["DISTANCE_LAWS"]
 
 SHRINK = 0.9
-"""Part of the error that may be left when the edges are half as long; first order leaves 0.5."""
+"""Largest share of the error that remains with half the edge length; first order leaves 0.5."""
 
 
 def blocks_equal_their_columns(subject: OperatorSubject) -> Iterable[Measured]:
-    """Distances of several source sets at once, and unit and adjoint, equal those one by one."""
+    """Distances of several source sets, and unit and adjoint, are the same in blocks and singly."""
     for sample, discretization in subject.cases():
         count, gradient = sample.domain.n_vertices, discretization.gradient
         scale = sample.distance.max()
@@ -54,7 +54,7 @@ def heat_is_positive(subject: OperatorSubject) -> Iterable[Measured]:
 
 
 def distance_is_accurate(subject: OperatorSubject) -> Iterable[Measured]:
-    """On the finest sample of each family the distance is right (mean relative error)."""
+    """On the finest sample of each family the distance is accurate (mean relative error)."""
     for kind in subject.samples:
         for family in kind.families:
             yield Measured(subject.error(family[-1]), family[-1].error, family[-1].name)

@@ -16,7 +16,7 @@ __all__ = ["OperatorSubject", "heat_method"]
 
 
 class OperatorSubject:
-    """An operator with the samples that it is measured on; each is assembled once."""
+    """An operator with the samples on which it is measured; each is assembled once."""
 
     def __init__(self, operator: LaplaceOperator, samples: Sequence[DomainSamples[Any]]) -> None:
         self.recipe = operator
@@ -25,7 +25,7 @@ class OperatorSubject:
         self._assembled: dict[int, Discretization] = {}
 
     def assemble(self, domain: Domain) -> Discretization:
-        """Return the operator's discretization of a domain that the samples keep alive."""
+        """Return the operator's discretization of a domain, which the samples keep alive."""
         key = id(domain)
         if key not in self._assembled:
             self._assembled[key] = self.recipe.assemble(domain)

@@ -1,4 +1,4 @@
-"""Laws of symmetry: the shape renumbered, moved, scaled."""
+"""Laws of symmetry: the shape with renumbered vertices, moved, or scaled."""
 
 from collections.abc import Iterable
 from typing import Any
@@ -15,11 +15,11 @@ from geodesic_toolkit.testing.samples import DomainSamples
 __all__ = ["SYMMETRY_LAWS"]
 
 COVARIANCE = 1e-6
-"""For the same shape seen otherwise: rounding, after square roots and eigenvectors."""
+"""Tolerance for the same shape in another form: rounding, after square roots and eigenvectors."""
 
 
 def permuting_the_vertices_permutes_the_result(subject: OperatorSubject) -> Iterable[Measured]:
-    """Renumbered vertices renumber M and L and change nothing else (relative)."""
+    """Renumbered vertices renumber M and L, with no other change (relative)."""
     for kind in subject.samples:
         order = np.random.default_rng(3).permutation(kind.generic.n_vertices)
         permuted = subject.recipe.assemble(kind.permuted(kind.generic, order))
@@ -27,7 +27,7 @@ def permuting_the_vertices_permutes_the_result(subject: OperatorSubject) -> Iter
 
 
 def moving_the_shape_changes_nothing(subject: OperatorSubject) -> Iterable[Measured]:
-    """A rigid motion leaves M, L and the spacing as they are (relative)."""
+    """A rigid motion does not change M, L and the spacing (relative)."""
     for kind in subject.samples:
         if kind.moved is not None:
             rotation = Rotation.from_rotvec([0.3, -1.1, 0.7]).as_matrix()
@@ -36,7 +36,7 @@ def moving_the_shape_changes_nothing(subject: OperatorSubject) -> Iterable[Measu
 
 
 def scaling_the_shape_scales_the_result(subject: OperatorSubject) -> Iterable[Measured]:
-    """Lengths s times as large scale the spacing by s and ``M⁻¹L`` by 1/s² (relative)."""
+    """Scaling lengths by s scales the spacing by s and ``M⁻¹L`` by 1/s² (relative)."""
     for kind in subject.samples:
         if kind.scaled is not None:
             for factor in (1e-3, 1e3):
@@ -52,7 +52,7 @@ def _same(
     order: Any = None,
     factor: float | None = None,
 ) -> Measured:
-    """Return how far two discretizations of one shape differ, in mass, L and spacing.
+    """Return the differences of two discretizations of one shape, in mass, L and spacing.
 
     Under scaling only ``M⁻¹L`` is compared: M may be an area, or a number of neighbours.
     """
