@@ -1,6 +1,6 @@
-"""Operators, linear solvers and readers by name, those of plugins among them.
+"""Operators, linear solvers and readers by name, including those of plugins.
 
-Imports the base classes of laplacians and linear solvers; built-in ones are found when asked for.
+Imports the base classes of laplacians and linear solvers; built-in ones are found on demand.
 """
 
 from geodesic_toolkit.registry.registry import PluginStatus, Registry

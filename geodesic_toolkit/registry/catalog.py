@@ -1,4 +1,4 @@
-"""The registries themselves, and what "auto" means."""
+"""The registries, and the meaning of "auto"."""
 
 from typing import Any
 
@@ -43,25 +43,25 @@ readers: Registry[Any] = Registry("geodesic_toolkit.readers", "reader", _is_call
 """Functions from a path to a domain, by file suffix without its dot."""
 
 MIN_UNKNOWNS_OF_COMPACT_FACTOR = 20_000
-"""Unknowns from which on a factor does not stay in the processor's cache, and half of it pays."""
+"""Number of unknowns above which a factor exceeds the processor's cache, so halving it pays."""
 
 
 def resolve_operator(choice: object, domain: Domain) -> LaplaceOperator:
     """Return the operator for a name, class, instance or "auto".
 
-    Of a kind of domain that the core does not have, "auto" takes the installed operator that names
-    this class among its `domains`, or else the nearest of the classes that it derives from; of
-    several such operators the first by name.
+    For a kind of domain that is not in the core, "auto" chooses the installed operator that has
+    this class among its `domains`, or else the nearest base class; of several such operators, the
+    first by name.
 
     Raises
     ------
     UnsupportedDomainError
-        "auto", and no installed operator takes this kind of domain.
+        The choice is "auto", and no installed operator supports this kind of domain.
     """
     if choice != "auto":
         operator: LaplaceOperator = operators.resolve(choice)
         return operator
-    # The core's own operators are not looked up by name: to look through all that is installed
+    # The core's own operators are not looked up by name: scanning all installed distributions
     # takes as long as a mesh of 10,000 vertices.
     if isinstance(domain, TriangleMesh):
         return CotanLaplacian(intrinsic_delaunay="auto")
@@ -83,7 +83,7 @@ def _operator_of_kind(kind: type[Domain]) -> LaplaceOperator:
     for name in operators:
         try:
             taken = operators[name].domains
-        except PluginLoadError:  # a broken plugin hurts only itself; `status` shows it
+        except PluginLoadError:  # skip a broken plugin; `status` shows it
             broken.append(name)
             continue
         steps = [step for step, parent in enumerate(kind.__mro__) if parent in taken]
@@ -107,23 +107,24 @@ def resolve_solvers(
     ----------
     choice : str, class, instance or dict
         One for both steps, or ``{"heat": ..., "poisson": ...}``. "auto" is ``"supernodal"``. A
-        solver that is not componentwise accurate serves the Poisson step only, beside that one.
+        solver that is not componentwise accurate is used for the Poisson step only, with "auto"
+        for the heat.
     n_unknowns : int
-        Size of the systems, by which "auto" decides whether factors are compact.
+        Size of the systems; "auto" uses it to decide whether factors are compact.
     refine : bool
-        Whether heat gives nothing but an order, for which six digits do at any size.
+        Whether only the order of the heat is used, for which six digits are enough at any size.
 
     Raises
     ------
     InvalidOptionError
-        A dictionary with other keys.
+        The dictionary has other keys.
     """
     compact = bool(refine) or n_unknowns >= MIN_UNKNOWNS_OF_COMPACT_FACTOR
     if isinstance(choice, dict):
         unknown = set(choice) - {"heat", "poisson"}
         if unknown:
             raise InvalidOptionError(
-                f'solver has the keys "heat" and "poisson", not {", ".join(map(repr, unknown))}'
+                f'solver needs the keys "heat" and "poisson", not {", ".join(map(repr, unknown))}'
             )
         parts = (choice.get("heat", "auto"), choice.get("poisson", "auto"))
         return _solver(parts[0], compact), _solver(parts[1], compact)

@@ -1,7 +1,7 @@
 """Plugins by name: lazy, isolated, deterministic.
 
-Nothing is imported before it is asked for; a broken plugin hurts only itself; a name that two
-distributions claim is an error only when that name is asked for.
+Plugins are imported on demand; a broken plugin does not affect others; a name that two
+distributions claim is an error only when it is requested.
 """
 
 import inspect
@@ -31,15 +31,15 @@ class PluginStatus:
     Attributes
     ----------
     name : str
-        The name that finds it: its own, or ``"distribution:name"`` where several claim that.
+        The name that finds it: its own, or ``"distribution:name"`` if several claim that name.
     distribution, version : str
-        Who provides it.
+        The distribution that provides it.
     target : str
-        Where it lives, ``"module:attribute"``.
+        Its import path, ``"module:attribute"``.
     error : str or None
-        Why it does not load; None where it does.
+        The reason why it does not load; None if it does.
     references : tuple of str
-        DOIs that it names.
+        The DOIs that it declares.
     """
 
     name: str
@@ -77,11 +77,11 @@ class Registry(Mapping[str, Plugin], Generic[Plugin]):
     group : str
         Entry-point group, such as ``"geodesic_toolkit.operators"``.
     kind : str
-        What its members are called in messages: "operator".
+        Name of its members in messages: "operator".
     accepts : callable
-        Returns why a loaded object is not a member, or None where it is one.
+        Returns why a loaded object is not a member, or None if it is one.
     install_hints : mapping, optional
-        For names that are not installed: the distribution that has them.
+        For names that are not installed: the distributions that provide them.
 
     Examples
     --------
@@ -110,7 +110,7 @@ class Registry(Mapping[str, Plugin], Generic[Plugin]):
     # -- the mapping ---------------------------------------------------------------------------
 
     def __getitem__(self, name: str) -> Plugin:
-        """Return the plugin called `name`, or ``"distribution:name"``, importing it if need be.
+        """Return the plugin called `name`, or ``"distribution:name"``, importing it if necessary.
 
         Raises
         ------
@@ -119,7 +119,7 @@ class Registry(Mapping[str, Plugin], Generic[Plugin]):
         PluginConflictError
             Two distributions register it.
         PluginLoadError
-            It does not import, or is not what the group asks for.
+            It does not import, or does not fit the group.
         """
         found = self._find(name)
         if not found:
@@ -132,7 +132,7 @@ class Registry(Mapping[str, Plugin], Generic[Plugin]):
         return self._load(found[0])
 
     def __iter__(self) -> Iterator[str]:
-        """Iterate over the names, sorted; qualified ones where several distributions share one."""
+        """Iterate over the names, sorted; qualified ones if several distributions share one."""
         entries = self._entries()
         names = [entry.name for entry in entries]
         for entry in sorted(entries, key=lambda entry: (entry.name, entry.distribution)):
@@ -145,7 +145,7 @@ class Registry(Mapping[str, Plugin], Generic[Plugin]):
     def __contains__(self, name: object) -> bool:
         return isinstance(name, str) and bool(self._find(name))
 
-    # -- beyond the mapping --------------------------------------------------------------------
+    # -- other methods -------------------------------------------------------------------------
 
     def register(self, name: str, plugin: Plugin) -> None:
         """Register `plugin` under `name` for this process, before or instead of packaging it.
@@ -153,7 +153,7 @@ class Registry(Mapping[str, Plugin], Generic[Plugin]):
         Raises
         ------
         PluginLoadError
-            It is not what the group asks for.
+            It does not fit the group.
         PluginConflictError
             The name is registered in this process already.
         """
@@ -167,7 +167,7 @@ class Registry(Mapping[str, Plugin], Generic[Plugin]):
             self._local.append(_Entry(name, LOCAL, "", target, lambda: plugin, plugin))
 
     def unregister(self, name: str) -> None:
-        """Take back a :meth:`register`.
+        """Undo a :meth:`register`.
 
         Parameters
         ----------
@@ -185,7 +185,7 @@ class Registry(Mapping[str, Plugin], Generic[Plugin]):
             self._local = kept
 
     def refresh(self) -> None:
-        """Forget what was discovered, to find distributions installed since."""
+        """Forget the discovered plugins, to find distributions installed since."""
         with self._lock:
             self._discovered = None
 
@@ -196,7 +196,7 @@ class Registry(Mapping[str, Plugin], Generic[Plugin]):
         ----------
         choice : str, class or instance
         **options
-            For the constructor of a name or class; an instance has its own.
+            Options of the constructor, for a name or class; an instance has its own.
 
         Returns
         -------
@@ -205,8 +205,8 @@ class Registry(Mapping[str, Plugin], Generic[Plugin]):
         Raises
         ------
         InvalidOptionError
-            An object that is none of the three, options beside an instance, or options that the
-            constructor does not take.
+            The object is none of the three, options are given with an instance, or the constructor
+            does not accept the options.
         """
         plugin = self[choice] if isinstance(choice, str) else choice
         if isinstance(plugin, type) and self._accepts(plugin) is None:
@@ -228,7 +228,7 @@ class Registry(Mapping[str, Plugin], Generic[Plugin]):
         return plugin
 
     def status(self) -> list[PluginStatus]:
-        """Return one row a registration, broken and conflicting ones too; imports all of them."""
+        """Return one row per registration, including broken and conflicting ones; imports all."""
         rows = []
         for entry, name in zip(
             sorted(self._entries(), key=lambda entry: (entry.name, entry.distribution)),
@@ -251,7 +251,7 @@ class Registry(Mapping[str, Plugin], Generic[Plugin]):
     def __repr__(self) -> str:
         return f"<{self.kind} registry: {', '.join(self) or 'empty'}>"
 
-    # -- how -----------------------------------------------------------------------------------
+    # -- implementation ------------------------------------------------------------------------
 
     def _entries(self) -> list[_Entry]:
         with self._lock:
@@ -272,7 +272,7 @@ class Registry(Mapping[str, Plugin], Generic[Plugin]):
         if entry.loaded is None:
             try:
                 loaded = entry.load()
-            except Exception as error:  # whatever a third party's import raises is its own fault
+            except Exception as error:  # a third party's import may raise anything
                 raise PluginLoadError(
                     f"the {self.kind} {entry.name!r} of {entry.distribution} does not load "
                     f"({entry.target}): {type(error).__name__}: {error}"
@@ -283,7 +283,7 @@ class Registry(Mapping[str, Plugin], Generic[Plugin]):
                     f"the {self.kind} {entry.name!r} of {entry.distribution} is not one: {reason}"
                 )
             entry.loaded = loaded
-        plugin: Plugin = entry.loaded  # as `accepts` has found
+        plugin: Plugin = entry.loaded  # checked by `accepts`
         return plugin
 
     def _unknown(self, name: str) -> str:
@@ -305,11 +305,11 @@ def _article(noun: str) -> str:
 
 
 def _discover(group: str) -> list[_Entry]:
-    """Return the entry points of a group, in an order that depends on names alone.
+    """Return the entry points of a group, in an order that depends only on names.
 
-    A distribution seen twice on the path (an editable install beside its wheel) counts once.
+    A distribution found twice on the path (an editable install beside its wheel) counts once.
     """
-    from importlib import metadata  # looks through all that is installed: not before it must
+    from importlib import metadata  # scans all installed distributions: only on demand
 
     found: dict[tuple[str, str], _Entry] = {}
     for point in metadata.entry_points(group=group):
