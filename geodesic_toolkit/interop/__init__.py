@@ -1,4 +1,4 @@
-"""Shapes of other packages, taken as domains; and what is said of those that cannot be.
+"""Shapes of other packages as domains, and errors for objects that are not a shape.
 
 Imports domains and geometry. Third-party packages are recognised without being imported.
 """

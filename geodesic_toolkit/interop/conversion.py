@@ -1,6 +1,6 @@
-"""`as_domain`: the shapes of other libraries as domains.
+"""`as_domain`: convert the shapes of other libraries to domains.
 
-By duck typing: an object is known by its attributes, and no other library is imported for it.
+By duck typing: an object is recognised by its attributes, without importing its library.
 """
 
 from collections.abc import Callable, Mapping
@@ -30,16 +30,16 @@ VTK_CELLS = {
     26: "wedge15", 27: "pyramid13", 28: "quad9", 29: "hexahedron27", 32: "wedge18",
     34: "triangle7", 37: "pyramid19",
 }  # fmt: skip
-"""Names of VTK's types of cells; those left out keep their number and are not a surface."""
+"""Names of VTK's cell types; other types keep their number and are not a surface."""
 
 
 def as_domain(obj: Any) -> Domain:
     """Return `obj` as a mesh, point cloud or graph.
 
-    Vertices keep their order and their indices: nothing is merged, dropped or reordered.
+    Vertices keep their order and their indices: they are not merged, dropped or reordered.
 
     =========================== =============================================================
-    what                        becomes
+    given                       result
     =========================== =============================================================
     Domain                      itself
     (vertices, faces)           a :class:`TriangleMesh`; metadata may follow, as nibabel's
@@ -47,15 +47,15 @@ def as_domain(obj: Any) -> Domain:
     array of shape (N, 3)       a :class:`PointCloud`
     trimesh                     Trimesh: a mesh; PointCloud: a cloud; a Scene of one of them
     Open3D, legacy and tensor   TriangleMesh: a mesh; PointCloud: a cloud, with its normals
-    PyVista                     PolyData: a mesh, or a cloud where it has no faces;
+    PyVista                     PolyData: a mesh, or a cloud if it has no faces;
                                 UnstructuredGrid: as for meshio; a MultiBlock of one of them
     meshio                      a mesh of the plane cells, or of the surface of the solid ones;
-                                a cloud where all cells are vertices or there are none
+                                a cloud if all cells are vertices or there are none
     SciPy sparse                a :class:`Graph` whose lengths are the entries stored, in one
                                 triangle of the matrix or in both (the shorter counts)
     networkx                    a graph of its nodes in their order; an edge's length is its
                                 attribute ``length``, else ``weight``, else 1; directions
-                                are left out
+                                are ignored
     nilearn, nibabel            surface meshes (``coordinates`` and ``faces``), a PolyMesh of one
                                 hemisphere, GIFTI images: a mesh
     =========================== =============================================================
@@ -73,15 +73,15 @@ def as_domain(obj: Any) -> Domain:
     Raises
     ------
     UnsupportedDomainError
-        Nothing of these, or several in one; the message says what to give instead.
+        The object is not listed above, or holds several shapes; the message suggests what to pass.
     InvalidDomainError
-        One of these that cannot be a domain: no faces, an index out of range, a matrix that is not
+        The data cannot be a domain: no faces, an index out of range, a matrix that is not
         square.
 
     Warns
     -----
     ReadWarning
-        Polygons were split into triangles, or cross themselves.
+        Polygons were split into triangles, or intersect themselves.
 
     Examples
     --------
@@ -103,9 +103,9 @@ def as_domain(obj: Any) -> Domain:
 
 
 def check_one_shape(function: str, others: tuple[Any, ...]) -> None:
-    """Raise an `UnsupportedDomainError` where more was given by position than `function` takes.
+    """Raise an `UnsupportedDomainError` if `function` got too many positional arguments.
 
-    Most often vertices and faces were, as two arguments.
+    Usually these are vertices and faces, as two arguments.
     """
     if others:
         raise UnsupportedDomainError(
@@ -119,14 +119,14 @@ def _has(obj: Any, *names: str) -> bool:
 
 
 def _pair(obj: Any) -> Domain | None:
-    """(vertices, faces): two tables, where a list of two points is one table.
+    """Convert (vertices, faces): two tables; a list of two points is one table.
 
     FreeSurfer's metadata and stamp may follow, as ``nibabel.freesurfer.read_geometry`` gives them.
     """
     if not isinstance(obj, tuple | list) or not 2 <= len(obj) <= 4 or not _is_table(obj[0]):
         return None
     vertices, faces, *rest = obj
-    if not all(isinstance(thing, Mapping | str) for thing in rest):
+    if not all(isinstance(member, Mapping | str) for member in rest):
         return None
     return TriangleMesh(vertices, faces)
 
@@ -139,7 +139,7 @@ def _is_table(obj: Any) -> bool:
 
 
 def _has_rows(obj: Any) -> bool:
-    """Return whether a sequence is one of rows, which may differ in length."""
+    """Return whether a sequence consists of rows, which may differ in length."""
     arrays = [row for row in obj if isinstance(row, np.ndarray)]
     return all(isinstance(row, list | tuple | np.ndarray) for row in obj) and all(
         row.ndim == 1 for row in arrays
@@ -147,14 +147,14 @@ def _has_rows(obj: Any) -> bool:
 
 
 def _sparse(obj: Any) -> Domain | None:
-    """SciPy: sparse arrays and matrices."""
+    """Convert sparse arrays and matrices of SciPy."""
     return graph_of_lengths(obj) if _has(obj, "tocoo", "shape") else None
 
 
 def graph_of_lengths(matrix: Any) -> Graph:
-    """Return the graph whose edge lengths a sparse matrix holds off its diagonal.
+    """Return the graph whose edge lengths are the off-diagonal entries of a sparse matrix.
 
-    Both triangles may be stored, or one; where they differ the shorter length counts.
+    One or both triangles may be stored; if they differ, the shorter length counts.
 
     Parameters
     ----------
@@ -163,24 +163,24 @@ def graph_of_lengths(matrix: Any) -> Graph:
     Raises
     ------
     InvalidDomainError
-        Not square, or an entry that is not a length.
+        The matrix is not square, or an entry is not a length.
     """
     if len(matrix.shape) != 2 or matrix.shape[0] != matrix.shape[1]:
         shape = " x ".join(map(str, matrix.shape))
-        raise InvalidDomainError(f"a matrix of edge lengths is square, not {shape}")
-    entries = matrix.tocoo()  # explicit zeros among them: vertices at one place
+        raise InvalidDomainError(f"a matrix of edge lengths must be square, not {shape}")
+    entries = matrix.tocoo()  # including explicit zeros: coincident vertices
     if entries.data.dtype.kind not in "buif":
-        raise InvalidDomainError(f"edge lengths are real numbers, not {entries.data.dtype}")
+        raise InvalidDomainError(f"edge lengths must be real numbers, not {entries.data.dtype}")
     off = entries.row != entries.col
     ends = np.column_stack([entries.row, entries.col])[off].astype(np.int64)
     lengths = entries.data[off].astype(np.float64)
-    if not np.isnan(lengths).any():  # which Graph refuses
+    if not np.isnan(lengths).any():  # otherwise Graph raises
         ends, lengths = shortest_parallel_edges(ends, lengths)
     return Graph(matrix.shape[0], ends, lengths)
 
 
 def _network(obj: Any) -> Domain | None:
-    """Graphs of networkx, of any class."""
+    """Convert graphs of networkx, of any class."""
     if not _has(obj, "nodes", "edges", "is_directed"):
         return None
     number = {node: position for position, node in enumerate(obj.nodes)}
@@ -192,7 +192,7 @@ def _network(obj: Any) -> Domain | None:
 
 
 def _gifti(obj: Any) -> Domain | None:
-    """Images of nibabel."""
+    """Convert images of nibabel."""
     if not _has(obj, "get_arrays_from_intent"):
         return None
     points = obj.get_arrays_from_intent("NIFTI_INTENT_POINTSET")
@@ -205,7 +205,7 @@ def _gifti(obj: Any) -> Domain | None:
 
 
 def _meshio(obj: Any) -> Domain | None:
-    """Meshes of meshio."""
+    """Convert meshes of meshio."""
     if not _has(obj, "points", "cells") or not isinstance(obj.cells, list):
         return None
     points = np.asarray(obj.points)
@@ -215,10 +215,10 @@ def _meshio(obj: Any) -> Domain | None:
 
 
 def _vtk_grid(obj: Any) -> Domain | None:
-    """Unstructured grids of PyVista."""
+    """Convert unstructured grids of PyVista."""
     if not _has(obj, "points", "celltypes", "cell_connectivity"):
         return None
-    # The name changed in PyVista 0.48, and the old one warns since.
+    # The name changed in PyVista 0.48, and the old one warns from then on.
     offsets = obj.cell_offsets if hasattr(obj, "cell_offsets") else obj.offset
     starts, sizes = np.asarray(offsets)[:-1], np.diff(offsets)
     corners = np.asarray(obj.cell_connectivity)
@@ -245,7 +245,7 @@ def _of_cells(obj: Any, points: Any, blocks: list[tuple[str, Any]]) -> Domain:
     if kinds & {"voxel", "pixel"}:
         raise UnsupportedDomainError(f"{described(obj)}: voxels are not a surface; {OF_GRIDS}")
     raise InvalidDomainError(
-        f"{described(obj)}: no surface and no solid; the cells are {', '.join(sorted(kinds))}"
+        f"{described(obj)}: no surface and no solid cells; the cells are {', '.join(sorted(kinds))}"
     )
 
 
@@ -259,7 +259,7 @@ def _triangles(obj: Any, points: Any, sizes: IntArray, corners: IntArray) -> Int
 
 
 def _vtk_surface(obj: Any) -> Domain | None:
-    """Surfaces of PyVista."""
+    """Convert surfaces of PyVista."""
     if not _has(obj, "points", "faces", "strips"):
         return None
     from geodesic_toolkit.geometry.polygons import strip_triangles, unpadded_polygons
@@ -271,12 +271,12 @@ def _vtk_surface(obj: Any) -> Domain | None:
     if len(faces):
         return TriangleMesh(obj.points, faces)
     if len(obj.lines):
-        raise InvalidDomainError(f"{described(obj)}: no faces, only lines")
+        raise InvalidDomainError(f"{described(obj)}: it has lines, but no faces")
     return PointCloud(obj.points, obj.point_data.get("Normals", None))
 
 
 def _open3d(obj: Any) -> Domain | None:
-    """Meshes and clouds of Open3D, whose arrays are vectors of its own."""
+    """Convert meshes and clouds of Open3D, whose arrays are vectors of its own types."""
     if _has(obj, "vertices", "triangles"):
         return TriangleMesh(np.asarray(obj.vertices), np.asarray(obj.triangles))
     if _has(obj, "points", "normals", "has_normals"):
@@ -285,7 +285,7 @@ def _open3d(obj: Any) -> Domain | None:
 
 
 def _open3d_tensors(obj: Any) -> Domain | None:
-    """Meshes and clouds of Open3D, whose arrays are tensors, on a GPU perhaps."""
+    """Convert meshes and clouds of Open3D whose arrays are tensors, possibly on a GPU."""
     if _has(obj, "vertex", "triangle"):
         return TriangleMesh(
             _tensor(obj.vertex, "positions", np.zeros((0, 3))),
@@ -303,7 +303,7 @@ def _tensor(attributes: Any, name: str, default: FloatArray | None) -> Any:
 
 
 def _collection(obj: Any) -> Domain | None:
-    """Scenes of trimesh, blocks of PyVista and pairs of hemispheres of nilearn, with one member."""
+    """Convert scenes of trimesh, blocks of PyVista and hemispheres of nilearn, with one member."""
     if _has(obj, "geometry", "graph", "dump") and isinstance(obj.geometry, Mapping):
         nodes = list(obj.graph.nodes_geometry)
         if len(nodes) == 1:
@@ -330,7 +330,7 @@ def _collection(obj: Any) -> Domain | None:
 
 
 def _surface(obj: Any) -> Domain | None:
-    """Meshes of trimesh and nilearn, and what else names its arrays as they do."""
+    """Convert meshes of trimesh and nilearn, and objects with the same attributes."""
     for vertices in ("vertices", "coordinates"):
         if _has(obj, vertices, "faces"):
             return TriangleMesh(getattr(obj, vertices), obj.faces)
@@ -340,7 +340,7 @@ def _surface(obj: Any) -> Domain | None:
 
 
 def _points(obj: Any) -> Domain | None:
-    """Tables of three columns."""
+    """Convert tables of three columns."""
     if not isinstance(obj, list | tuple) and not hasattr(obj, "__array__"):
         return None
     try:
@@ -349,7 +349,7 @@ def _points(obj: Any) -> Domain | None:
         return PointCloud(obj) if _has_rows(obj) else None
     if table.ndim != 2 or table.shape[1] != 3 or table.dtype.kind not in "iuf":
         return None
-    return PointCloud(obj)  # as it is: a masked array has more to say
+    return PointCloud(obj)  # unconverted: PointCloud checks masked arrays
 
 
 CONVERTERS: tuple[Callable[[Any], Domain | None], ...] = (
@@ -366,4 +366,4 @@ CONVERTERS: tuple[Callable[[Any], Domain | None], ...] = (
     _open3d_tensors,
     _points,
 )
-"""Each knows one kind of object, and returns None for every other."""
+"""Each converts one kind of object, and returns None for others."""

@@ -1,4 +1,4 @@
-"""`merge_vertices`: vertices at one place made one, so that paths cross from face to face."""
+"""`merge_vertices`: merge coincident vertices, so that paths cross from face to face."""
 
 import math
 import numbers
@@ -16,38 +16,38 @@ __all__ = ["merge_vertices"]
 
 
 def merge_vertices(mesh: Any, tolerance: float = 0.0) -> tuple[TriangleMesh, IntArray]:
-    """Return a mesh whose vertices at the same place, or nearly, are one.
+    """Return a mesh whose coincident, or nearly coincident, vertices are merged.
 
-    Seams of textures, halves that share a rim, facets that were written one by one: where vertices
-    repeat a place, a mesh is cut, and no path crosses. Distances on the merged mesh are carried
-    back to the vertices of the given one by ``distance[new]``.
+    A mesh is cut where vertices repeat a position, and paths do not cross: at seams of textures, at
+    parts that share a rim, at facets that were written one by one. Distances on the merged mesh are
+    carried back to the vertices of the given one by ``distance[new]``.
 
-    Of vertices within the tolerance the first one stays, where it is, and none is moved farther
-    than the tolerance. Features stay too: a vertex is never moved by more than a quarter of the
-    shortest edge at it, whatever the tolerance, so that no face shrinks to nothing; edges as short
-    as the rounding of single precision do not count as such.
+    Of the vertices within the tolerance, the first one stays and does not move, and others move by
+    at most the tolerance. Features stay too: a vertex never moves by more than a quarter of the
+    shortest edge at it, whatever the tolerance, so that faces do not collapse; edges as short as
+    the rounding of single precision are ignored in this.
 
     Parameters
     ----------
     mesh : TriangleMesh or object
-        A mesh, or what :func:`as_domain` makes one of.
+        A mesh, or an object that :func:`as_domain` converts to one.
     tolerance : float
-        In the unit of the mesh, 0 or more; 0 merges what is equal to the last bit.
+        In the unit of the mesh, 0 or more; 0 merges only equal positions.
 
     Returns
     -------
     merged : TriangleMesh
         Its vertices are those that stay, in their order. It has the same faces in the same order;
-        those that are the same triangle now count once.
+        faces that became the same triangle count once.
     new : ndarray of shape (N,), int64
-        The vertex of `merged` that each given one is.
+        The vertex of `merged` for each given vertex.
 
     Raises
     ------
     InvalidOptionError
-        A tolerance that is not a length, or more than the size of the mesh.
+        The tolerance is not a length, or more than the size of the mesh.
     UnsupportedDomainError
-        Something else than a mesh.
+        The object is not a mesh.
 
     Examples
     --------
@@ -75,8 +75,8 @@ def merge_vertices(mesh: Any, tolerance: float = 0.0) -> tuple[TriangleMesh, Int
     size = float(np.linalg.norm(np.ptp(used, axis=0)))
     if tolerance > size > 0:
         raise InvalidOptionError(
-            f"tolerance {tolerance:g} is more than the size of the mesh, {size:.4g}, all of whose "
-            "vertices are closer; give the gap of the seams, 0 for equal places"
+            f"tolerance {tolerance:g} is more than the size of the mesh, {size:.4g}; all its "
+            "vertices are closer; give the gap of the seams, 0 for equal positions"
         )
     edges = faces[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2)
     limit = movable_by(vertices, edges, rounding_of(used))

@@ -1,4 +1,4 @@
-"""Errors for objects that are not a shape, with advice on what to give instead."""
+"""Errors for objects that are not a shape, with advice on what to pass instead."""
 
 import os
 from collections.abc import Mapping, Sequence
@@ -11,7 +11,7 @@ from geodesic_toolkit.errors import UnsupportedDomainError
 __all__ = ["OF_GRIDS", "described", "refusal", "several"]
 
 GRID_ATTRIBUTES = ("dimensions", "n_cells", "extract_surface")
-"""Attributes that PyVista's structured grids have, and its other shapes have not."""
+"""Attributes of PyVista's structured grids that its other shapes lack."""
 
 OF_GRIDS = (
     "give its surface, grid.extract_surface().triangulate(), or for distances through the inside a "
@@ -20,14 +20,14 @@ OF_GRIDS = (
     "long (of an array of voxels: grid_to_graph(*mask.shape, mask=mask)); times the spacing they "
     "are in its unit"
 )
-"""What to give instead of a grid."""
+"""Advice for objects that are grids."""
 
 MAX_LISTED_NAMES = 5
-"""Names that a message lists."""
+"""Number of names listed in a message."""
 
 
 def described(obj: Any) -> str:
-    """Return what an object is called in messages."""
+    """Return the description of an object for messages."""
     if isinstance(obj, type):
         return f"the class {obj.__name__}"
     if isinstance(obj, np.ndarray):
@@ -36,30 +36,30 @@ def described(obj: Any) -> str:
 
 
 def refusal(obj: Any, taken: str) -> str:
-    """Return why something is not a shape, with the cure where it is a thing that people hold.
+    """Return why an object is not a shape, and the remedy for common kinds of object.
 
     Parameters
     ----------
     obj : object
     taken : str
-        What is a shape.
+        Description of the objects that are shapes.
     """
-    who = described(obj)
+    got = described(obj)
     if obj is None:
         why = "None is not a shape; did a function return nothing?"
     elif isinstance(obj, str | bytes | os.PathLike):
         why = f"{str(obj)[:80]!r} is not a shape (to read a file: geodesic_toolkit.read)"
     elif isinstance(obj, Mapping):
-        why = f"{who} is not a shape; give its vertices and faces as a pair, {_by_keys(obj)}"
+        why = f"{got} is not a shape; give its vertices and faces as a pair, {_by_keys(obj)}"
     elif not isinstance(obj, type) and all(hasattr(obj, name) for name in GRID_ATTRIBUTES):
-        why = f"{who}: a structured grid is not a surface; {OF_GRIDS}"
+        why = f"{got}: a structured grid is not a surface; {OF_GRIDS}"
     elif (table := _table(obj)) is not None:
         why = _of_table(table)
     elif isinstance(obj, list | tuple) and obj:
-        why = f"{who} of {len(obj)}, the first {described(obj[0])}, is not a shape; give one shape"
+        why = f"{got} of {len(obj)}, the first {described(obj[0])}, is not a shape; give one shape"
         why += f": {taken}"
     else:
-        why = f"{who} is not a shape; give {taken}"
+        why = f"{got} is not a shape; give {taken}"
     return why
 
 
@@ -70,7 +70,7 @@ def _by_keys(obj: Mapping[Any, Any]) -> str:
 
 
 def _table(obj: Any) -> np.ndarray[Any, Any] | None:
-    """Return a table of numbers, or None where there is none."""
+    """Return a table of numbers, or None if the object is not one."""
     if not isinstance(obj, list | tuple) and not hasattr(obj, "__array__"):
         return None
     try:
@@ -81,18 +81,18 @@ def _table(obj: Any) -> np.ndarray[Any, Any] | None:
 
 
 def _of_table(table: np.ndarray[Any, Any]) -> str:
-    """Return what to do with a table that does not have three columns."""
+    """Return the message for a table that does not have three columns."""
     rows, columns = table.shape
     if rows == columns:
         cure = (
-            "if its entries are lengths of edges, and 0 where there is none, give "
+            "if its entries are lengths of edges, and 0 without an edge, give "
             "scipy.sparse.csr_array(table)"
         )
     elif columns == 2:
-        cure = "points in the plane get a third column: numpy.column_stack([xy, 0 * xy[:, 0]])"
+        cure = "add a third column to points in the plane: numpy.column_stack([xy, 0 * xy[:, 0]])"
     elif columns > 3:
         cure = (
-            f"for points in {columns} dimensions give the graph of their neighbours: "
+            f"for points in {columns} dimensions, give the graph of their neighbours: "
             'sklearn.neighbors.kneighbors_graph(table, 10, mode="distance")'
         )
     else:
@@ -103,22 +103,22 @@ def _of_table(table: np.ndarray[Any, Any]) -> str:
 def several(
     obj: Any, number: int, access: str, names: Sequence[Any], all_at_once: str | None = None
 ) -> UnsupportedDomainError:
-    """Return the error for an object that holds several shapes, or none.
+    """Return the error for an object that holds several shapes, or no shape.
 
     Parameters
     ----------
     obj : object
     number : int
-        How many it holds.
+        Number of shapes that it holds.
     access : str
-        Code that gives one of them.
+        Code that returns one of them.
     names : sequence
-        What they are called.
+        Names of the shapes.
     all_at_once : str, optional
-        Code that gives all as one shape.
+        Code that returns all as one shape.
     """
     if number == 0:
-        return UnsupportedDomainError(f"{described(obj)} is not a shape: there is nothing in it")
+        return UnsupportedDomainError(f"{described(obj)} is not a shape: it is empty")
     joined = f", or all as one shape: {all_at_once}" if all_at_once else ""
     return UnsupportedDomainError(
         f"{described(obj)} holds {number} shapes; give one, {access} (there are {_listed(names)})"
