@@ -1,9 +1,9 @@
 """Geodesic distance on anything that has a Laplacian.
 
-Meshes, point clouds, graphs and what plugins add go through one heat method (Crane, Weischedel and
+Meshes, point clouds, graphs and domains of plugins use one heat method (Crane, Weischedel and
 Wardetzky, *Geodesics in Heat*, 2013, https://doi.org/10.1145/2516971.2516977).
 
-Everything public is here, and nothing heavy is imported until it is used.
+All public names are here, and heavy packages are imported only when used.
 """
 
 import importlib
@@ -52,7 +52,7 @@ if TYPE_CHECKING:
     from geodesic_toolkit.sources.points import SourcePoints
     from geodesic_toolkit.sources.surface_point import SurfacePoint
 
-# Spelt out once more, because type checkers read nothing else; a test keeps the two together.
+# Repeated because type checkers read nothing else; a test keeps the two together.
 __all__ = [
     "CG",
     "Analysis",

@@ -1,4 +1,4 @@
-"""Errors and warnings: one root each, and every error is also the builtin that fits it.
+"""Errors and warnings: one root each; every error also derives from the fitting builtin.
 
 Catching :class:`GeodesicError` catches all of them; catching the builtin
 (``ValueError`` for bad data, ``IndexError`` for a bad source, ...) works too.
@@ -37,19 +37,19 @@ __all__ = [
 
 
 class GeodesicError(Exception):
-    """Root of every error that this package raises on purpose."""
+    """Root of every error that this package raises deliberately."""
 
 
 class InvalidDomainError(GeodesicError, ValueError):
-    """A mesh, cloud or graph that cannot be one: the message names the first bad element."""
+    """The data of a mesh, cloud or graph are invalid: the message names the first bad element."""
 
 
 class UnsupportedDomainError(GeodesicError, TypeError):
-    """A domain of a kind, or in a state, that the chosen operator or function cannot take."""
+    """The chosen operator or function does not support this kind of domain, or its state."""
 
 
 class InvalidSourceError(GeodesicError, IndexError):
-    """Sources that do not name places on the domain."""
+    """Sources that do not name points of the domain."""
 
 
 class InvalidCurveError(InvalidSourceError):
@@ -57,31 +57,31 @@ class InvalidCurveError(InvalidSourceError):
 
 
 class UnreachableError(GeodesicError, ValueError):
-    """Two places that nothing connects, where a way from one to the other was asked for."""
+    """No path connects two points between which one was requested."""
 
 
 class InvalidOptionError(GeodesicError, ValueError):
-    """An option outside the values it may have."""
+    """An option has a value outside its allowed ones."""
 
 
 class InvalidDiscretizationError(GeodesicError, ValueError):
-    """An operator assembled something that breaks the contract of a discretization."""
+    """An operator returned data that break the contract of a discretization."""
 
 
 class ReadError(GeodesicError, ValueError):
-    """A file that cannot be read as a mesh, cloud or graph."""
+    """A file cannot be read as a mesh, cloud or graph."""
 
 
 class WriteError(GeodesicError, OSError):
-    """An output that cannot be written; what was there before is untouched."""
+    """An output cannot be written; an existing file is unchanged."""
 
 
 class MissingDependencyError(GeodesicError, ImportError):
-    """An optional package, or a system library beneath it, is missing; the message says which."""
+    """An optional package, or a system library that it needs, is missing; the message names it."""
 
 
 class NotEnoughMemoryError(GeodesicError, MemoryError):
-    """The work would not fit into memory; the message says how much it needs."""
+    """The work would not fit into memory; the message has the required size."""
 
 
 class SolverError(GeodesicError, RuntimeError):
@@ -93,15 +93,15 @@ class ConformanceError(GeodesicError, AssertionError):
 
 
 class PluginError(GeodesicError):
-    """Root of what can be wrong with plugins."""
+    """Root of the errors of plugins."""
 
 
 class UnknownPluginError(PluginError, LookupError):
-    """No plugin of that name; the message lists near misses and what is installed."""
+    """There is no plugin of that name; the message lists near misses and installed plugins."""
 
 
 class PluginLoadError(PluginError, ImportError):
-    """A plugin is registered but could not be imported, or is not what its group asks for."""
+    """A plugin is registered but could not be imported, or does not fit its group."""
 
 
 class PluginConflictError(PluginError, LookupError):
@@ -113,39 +113,39 @@ class GeodesicWarning(UserWarning):
 
 
 class ReadWarning(GeodesicWarning):
-    """A file or object was read, but not quite as it stands: polygons were triangulated, say."""
+    """A file or object was read with changes, such as polygons split into triangles."""
 
 
 class CoarseMeshWarning(GeodesicWarning):
-    """Plain heat is 4 % off, or more, on a part of a mesh; the refined distance is better."""
+    """Plain heat has an error of 4 % or more on a part of a mesh; refined distances are better."""
 
 
 class CurveWarning(GeodesicWarning):
-    """The points of a cloud follow one line, and have been taken for a surface."""
+    """The points of a cloud follow a line, but were treated as a surface."""
 
 
 class FragmentedCloudWarning(GeodesicWarning):
-    """A point cloud has come apart: points among the neighbours of others are not connected."""
+    """A point cloud is disconnected: points are not connected to some of their neighbours."""
 
 
 class UnevenCloudWarning(GeodesicWarning):
-    """A cloud is sampled too unevenly for plain heat to be trusted; refined distances can be."""
+    """A cloud is sampled too unevenly for plain heat; refined distances are reliable."""
 
 
 class NonPositiveHeatWarning(GeodesicWarning):
-    """The heat is not positive at some vertices, and distances from it are not to be trusted.
+    """The heat is not positive at some vertices, and distances from it are unreliable.
 
-    Refined ones take an order from the heat and nothing else: they suffer nothing by it.
+    Refined distances use only the order of the heat, and are not affected.
     """
 
 
 class FarSourceWarning(GeodesicWarning):
-    """A source point lies far from the shape that it was snapped to; the units may differ."""
+    """A source point is far from the shape to which it was snapped; the units may differ."""
 
 
 class SeamWarning(GeodesicWarning):
-    """The surface of a mesh is cut along seams: edges of its boundary lie upon others."""
+    """The surface of a mesh is cut along seams: boundary edges coincide with others."""
 
 
 class NormalsWarning(GeodesicWarning):
-    """Normals were estimated in another way than the best one; the message says what is missing."""
+    """Normals were estimated by a fallback method; the message names the missing package."""

@@ -18,9 +18,9 @@ __all__ = ["exact_distance"]
 def exact_distance(mesh: Any, sources: Any, *others: Any) -> FloatArray:
     """Return the exact polyhedral distance of every vertex from the nearest source.
 
-    The reference for tests and error reports. Its cost grows faster than the number of faces: a
-    tenth of a second for 7,000 faces, 3 to 17 for 50,000 to 90,000. Refined distances, the default
-    of :func:`geodesic_distance`, take milliseconds.
+    It is the reference for tests and error reports. Its cost grows faster than the number of faces:
+    a tenth of a second for 7,000 faces, 3 to 17 for 50,000 to 90,000. Refined distances, the
+    default of :func:`geodesic_distance`, take milliseconds.
 
     Parameters
     ----------
@@ -30,7 +30,7 @@ def exact_distance(mesh: Any, sources: Any, *others: Any) -> FloatArray:
         Vertex indices; points in space, of shape (3,) or (P, 3), snapped to the nearest point of
         the surface; points inside faces; or any of them with offsets.
     *others
-        Nothing: an error says so, where vertices and faces were given as two arguments.
+        Not accepted; an error explains how to pass vertices and faces as one argument.
 
     Returns
     -------
@@ -40,11 +40,11 @@ def exact_distance(mesh: Any, sources: Any, *others: Any) -> FloatArray:
     Raises
     ------
     InvalidSourceError
-        No source, an index out of range, a point that is not finite, a curve, something else.
+        No source, an index out of range, a point that is not finite, a curve, or another object.
     UnsupportedDomainError
-        Not a triangle mesh.
+        The object is not a triangle mesh.
     SolverError
-        The search was given up, after a thousand windows a face.
+        The search was abandoned after a thousand windows per face.
 
     References
     ----------
@@ -73,7 +73,7 @@ def exact_distance(mesh: Any, sources: Any, *others: Any) -> FloatArray:
         raise InvalidSourceError(
             "exact distances start from vertices and points, not from a Curve; give points along it"
         )
-    places = locate_sources(mesh, sources)
+    located = locate_sources(mesh, sources)
     faces = mesh.faces[proper_faces(mesh.faces)]
     shape = _native.Polyhedron(mesh.vertices, faces)
-    return exact_distances(shape, places, MOST_WINDOWS * len(faces))
+    return exact_distances(shape, located, MOST_WINDOWS * len(faces))

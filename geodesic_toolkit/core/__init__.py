@@ -1,4 +1,4 @@
-"""Helpers of every layer: types, frozen arrays, checks, warnings, atomic files.
+"""Helpers of all layers: types, frozen arrays, checks, warnings, atomic files.
 
-Imports nothing of the package but ``errors`` and the compiled kernels.
+Imports only ``errors`` and the compiled kernels from the package.
 """

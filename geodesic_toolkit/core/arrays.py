@@ -1,7 +1,7 @@
-"""Cheaper forms of the NumPy functions that the path from a mesh to its distances calls.
+"""Faster forms of the NumPy functions on the path from a mesh to its distances.
 
-Arrays in memory that kernels use again, where NumPy would ask the system for fresh pages; and the
-different numbers of an array without masked arrays, which take a tenth of a build to import.
+Kernels reuse the memory of arrays, for which NumPy would request fresh pages from the system; and
+distinct numbers are found without masked arrays, whose import takes a tenth of a build.
 """
 
 from collections.abc import Sequence
@@ -18,7 +18,7 @@ Number = TypeVar("Number", np.float64, np.int64)
 
 
 def empty(shape: tuple[int, ...], dtype: type[Number]) -> NDArray[Number]:
-    """Return an array of numbers of 64 bits in which anything may stand."""
+    """Return an uninitialised array of 64-bit numbers."""
     size = 1
     for length in shape:
         size *= length
@@ -26,14 +26,14 @@ def empty(shape: tuple[int, ...], dtype: type[Number]) -> NDArray[Number]:
 
 
 def copied(array: NDArray[Any], dtype: type[Number]) -> NDArray[Number]:
-    """Return a C-ordered copy of an array, of another type perhaps, as ``numpy.array`` does."""
+    """Return a C-ordered copy of an array, optionally converted, as ``numpy.array`` does."""
     result = empty(array.shape, dtype)
     np.copyto(result, array, casting="unsafe")
     return result
 
 
 def distinct(values: NDArray[Number]) -> NDArray[Number]:
-    """Return the different numbers of an array, sorted, as ``numpy.unique`` does."""
+    """Return the distinct numbers of an array, sorted, as ``numpy.unique`` does."""
     ordered = np.sort(values, axis=None)
     first = np.ones(len(ordered), dtype=np.bool_)
     np.not_equal(ordered[1:], ordered[:-1], out=first[1:])
@@ -41,5 +41,5 @@ def distinct(values: NDArray[Number]) -> NDArray[Number]:
 
 
 def joined(parts: Sequence[NDArray[Number]]) -> NDArray[Number]:
-    """Return arrays one after the other; a copy only if there are several."""
+    """Return the concatenation of arrays; it is a copy only if there are several."""
     return np.ascontiguousarray(parts[0] if len(parts) == 1 else np.concatenate(parts))

@@ -1,4 +1,4 @@
-"""Outputs that are whole or not there: an interrupted run leaves the old file as it was."""
+"""Output files that are complete or absent: an interrupted run does not change the old file."""
 
 import os
 import secrets
@@ -14,7 +14,7 @@ __all__ = ["check_output", "make_folder", "replacing", "sync", "writing"]
 
 @contextmanager
 def writing(path: Path) -> Iterator[None]:
-    """Turn what the system says of a full disk or a missing permission into a `WriteError`."""
+    """Turn the system's errors, such as a full disk or no permission, into a `WriteError`."""
     try:
         yield
     except GeodesicError:
@@ -24,13 +24,13 @@ def writing(path: Path) -> Iterator[None]:
 
 
 def check_output(path: str | os.PathLike[str], suffixes: Sequence[str]) -> Path:
-    """Raise where `path` cannot become an output: to be asked before any work is done.
+    """Raise if `path` cannot become an output; call it before any work.
 
     Parameters
     ----------
     path : str or path-like
     suffixes : sequence of str
-        Those that can be written, with their dots: ``(".ply", ".npy")``.
+        The suffixes that can be written, with their dots: ``(".ply", ".npy")``.
 
     Returns
     -------
@@ -39,9 +39,9 @@ def check_output(path: str | os.PathLike[str], suffixes: Sequence[str]) -> Path:
     Raises
     ------
     InvalidOptionError
-        Another suffix.
+        The suffix is not one of them.
     WriteError
-        A directory, a device, a directory that is not there, or no permission.
+        A directory, a device, a directory that does not exist, or no permission.
 
     Examples
     --------
@@ -60,12 +60,12 @@ def check_output(path: str | os.PathLike[str], suffixes: Sequence[str]) -> Path:
 
 
 def make_folder(path: str | os.PathLike[str]) -> Path:
-    """Make the folder that outputs go to, and those above it, unless it is there.
+    """Create the folder of outputs, and its parents, unless it exists.
 
     Raises
     ------
     WriteError
-        It cannot be made: no permission, or something else is in its place.
+        It cannot be created: no permission, or another kind of file has its name.
     """
     folder = Path(path)
     try:
@@ -77,16 +77,16 @@ def make_folder(path: str | os.PathLike[str]) -> Path:
 
 @contextmanager
 def replacing(path: str | os.PathLike[str]) -> Iterator[Path]:
-    """Give a temporary path to write to, which takes the place of `path` at the end.
+    """Yield a temporary path to write to, which replaces `path` at the end.
 
-    It lies in the same directory and has the same suffix. Where the block is left by an exception
-    it is removed, and what was at `path` before stays untouched; else it is on disk before it
-    takes its place.
+    It is in the same directory and has the same suffix. If the block ends with an exception, the
+    temporary file is removed and `path` does not change; otherwise the file is on disk before it
+    replaces `path`.
 
     Parameters
     ----------
     path : str or path-like
-        A symbolic link stays one; the file it points to is replaced.
+        A symbolic link is kept; the file to which it points is replaced.
 
     Yields
     ------
@@ -96,7 +96,7 @@ def replacing(path: str | os.PathLike[str]) -> Iterator[Path]:
     Raises
     ------
     WriteError
-        A directory, a device, a directory that is not there, no permission, a full disk.
+        A directory, a device, a directory that does not exist, no permission, a full disk.
 
     Examples
     --------
@@ -113,7 +113,7 @@ def replacing(path: str | os.PathLike[str]) -> Iterator[Path]:
     target = _target(file)
     temporary = target.with_name(f".{target.stem[:100]}.{secrets.token_hex(6)}{target.suffix}")
     with writing(file):
-        # Not tempfile's, whose files nobody else may read whatever the umask says.
+        # Not tempfile's files, which only their owner may read, whatever the umask.
         os.close(os.open(temporary, os.O_CREAT | os.O_EXCL | os.O_WRONLY, 0o666))
         try:
             yield temporary
@@ -128,7 +128,7 @@ def replacing(path: str | os.PathLike[str]) -> Iterator[Path]:
 
 
 def _target(file: Path) -> Path:
-    """Return the file to replace, links resolved, or raise where it cannot be one."""
+    """Return the file to replace, links resolved, or raise if it cannot be replaced."""
     try:
         with writing(file):
             target = Path(os.path.realpath(file))
@@ -144,11 +144,11 @@ def _target(file: Path) -> Path:
                 raise WriteError(f"{file} cannot be written: it is read-only")
             return target
     except ValueError as error:  # a NUL in the path
-        raise WriteError(f"{str(file)!r} is no path: {error}") from error
+        raise WriteError(f"{str(file)!r} is not a path: {error}") from error
 
 
 def sync(path: Path) -> None:
-    """Have the contents of a file or folder on disk."""
+    """Flush the contents of a file or folder to disk."""
     handle = os.open(path, os.O_RDONLY)
     try:
         os.fsync(handle)

@@ -1,4 +1,4 @@
-"""Checks that the data of a discretization share, and those of arrays that users give."""
+"""Checks of the data of discretizations, and of arrays that users pass."""
 
 import sys
 from typing import Any
@@ -13,20 +13,20 @@ __all__ = ["check_finite", "check_nothing_masked", "check_range", "coerce"]
 
 
 def check_nothing_masked(values: Any, name: str, error: type[Exception], cure: str) -> None:
-    """Raise for a masked array of NumPy in which something is masked: no array here is one.
+    """Raise if an array of NumPy has masked entries, which arrays here cannot have.
 
     Parameters
     ----------
     values : object
         Anything; only a masked array has a mask.
     name : str
-        What it is called in the message.
+        The name in the message.
     error : type
-        What to raise.
+        The class of error to raise.
     cure : str
-        What to give instead, in code, where ``{}`` stands for the array.
+        Code for an array without a mask, in which ``{}`` stands for the name of the array.
     """
-    if "numpy.ma" not in sys.modules:  # to import it takes 9 ms; who has such an array has done so
+    if "numpy.ma" not in sys.modules:  # importing it takes 9 ms; without it there is no such array
         return
     if not isinstance(values, np.ma.MaskedArray):
         return
@@ -42,7 +42,7 @@ def check_nothing_masked(values: Any, name: str, error: type[Exception], cure: s
 def coerce(data: object, *, copy: bool, **dtypes: type[np.generic]) -> None:
     """Make the named attributes read-only arrays of these dtypes, in C order.
 
-    Without `copy` those that have dtype and order already are taken over as they are.
+    Without `copy`, arrays that already have dtype and order are used as they are.
     """
     as_array = np.array if copy else np.asarray
     for name, dtype in dtypes.items():
@@ -54,7 +54,7 @@ def coerce(data: object, *, copy: bool, **dtypes: type[np.generic]) -> None:
 
 
 def check_range(indices: IntArray, n_vertices: int, name: str) -> None:
-    """Raise an `InvalidDiscretizationError` unless indices are those of vertices."""
+    """Raise an `InvalidDiscretizationError` if an index is not that of a vertex."""
     if indices.size and not (indices.min() >= 0 and indices.max() < n_vertices):
         outside = ((indices < 0) | (indices >= n_vertices)).any(axis=1)
         bad = int(np.flatnonzero(outside)[0])
@@ -64,8 +64,8 @@ def check_range(indices: IntArray, n_vertices: int, name: str) -> None:
 
 
 def check_finite(values: FloatArray, name: str) -> None:
-    """Raise an `InvalidDiscretizationError` unless all values are finite; name the first row."""
-    if not np.isfinite(values.sum()):  # one pass without a temporary; look closer only on doubt
+    """Raise an `InvalidDiscretizationError` if a value is not finite; name the first such row."""
+    if not np.isfinite(values.sum()):  # one pass, no temporary; checks rows only if it fails
         rows = np.isfinite(values).reshape(len(values), -1).all(axis=1)
         if not rows.all():
             raise InvalidDiscretizationError(

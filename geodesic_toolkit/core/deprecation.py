@@ -1,4 +1,4 @@
-"""Names that are on their way out: they work, and warn with what to use instead."""
+"""Deprecated names, which still work and warn with their replacement."""
 
 import functools
 from collections.abc import Callable
@@ -15,20 +15,20 @@ R = TypeVar("R")
 def warn_deprecated(old: str, new: str, *, since: str) -> None:
     """Warn, at the caller's line outside this package, that a name has been replaced.
 
-    A function whose argument was renamed calls it where the old argument is given.
+    Call it, too, if an argument is given under its old name.
 
     Parameters
     ----------
     old, new : str
-        The name that is deprecated, and what replaces it, as users write them.
+        The deprecated name and its replacement, as users write them.
     since : str
-        The version that deprecates it. ``docs/maintaining/releasing.md`` says how long it stays.
+        The version that deprecates it. ``docs/maintaining/releasing.md`` states how long it stays.
     """
     warn(f"{old} is deprecated since version {since}; use {new}", DeprecationWarning)
 
 
 def deprecated_alias(function: Callable[P, R], old: str, new: str, *, since: str) -> Callable[P, R]:
-    """Return a function under its older name, which warns when it is called.
+    """Return a function under its older name, which warns when called.
 
     Parameters
     ----------

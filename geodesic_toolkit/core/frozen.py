@@ -29,7 +29,7 @@ def unchanging(array: NDArray[Scalar]) -> NDArray[Scalar]:
 def freeze_csr(matrix: csr_array) -> csr_array:
     """Return `matrix` with sorted rows and read-only arrays.
 
-    Sorting comes first: SciPy sorts in place on demand, which read-only arrays would refuse.
+    Rows are sorted first: SciPy sorts in place on demand, which read-only arrays would refuse.
     """
     matrix.sum_duplicates()
     for array in (matrix.data, matrix.indices, matrix.indptr):
@@ -44,7 +44,7 @@ class FrozenArrays:
     """
 
     def _set(self, **attributes: Any) -> None:
-        """Set attributes, on construction of a frozen dataclass; arrays become read-only."""
+        """Set attributes during construction of a frozen dataclass; arrays become read-only."""
         for name, value in attributes.items():
             object.__setattr__(
                 self, name, freeze(value) if isinstance(value, np.ndarray) else value
@@ -55,5 +55,5 @@ class FrozenArrays:
         for value in state.values():
             if isinstance(value, np.ndarray):
                 freeze(value)
-            elif hasattr(value, "sum_duplicates"):  # a csr_array, for which nobody imports SciPy
+            elif hasattr(value, "sum_duplicates"):  # csr_array, without importing SciPy
                 freeze_csr(value)

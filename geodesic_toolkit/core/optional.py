@@ -1,4 +1,4 @@
-"""Packages of the optional extras: imported where they are used, and asked for by name."""
+"""Packages of the optional extras: imported where they are used, with an error if missing."""
 
 import importlib
 from typing import Any
@@ -8,7 +8,7 @@ from geodesic_toolkit.errors import MissingDependencyError
 __all__ = ["require"]
 
 PACKAGES = {"vtkmodules": "vtk"}
-"""Distributions whose modules are called otherwise."""
+"""Names of distributions whose modules have other names."""
 
 
 def require(module: str, extra: str, purpose: str) -> Any:
@@ -17,16 +17,16 @@ def require(module: str, extra: str, purpose: str) -> Any:
     Parameters
     ----------
     module : str
-        With the name of its package.
+        The full name of the module, with its package.
     extra : str
-        That of this project which installs it.
+        The extra of this project that installs it.
     purpose : str
-        What it is for, as the subject and the verb of the message.
+        Its purpose, as the subject and the verb of the message.
 
     Raises
     ------
     MissingDependencyError
-        It is not installed, or does not import.
+        The module is not installed, or does not import.
 
     Examples
     --------

@@ -1,7 +1,7 @@
-"""Sparse matrices as kernels take them, without SciPy.
+"""Sparse matrices in the form of the kernels, without SciPy.
 
-``import scipy.sparse`` takes longer than to factorise a mesh of 30,000 vertices, so the way from a
-mesh to its distances does without; who asks for a matrix gets one of SciPy's.
+Importing ``scipy.sparse`` takes longer than factorising a mesh of 30,000 vertices, so the path from
+a mesh to its distances avoids it; SciPy is imported only if a SciPy matrix is requested.
 """
 
 from __future__ import annotations
@@ -23,8 +23,8 @@ if TYPE_CHECKING:
 __all__ = ["MOST_ENTRIES", "CompressedRows"]
 
 MOST_ENTRIES = np.iinfo(np.int32).max
-"""Entries of a matrix that row pointers of 32 bits can count; half of its memory would be indices
-otherwise."""
+"""Largest number of entries that row pointers of 32 bits can count; with 64 bits, half of the
+memory of a matrix would be indices."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -36,7 +36,7 @@ class CompressedRows(FrozenArrays):
     indptr : ndarray of shape (N + 1,), int32
         Row i has the entries ``indptr[i] <= k < indptr[i + 1]``.
     indices : ndarray of int32
-        Their columns, each once in a row, and sorted unless said otherwise.
+        Their columns, each once per row, and sorted unless stated otherwise.
     data : ndarray of float64
         Their values.
     """
@@ -47,15 +47,15 @@ class CompressedRows(FrozenArrays):
 
     @classmethod
     def of(cls, matrix: csr_array | CompressedRows, *, copy: bool = False) -> CompressedRows:
-        """Return a square matrix of SciPy's in this form.
+        """Return a square SciPy matrix in this form.
 
-        The matrix stays as it is, unsorted perhaps. Where it has this form already it shares its
-        memory with the result, unless `copy` is asked for.
+        The matrix does not change, and may be unsorted. If it has this form already, the result
+        shares its memory unless `copy` is true.
 
         Raises
         ------
         NotEnoughMemoryError
-            There are more entries than 32 bits can count.
+            The matrix has more entries than 32 bits can count.
         """
         if isinstance(matrix, CompressedRows):
             indptr, indices, data = matrix.arrays
@@ -66,7 +66,7 @@ class CompressedRows(FrozenArrays):
         if matrix.nnz > MOST_ENTRIES:
             raise NotEnoughMemoryError(
                 f"a matrix of {matrix.nnz} entries is too large: row pointers of 32 bits count "
-                f"{MOST_ENTRIES}; thin out the shape, or work on its parts"
+                f"{MOST_ENTRIES}; thin out the shape, or split it"
             )
         return cls(
             np.ascontiguousarray(matrix.indptr, dtype=np.int32),
@@ -81,7 +81,7 @@ class CompressedRows(FrozenArrays):
 
     @property
     def shape(self) -> tuple[int, int]:
-        """The number of rows, twice."""
+        """The shape (N, N)."""
         return (len(self.indptr) - 1,) * 2
 
     @property
@@ -95,7 +95,7 @@ class CompressedRows(FrozenArrays):
         return np.repeat(np.arange(self.shape[0], dtype=np.int32), np.diff(self.indptr))
 
     def diagonal(self) -> FloatArray:
-        """Return the diagonal, of shape (N,); 0 where there is no entry."""
+        """Return the diagonal, of shape (N,); missing entries are 0."""
         places = self.diagonal_places
         if len(places) == self.shape[0]:
             return self.data[places]
@@ -109,7 +109,7 @@ class CompressedRows(FrozenArrays):
         return _native.diagonal_places(self.indptr, self.indices)
 
     def with_data(self, data: FloatArray) -> CompressedRows:
-        """Return the matrix of other values at the same places."""
+        """Return the matrix with the same pattern and other values."""
         other = CompressedRows(self.indptr, self.indices, data)
         if "diagonal_places" in self.__dict__:
             other.__dict__["diagonal_places"] = self.diagonal_places
@@ -117,11 +117,11 @@ class CompressedRows(FrozenArrays):
 
     @cached_property
     def scipy(self) -> csr_array:
-        """The matrix as one of SciPy's, on the same memory; of sorted columns."""
+        """The matrix as a SciPy matrix on the same memory; columns must be sorted."""
         from scipy.sparse import csr_array
 
         matrix = csr_array((self.data, self.indices, self.indptr), shape=self.shape)
-        matrix.has_canonical_format = True  # or SciPy looks through it
+        matrix.has_canonical_format = True  # avoids a scan by SciPy
         return matrix
 
     def __getstate__(self) -> dict[str, Any]:

@@ -1,4 +1,4 @@
-"""Warnings that point at the caller's line, wherever in the package they arise."""
+"""Warnings that point at the caller's line, regardless of where in the package they arise."""
 
 import inspect
 import warnings
@@ -20,7 +20,7 @@ _collectors: ContextVar[tuple[tuple[type[Warning], Collected], ...]] = ContextVa
 
 
 def warn(text: str, category: type[Warning]) -> None:
-    """Issue a warning that names the line outside this package which led to it."""
+    """Issue a warning at the line outside this package that caused it."""
     for kind, collected in reversed(_collectors.get()):
         if issubclass(category, kind):
             collected.append((text, category))
@@ -35,7 +35,7 @@ def warn(text: str, category: type[Warning]) -> None:
 def collected_warnings(kind: type[Warning]) -> Iterator[Collected]:
     """Collect this package's warnings of a kind in this thread, instead of issuing them.
 
-    `warnings.catch_warnings` changes the whole process, and so those of other threads.
+    `warnings.catch_warnings` would affect the whole process, including other threads.
 
     Examples
     --------
