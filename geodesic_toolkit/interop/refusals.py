@@ -92,7 +92,7 @@ def _of_table(table: np.ndarray[Any, Any]) -> str:
         cure = "add a third column to points in the plane: numpy.column_stack([xy, 0 * xy[:, 0]])"
     elif columns > 3:
         cure = (
-            f"for points in {columns} dimensions, give the graph of their neighbours: "
+            f"for points in {columns} dimensions give the graph of their neighbours: "
             'sklearn.neighbors.kneighbors_graph(table, 10, mode="distance")'
         )
     else:

@@ -54,8 +54,8 @@ def test_a_label_lists_vertices(tmp_path):
 @pytest.mark.parametrize(
     ("text", "says"),
     [
-        ("#!ascii label\n2\n5 0 0 0 0\n", "announces 2 vertices, 1 follow"),
-        ("#!ascii label\n0\n", "announces 0 vertices, 0 follow"),
+        ("#!ascii label\n2\n5 0 0 0 0\n", "announces 2 vertices, but 1 follow"),
+        ("#!ascii label\n0\n", "announces 0 vertices, but 0 follow"),
         ("nothing of that", "lh.V1.label: damaged, or not a .label file"),
     ],
 )
@@ -99,9 +99,9 @@ def test_regions_are_asked_for_by_name(annotation, tmp_path):
     ]:
         with pytest.raises(InvalidOptionError, match=says):
             read_vertices(annotation, region=region)
-    with pytest.raises(ReadError, match="no vertex is in the region 'empty'"):
+    with pytest.raises(ReadError, match="the region 'empty' has no vertices"):
         read_vertices(annotation, region="empty")
-    with pytest.raises(InvalidOptionError, match="6 regions, where the shape has 7 vertices"):
+    with pytest.raises(InvalidOptionError, match="6 regions, but the shape has 7 vertices"):
         read_mask(annotation, 7, region="V1")
     table = tmp_path / "v.txt"
     table.write_text("1 2")

@@ -214,7 +214,7 @@ def test_vertices_are_read_however_they_are_separated(rows, suffix, tmp_path):
         (["5,5 7,0"], "must be whole numbers .found 5.5"),
         (["1,000 2,000"], "may be decimal or group thousands"),
         (["5, 7,9"], "may separate columns or be in a number"),
-        (["i,x", "5,0"], "none of the columns i, x is 'vertex'"),
+        (["i,x", "5,0"], "no column is 'vertex'; there are i, x"),
         (["5,7;9"], "must be whole numbers .found 5.7"),
     ],
     ids=repr,

@@ -305,8 +305,8 @@ def test_a_mask_that_cannot_be_used_is_refused_before_the_work(sphere_file, tmp_
     asked = ("distance", sphere_file, "--source", 5, "--mask", wall)
     fails(run(*asked), 2, "wall.txt")
     for text, status, word in [
-        ("1 2 162", 2, "none is 162"),
-        ("true false", 2, "2 booleans, where the shape has 162 vertices"),
+        ("1 2 162", 2, "no vertex 162"),
+        ("true false", 2, "2 booleans, but the shape has 162 vertices"),
         ("wall", 3, "wall.txt: there are no numbers in the file, only 'wall'"),
         ("4 5", 2, "vertex 5 is masked"),
         (" ".join(map(str, range(162))), 2, "the mask leaves no face"),

@@ -333,7 +333,7 @@ def test_a_result_names_at_most_some_of_its_sources(solver):
         ("v.txt", b"", "is empty"),
         ("v.txt", b"# only a comment\n", "no numbers"),
         ("v.txt", b"1 2.5\n", "must be whole numbers .found 2.5"),
-        ("v.csv", b"node,x\n1,0.5\n", "none of the columns node, x is 'vertex'"),
+        ("v.csv", b"node,x\n1,0.5\n", "no column is 'vertex'; there are node, x"),
         ("v.txt", b"1\x002", "binary"),
         ("v.npy", b"no array", "v.npy"),
         ("v.dat", b"1 2", r"\.npy, \.txt, \.csv"),
