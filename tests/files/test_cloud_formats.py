@@ -58,7 +58,7 @@ def test_colours_of_an_xyz_file_are_not_taken_for_normals(tmp_path):
 def test_normals_that_are_zero_are_left_out_with_a_warning(tmp_path):
     header = ply_header("ascii", ("vertex 2", [*XYZ, "float nx", "float ny", "float nz"])).decode()
     path = place(tmp_path, "p.ply", header + "0 0 0 0 0 1\n1 0 0 0 0 0\n")
-    with pytest.warns(ReadWarning, match="the normals of the file were left out: normal 1 is zero"):
+    with pytest.warns(ReadWarning, match="the normals of the file were omitted: normal 1 is zero"):
         cloud = gt.read(path)
     assert cloud.normals is None
     assert cloud.n_vertices == 2

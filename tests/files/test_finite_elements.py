@@ -95,7 +95,7 @@ def test_single_points_of_a_finite_element_file_are_a_cloud(tmp_path):
 
 def test_cells_that_are_neither_surface_nor_solid_are_named(tmp_path):
     path = write_cells(tmp_path / "lines.vtu", [("line", np.array([[0, 1], [1, 2]]))])
-    with pytest.raises(ReadError, match="no surface and no solid: the cells are line"):
+    with pytest.raises(ReadError, match="no surface and no solid cells: the cells are line"):
         gt.read(path)
 
 
@@ -132,7 +132,7 @@ def test_nodes_of_gmsh_that_are_announced_and_do_not_come_are_refused(version, b
     head, nodes, rest = path.read_bytes().partition(b"$Nodes\n")
     six, nine = (struct.pack("<Q", 6), struct.pack("<Q", 9)) if binary else (b" 6", b" 9")
     path.write_bytes(head + nodes + rest.replace(six, nine, 1))
-    with pytest.raises(ReadError, match="9 nodes are announced, and 6 follow"):
+    with pytest.raises(ReadError, match="9 nodes are announced, but 6 follow"):
         gt.read(path)
 
 

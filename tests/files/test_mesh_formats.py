@@ -228,12 +228,12 @@ def test_a_vtk_surface_of_points_alone_is_a_cloud(tmp_path):
 @pytest.mark.parametrize(
     ("tail", "says"),
     [
-        ("POLYGONS 2 3\nOFFSETS int\n0 4\nCONNECTIVITY int\n0 1 2\n", "do not go together"),
-        ("POLYGONS 2 3\nOFFSETS int\n0 3\n", "without their corners"),
+        ("POLYGONS 2 3\nOFFSETS int\n0 4\nCONNECTIVITY int\n0 1 2\n", "do not match"),
+        ("POLYGONS 2 3\nOFFSETS int\n0 3\n", "corners of cells are missing"),
         ("POLYGONS 2 4\n3 0 1 2\n", "sizes of cells"),
         ("POLYGONS 1 40\n3 0 1 2\n", "the file ends before"),
-        ("POLYGONS -1 4\n3 0 1 2\n", "a number of entries is '-1'"),
-        ("POINTS 1 float128\n", "numbers of type 'float128'"),
+        ("POLYGONS -1 4\n3 0 1 2\n", "'-1' is not a number of entries"),
+        ("POINTS 1 float128\n", "unknown type of numbers: 'float128'"),
     ],
 )
 def test_a_damaged_vtk_surface_is_refused(tail, says, tmp_path):
@@ -267,7 +267,7 @@ def test_a_vtp_may_have_polygons_strips_points_and_normals(tmp_path):
     with pytest.raises(ReadError, match=r"s\.vtp: no faces, only lines"):
         gt.read(path)
     pyvista.PolyData().save(path)
-    with pytest.raises(ReadError, match=r"s\.vtp: there are no points"):
+    with pytest.raises(ReadError, match=r"s\.vtp: the points are missing"):
         gt.read(path)
 
 
@@ -282,13 +282,13 @@ def test_the_pieces_of_a_vtp_are_one_surface(tmp_path):
     assert gt.read(place(tmp_path, "p.vtp", text)).faces.tolist() == [[0, 1, 2], [3, 4, 5]]
     for old, new, says in [
         ("0 1 2<", "0 1 3<", "a cell refers to vertex 3; there are 3"),
-        (">3<", ">4<", "offsets of cells do not go together"),
-        ("'Int32'", "'Bit'", "no connectivity, or of a type that is not known"),
-        ("'ascii'", "'morse'", "connectivity of the format 'morse' are not known"),
-        ("format='ascii'", "format='appended'", "the connectivity lie outside the file"),
+        (">3<", ">4<", "offsets of cells do not match"),
+        ("'Int32'", "'Bit'", "connectivity are missing, or of an unknown type"),
+        ("'ascii'", "'morse'", "unknown format of the connectivity: 'morse'"),
+        ("format='ascii'", "format='appended'", "the connectivity are outside the file"),
         ("<VTKFile", "<!DOCTYPE a [<!ENTITY b 'c'>]><VTKFile", "it declares entities"),
-        ("'PolyData'", "'ImageData'", "its root is VTKFile of ImageData"),
-        ("'PolyData'", "'PolyData' header_type='Int8'", "the type of headers is not known"),
+        ("'PolyData'", "'ImageData'", "its root is VTKFile of type ImageData"),
+        ("'PolyData'", "'PolyData' header_type='Int8'", "unknown byte order or type of headers"),
         ("'PolyData'", "'PolyData' compressor='vtkLZ4DataCompressor'", "save it with zlib"),
     ]:
         with pytest.raises(ReadError, match=says):
