@@ -91,7 +91,7 @@ def check_laplace_operator(
     --------
     >>> import geodesic_toolkit as gt
     >>> print(gt.testing.check_laplace_operator(gt.UniformLaplacian()))
-    UniformLaplacian(dim='auto', mass='metric'): 37 of 37 laws as they should be
+    UniformLaplacian(dim='auto', mass='metric'): 37 of 37 laws as expected
     """
     checks = laplace_operator_checks(operator, samples=samples, expected_failures=expected_failures)
     return run_checks(operator, checks).or_raise()
