@@ -184,11 +184,11 @@ def test_a_mask_is_booleans_or_indices(tmp_path, name, content, masked):
 @pytest.mark.parametrize(
     ("name", "content", "error", "message"),
     [
-        ("a.npy", np.array([True, False]), InvalidOptionError, "2 booleans, where .* 4 vertices"),
+        ("a.npy", np.array([True, False]), InvalidOptionError, "2 booleans, but .* 4 vertices"),
         ("a.txt", b"1 0 1", InvalidOptionError, "3 booleans, but the shape has 4 vertices"),
         ("a.txt", b"true true", InvalidOptionError, "2 booleans"),
         ("a.txt", b"3 4", InvalidOptionError, "there is no vertex 4: they are 0 to 3"),
-        ("a.npy", np.array([-1, 2]), InvalidOptionError, "none is -1"),
+        ("a.npy", np.array([-1, 2]), InvalidOptionError, "no vertex -1"),
         ("a.npy", np.array([2**64 - 1], dtype=np.uint64), ReadError, "must be smaller"),
         ("a.npy", np.zeros((2, 2)), ReadError, "one dimension, not float64 of shape"),
         ("a.npy", np.array(["0"]), ReadError, "one dimension, not <U1"),
