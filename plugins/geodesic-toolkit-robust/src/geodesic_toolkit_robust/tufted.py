@@ -115,7 +115,7 @@ class RobustLaplacian(gt.LaplaceOperator):
         lengths = _lengths(mesh.vertices, edges)
         if not lengths.any():
             raise UnsupportedDomainError(
-                "the corners of every face are at one position; the mesh has no area"
+                "all corners of every face are at one position; the mesh has zero area"
             )
         # The library gives unreferenced vertices invalid weights: pass the others only.
         used, compact = np.unique(faces, return_inverse=True)
