@@ -230,7 +230,7 @@ class HeatFlow:
         return beyond
 
     def _complete_in_range(self, solution: FloatArray, k: int, points: SourcePoints) -> HeatReport:
-        """Fill column k of u in place at vertices without the positive heat they should have."""
+        """Fill column k of u in place at vertices whose heat is not positive."""
         missing = solution[:, k] < 0
         report = HeatReport(self._reach(points), int(np.count_nonzero(missing)), 1)
         if report.non_positive and not report.harmful:
@@ -239,7 +239,7 @@ class HeatFlow:
         return report
 
     def _complete(self, log_heat: FloatArray, points: SourcePoints, stages: int) -> HeatReport:
-        """Fill one column of log u in place at vertices without the positive heat they should have."""
+        """Fill a column of log u in place at vertices whose heat is not positive."""
         reached = self.reached(points)
         missing = reached & (log_heat == -np.inf)
         count = int(missing.sum())
