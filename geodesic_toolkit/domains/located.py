@@ -13,10 +13,10 @@ from geodesic_toolkit.errors import InvalidDomainError, InvalidSourceError
 
 __all__ = ["Located", "check_present"]
 
-ROUNDING = 1e-9
+MAX_ROUNDING_OF_WEIGHTS = 1e-9
 """Largest negative rounding error of a weight, as of computed barycentric coordinates."""
 
-SUM = 1e-6
+MAX_ERROR_OF_SUM = 1e-6
 """Largest rounding error of a sum of weights, which should be 1."""
 
 
@@ -63,7 +63,7 @@ class Located(FrozenArrays):
         if corners.size and corners.min() < 0:
             bad = int(np.flatnonzero((corners < 0).any(axis=1))[0])
             raise InvalidSourceError(f"place {bad} has the vertex {corners[bad].min()}")
-        convex = (shares >= -ROUNDING).all(axis=1) & (np.abs(shares.sum(axis=1) - 1) <= SUM)
+        convex = (shares >= -MAX_ROUNDING_OF_WEIGHTS).all(axis=1) & (np.abs(shares.sum(axis=1) - 1) <= MAX_ERROR_OF_SUM)
         if not convex.all():
             bad = int(convex.argmin())
             raise InvalidSourceError(
@@ -116,9 +116,9 @@ class Located(FrozenArrays):
 
 def check_present(domain: Domain, vertices: IntArray, name: str) -> None:
     """Raise an `InvalidSourceError` that begins with `name` where one of them is missing."""
-    there = domain.present[vertices]
-    if not there.all():
+    is_present = domain.present[vertices]
+    if not is_present.all():
         raise InvalidSourceError(
-            f"{name}: {domain.vertex_name} {vertices[~there][0]} of the {type(domain).__name__} is "
+            f"{name}: {domain.vertex_name} {vertices[~is_present][0]} of the {type(domain).__name__} is "
             "missing (not finite)"
         )

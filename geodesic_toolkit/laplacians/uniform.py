@@ -15,7 +15,7 @@ from geodesic_toolkit.errors import InvalidOptionError, UnsupportedDomainError
 from geodesic_toolkit.geometry.across_edges import AcrossEdges
 from geodesic_toolkit.geometry.along_edges import AlongEdges, shortest_parallel_edges
 from geodesic_toolkit.geometry.components import connected_by_edges
-from geodesic_toolkit.geometry.lines import NEARLY_EVERYWHERE, share_of_meshes
+from geodesic_toolkit.geometry.lines import MAX_SHARE_OF_MESHES, share_of_meshes
 from geodesic_toolkit.geometry.triangles import edges_of_faces, proper_faces
 from geodesic_toolkit.laplacians.base import LaplaceOperator
 
@@ -144,7 +144,7 @@ class UniformLaplacian(LaplaceOperator):
         if isinstance(domain, TriangleMesh):
             return 2
         # An initial value, which the local scale corrects.
-        return 1 if share_of_meshes(domain.n_vertices, edges) <= NEARLY_EVERYWHERE else 2
+        return 1 if share_of_meshes(domain.n_vertices, edges) <= MAX_SHARE_OF_MESHES else 2
 
 
 def _discretization(

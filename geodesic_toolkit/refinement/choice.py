@@ -6,12 +6,15 @@ import numpy as np
 
 from geodesic_toolkit.discretization.data import Discretization
 from geodesic_toolkit.discretization.edge_gradient import EdgeGradient
-from geodesic_toolkit.geometry.across_edges import MIN_GROWTH_OF_SOLIDS, OF_TRIANGLES
+from geodesic_toolkit.geometry.across_edges import (
+    MIN_CLOSED_SHARE_OF_TRIANGLES,
+    MIN_GROWTH_OF_SOLIDS,
+)
 from geodesic_toolkit.geometry.along_edges import AlongEdges
 from geodesic_toolkit.geometry.lines import (
-    FEW_LENGTHS,
     LENGTH_TOLERANCE,
-    NEARLY_EVERYWHERE,
+    MAX_LENGTHS_OF_LATTICES,
+    MAX_SHARE_OF_MESHES,
     is_network,
     share_of_meshes,
     widest_level,
@@ -81,7 +84,7 @@ def _on_graph(
     assert isinstance(metric.gradient, EdgeGradient)  # for the type checker
     edges = metric.gradient.edges  # without those of length 0
     share = share_of_meshes(paths.n_vertices, edges)
-    if share <= NEARLY_EVERYWHERE:
+    if share <= MAX_SHARE_OF_MESHES:
         return True, (
             f"the path along edges: the graph is one-dimensional except at {share:.1%} of its "
             "vertices"
@@ -125,7 +128,7 @@ def _like_lattice(paths: AlongEdges) -> bool:
     if np.bincount(paths.edges.ravel(), minlength=1).max() > MAX_DEGREE_OF_LATTICES:
         return False
     proper = paths.lengths[paths.lengths > 0]
-    return len(np.unique(np.round(np.log(proper) / LENGTH_TOLERANCE))) <= FEW_LENGTHS
+    return len(np.unique(np.round(np.log(proper) / LENGTH_TOLERANCE))) <= MAX_LENGTHS_OF_LATTICES
 
 
 def _gaps(metric: Discretization) -> str:
@@ -134,7 +137,7 @@ def _gaps(metric: Discretization) -> str:
     corners = metric.across_edges.corners
     if (
         corners.growth > MIN_GROWTH_OF_SOLIDS
-        and OF_TRIANGLES < corners.closed < MIN_CLOSED_SHARE_OF_SOLIDS
+        and MIN_CLOSED_SHARE_OF_TRIANGLES < corners.closed < MIN_CLOSED_SHARE_OF_SOLIDS
     ):
         return f"in a solid, triangles surround {corners.closed:.0%} of the edges only"
     if corners.covered < (MIN_COVERED_SHARE_OF_LATTICES if corners.lattice else MIN_COVERED_SHARE):

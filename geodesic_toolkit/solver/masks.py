@@ -14,7 +14,7 @@ from geodesic_toolkit.errors import (
     InvalidSourceError,
     UnsupportedDomainError,
 )
-from geodesic_toolkit.geometry.welding import same_places
+from geodesic_toolkit.geometry.welding import same_positions
 from geodesic_toolkit.laplacians.base import LaplaceOperator
 from geodesic_toolkit.sources.points import SourcePoints
 
@@ -48,7 +48,7 @@ def of_places(domain: Domain, mask: BoolArray) -> BoolArray:
     """Return a mask that holds all points of a cloud at one place, where it holds one of them."""
     if not isinstance(domain, PointCloud):
         return mask
-    first, place = same_places(domain.points)
+    first, place = same_positions(domain.points)
     held = np.zeros(len(first), dtype=np.bool_)
     held[place[mask]] = True
     return np.asarray(held[place])
