@@ -64,11 +64,11 @@ def _text_corners(data: bytes) -> FloatArray:
 
 
 def _weld(corners: FloatArray) -> TriangleMesh:
-    """Return the mesh whose vertices are the places of corners.
+    """Return the mesh whose vertices are the positions of corners.
 
-    First those that are equal. Edges that are open then may have been rounded differently for each
-    facet: their ends are merged within :data:`COINCIDENCE_TOLERANCE`, but closed bodies stay as they
-    are, however near they are to each other.
+    Equal corners are merged first. The remaining open edges may have been rounded differently in
+    each facet: their ends are merged within :data:`COINCIDENCE_TOLERANCE`, but closed bodies are
+    never merged, however near they are to each other.
     """
     corners = corners + 0.0  # makes of -0.0 the 0.0 that it equals
     first, place = same_positions(corners)
