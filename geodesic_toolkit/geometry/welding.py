@@ -61,7 +61,7 @@ def merged_positions(points: FloatArray, reach: FloatArray) -> IntArray:
     """Return for each point the first point that it is merged with, of shape (N,).
 
     Points are processed in order: a point that is near enough to an earlier one that stays is
-    merged with it. So a point never moves farther than its reach, however long a chain of points is.
+    merged with it. So a point never moves farther than its reach, even in a long chain of points.
 
     Parameters
     ----------
