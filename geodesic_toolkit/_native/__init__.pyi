@@ -274,10 +274,10 @@ def flip_edges_with_directions(
     angles: Numbers,
     scales: Numbers,
 ) -> int:
-    """Do the same, and carry along the directions of half-edges that `polar_directions` returns."""
+    """Flip edges, and update the directions of half-edges that `polar_directions` returns."""
 
 def vertex_normals(vertices: Numbers, faces: Indices) -> Numbers:
-    """Return unit normals at vertices (N, 3), exact where these are on a sphere."""
+    """Return unit normals at vertices (N, 3), which are exact for vertices on a sphere."""
 
 def tangent_axes(normals: Numbers) -> Numbers:
     """Return a unit vector at a right angle to each normal, (N, 3)."""
@@ -291,18 +291,18 @@ def polar_directions(
     normals: Numbers,
     axes: Numbers,
 ) -> tuple[Numbers, Numbers]:
-    """Return the direction of each half-edge at its tail, and by what angles are scaled there."""
+    """Return the direction of each half-edge at its tail, and the scale of angles there."""
 
 def bisectors(lengths: Numbers, angles: Numbers, scales: Numbers) -> Numbers:
     """Return the direction of the bisector of each corner in the frame of its vertex, (F, 3)."""
 
 def triangle_turns(lengths: Numbers, directions: Numbers, mirrored: Bools) -> Numbers:
-    """Return turns (F, 6), pairs of numbers, that take bisectors into frames of triangles."""
+    """Return turns (F, 6), as pairs of numbers, from bisectors into the frames of triangles."""
 
 def space_turns(
     places: Numbers, elements: Indices, normals: Numbers, axes: Numbers, stars: bool
 ) -> tuple[Numbers, Bools]:
-    """Return turns (E, 2 m) by the least rotations of normals, and which elements are mirrored."""
+    """Return turns (E, 2 m) by least rotations of normals, and a mask of mirrored elements."""
 
 # -- the heat method between its solves -----------------------------------------------------------
 
@@ -316,7 +316,7 @@ def connection_laplacian(
 ) -> Numbers:
     """Return complex entries (nnz, 2) of G_cᴴ W G_c on a pattern with all edges and the diagonal.
 
-    It must have an entry for every pair of corners of a triangle.
+    The pattern must have an entry for every pair of corners of a triangle.
     """
 
 def edge_turns(indptr: Rows, indices: Rows, elements: Indices, turns: Numbers) -> Numbers:
@@ -470,10 +470,10 @@ def straight_lines(
     distances: Numbers,
     most: int,
 ) -> tuple[Indices, Indices, Numbers, Numbers]:
-    """Return where straightest lines start, cross edges and end, and what is left of their lengths.
+    """Return the points of straightest lines at starts, edges and ends, and their missing lengths.
 
-    As (begins, faces, weights, missing). They start in faces, whose range is checked, at an angle
-    to half-edge 3 f, and cross `most` edges at most.
+    The result is (begins, faces, weights, missing). Lines start in faces, with checked indices, at
+    an angle to half-edge 3 f, and cross at most `most` edges.
     """
 
 def distinct_triangles(elements: Indices) -> tuple[Indices, Indices]:

@@ -58,10 +58,10 @@ class Discretization(FrozenArrays):
         form of the gradient's own ``inverse_frames``. Refinement takes lengths and curvature from
         them.
     surface : ElementGradient, optional
-        The triangles of the surface, where the gradient's elements are others: those are what
-        fronts cross and distances are measured on.
+        The triangles of the surface, if they are not the elements of the gradient: fronts cross
+        these triangles, and distances are measured on them.
     normals : ndarray of shape (N, 3), float64, optional
-        Where the elements are stars in tangent planes: the normals of those, of length 1.
+        For elements that are stars in tangent planes: the unit normals of these planes.
     along_edges : AlongEdges, optional
         The shortest paths along the edges of a graph, which bound distances, and which refinement
         uses.

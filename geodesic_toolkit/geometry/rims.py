@@ -41,9 +41,9 @@ class Trapezoids(NamedTuple):
     tail_sides, head_sides : ndarray of shape (T,), float64
         The lengths of these sides: the distances of the vertices from the mirror.
     beyond : ndarray of shape (T,), int64
-        The half-edge of the triangle on the other side of the edge, or -1.
+        The half-edge of the triangle beyond the edge, or -1.
     within : ndarray of shape (T,), int64
-        The half-edge of the triangle in whose place it lies, which runs from head to tail.
+        The half-edge of the replaced triangle, from head to tail.
     """
 
     tails: IntArray

@@ -114,17 +114,17 @@ class HeatFlow:
         return heat, reports
 
     def log_solve(self, loads: FloatArray) -> FloatArray:
-        """Return log u, (N, K), for loads on vertices that are not negative, with no condition."""
+        """Return log u, (N, K), for loads >= 0 at vertices, without a boundary condition."""
         if self.boundary != "neumann":
             return self._free.log_solve(loads)
         (system,) = self.systems()
-        if not self.solver.componentwise:  # restarts rest on every entry being right
+        if not self.solver.componentwise:  # restarts need every entry to be accurate
             return log_of(system.factor.solve(loads))
         log_heat, _ = log_solve(system.matrix, system.factor, loads)
         return log_heat
 
     def is_cold(self, log_heat: FloatArray, loads: FloatArray) -> bool:
-        """Return whether heat (N, K) of such loads has not come, or is not positive, somewhere."""
+        """Return True if heat (N, K) is not positive at a vertex that its load is connected to."""
         parts = self.diffusion.components
         for column in np.flatnonzero((log_heat == -np.inf).any(axis=0)):
             heated = np.zeros(parts.max() + 1, dtype=np.bool_)

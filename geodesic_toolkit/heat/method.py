@@ -288,7 +288,7 @@ class HeatMethod:
     def log_diffuse(self, loads: FloatArray) -> FloatArray:
         """Return log u with ``(M + t L) u = b`` for any loads b, insulated at boundaries.
 
-        Where u would not be positive everywhere, it is that of the positive part of the diffusion.
+        If u would not be positive everywhere, it is the heat of the positive part of the diffusion.
 
         Parameters
         ----------
@@ -298,12 +298,12 @@ class HeatMethod:
         Returns
         -------
         ndarray of shape (N, K), float64
-            ``-inf`` where no heat comes.
+            ``-inf`` at vertices without heat.
         """
         return self._flow.log_solve(loads)[0]
 
     def stays_positive(self, load: FloatArray) -> bool:
-        """Return whether the heat of a load is positive at every vertex that it reaches.
+        """Return True if the heat of a load is positive at every vertex that it reaches.
 
         Parameters
         ----------

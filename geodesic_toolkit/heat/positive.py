@@ -77,9 +77,9 @@ class PositiveFlow:
             return self._substitute
 
     def log_solve(self, loads: FloatArray) -> tuple[FloatArray, bool]:
-        """Return log u for any loads on vertices, and whether all of the heat is positive.
+        """Return log u for any loads at vertices, and True if all heat is positive.
 
-        Where it is not, log u is that of the substitute. Boundaries are insulated.
+        If it is not, log u is that of the substitute. Boundaries are insulated.
 
         Parameters
         ----------
@@ -89,7 +89,7 @@ class PositiveFlow:
         Returns
         -------
         log_heat : ndarray of shape (N, K), float64
-            ``-inf`` where no heat comes.
+            ``-inf`` at vertices without heat.
         is_positive : bool
         """
         log_heat = self.own.log_solve(loads)
@@ -99,7 +99,7 @@ class PositiveFlow:
 
     @cached_property
     def has_wrong_signs(self) -> bool:
-        """Whether the diffusion has weights that can turn heat negative."""
+        """True if the diffusion has weights that can make heat negative."""
         return has_wrong_signs(self._diffusion.rows)
 
     @property

@@ -88,7 +88,7 @@ class LaplaceOperator(abc.ABC):
         ----------
         domain : Domain
         metric : Discretization
-            What `assemble` returned for it.
+            The result of `assemble` for the domain.
 
         Returns
         -------
@@ -97,8 +97,8 @@ class LaplaceOperator(abc.ABC):
         Raises
         ------
         UnsupportedDomainError
-            A graph, as an edge has no angle; a surface with one side; elements that are neither
-            triangles nor edges.
+            A graph, whose edges do not have angles; a surface with one side; elements that are
+            neither triangles nor edges.
         """
         from geodesic_toolkit.laplacians.tangents import default_frames
 

@@ -164,10 +164,10 @@ class CotanLaplacian(LaplaceOperator):
             Another kind of domain, a mesh without a face of three different positions, or one so
             large or small that its measures overflow or underflow.
         """
-        its = self._measured(domain)
-        gradient, sums, flip, surface = its.gradient, its.sums, its.flip, None
+        measured = self._measured(domain)
+        gradient, sums, flip, surface = measured.gradient, measured.sums, measured.flip, None
         if flip.any():
-            faces, lengths, twin = _flipped(gradient.elements, its.lengths, flip, sums.sides)
+            faces, lengths, twin = _flipped(gradient.elements, measured.lengths, flip, sums.sides)
             gradient = ElementGradient.of_triangles(
                 faces, *measured_by_lengths(lengths), gradient.n_vertices, copy=False
             )
@@ -177,30 +177,30 @@ class CotanLaplacian(LaplaceOperator):
             sums = gradient.sums()
         triangulation = _TRIANGULATION[bool(flip.any()), bool(flip.all())]
         notes: dict[str, Any] = {
-            "dropped_faces": its.dropped,
-            "mollified_by": its.added,
-            "obtuse_excess": float(its.excess.max()),
+            "dropped_faces": measured.dropped,
+            "mollified_by": measured.added,
+            "obtuse_excess": float(measured.excess.max()),
             "triangulation": triangulation,
         }
         return Discretization(
             mass=self._mass(gradient, sums.lumped_mass),
-            stiffness=cast("csr_array", sums.stiffness()),  # what it makes of it
+            stiffness=cast("csr_array", sums.stiffness()),  # the class of the result
             gradient=gradient,
-            spacing=its.spacing,
-            boundary=its.sums.boundary,
-            scales=its.scales[its.parts],
+            spacing=measured.spacing,
+            boundary=measured.sums.boundary,
+            scales=measured.scales[measured.parts],
             surface=surface,
             triangulation=triangulation,
-            known_components=its.parts,  # flips join and part nothing
+            known_components=measured.parts,  # flips do not change components
             notes=notes,
             copy=False,
         )
 
     def frames(self, domain: Domain, metric: Discretization) -> Frames:
-        """Return tangent frames by the angles about each vertex, and the turns into the triangles.
+        """Return tangent frames by the angles around each vertex, and the turns into the triangles.
 
-        Directions of edges are carried through flips, so that turns know the surface, however the
-        triangles of the metric lie across it.
+        Directions of edges are updated by flips, so that turns are those of the surface, whatever
+        triangulation the metric has.
         """
         self.check_domain(domain)
         assert isinstance(domain, TriangleMesh)  # for the type checker; check_domain has raised
@@ -221,26 +221,28 @@ class CotanLaplacian(LaplaceOperator):
         return Frames(normals, axes, own, np.append(mirrored[kept], none), turns, mirrored)
 
     def _triangles_of(self, mesh: TriangleMesh, metric: Discretization) -> tuple[_Parts, _Parts]:
-        """Return the triangles that a metric has as they are, and those it has flipped, as lists.
+        """Return the triangles that a metric keeps, and those that it flips, as lists.
 
-        Each list has one entry, faces with their edge lengths, or none.
+        Each list is empty, or has one entry: faces with their edge lengths.
         """
         gradient = metric.gradient
         if metric.triangulation == "given" and isinstance(gradient, ElementGradient):
             return [(gradient.elements, lengths_from_inverse(gradient.inverse_frames))], []
-        its = self._measured(mesh)
-        faces, lengths, flip = its.gradient.elements, its.lengths, its.flip
+        measured = self._measured(mesh)
+        faces, lengths, flip = measured.gradient.elements, measured.lengths, measured.flip
         given = [] if flip.all() else [(faces[~flip], lengths[~flip])]
         return given, [(faces[flip], lengths[flip])]
 
     def _measured(self, domain: Domain) -> "_Measured":
-        """Return the triangles of a mesh, and which of them are to be flipped."""
+        """Return the measured triangles of a mesh, and a mask of those to be flipped."""
         self.check_domain(domain)
         assert isinstance(domain, TriangleMesh)  # for the type checker; check_domain has raised
         _check_extent(domain)
         faces, inverse, areas, added = measured_triangles(domain.vertices, domain.faces)
         if not len(faces):
-            raise UnsupportedDomainError("every face of the mesh is a single place; it has no area")
+            raise UnsupportedDomainError(
+                "all corners of every face are at one position; the mesh has zero area"
+            )
         gradient = ElementGradient.of_triangles(
             faces, inverse, areas, domain.n_vertices, copy=False
         )
@@ -258,7 +260,7 @@ class CotanLaplacian(LaplaceOperator):
         )
         excess = obtuse_excess(sums.edges, sums.lumped_mass)
         rims = rim_edges(faces, sums.boundary)
-        slivers = rims[_does_harm(lengths, rims)]
+        slivers = rims[_are_too_obtuse(lengths, rims)]
         return _Measured(
             gradient=gradient,
             sums=sums,
@@ -307,7 +309,7 @@ class CotanLaplacian(LaplaceOperator):
 
 @dataclass(frozen=True)
 class _Measured:
-    """The triangles of a mesh as they are given, and which are to be flipped."""
+    """The given triangles of a mesh, and a mask of those to be flipped."""
 
     gradient: ElementGradient
     sums: TriangleSums
@@ -383,15 +385,15 @@ def _mirrored(surface: ElementGradient, kept: BoolArray, beside: Trapezoids) -> 
 
 
 def _turns_of_trapezoids(fans: Fans, beside: Trapezoids) -> ComplexArray:
-    """Return the turns (T, 3) into the elements that :func:`_mirrored` makes of trapezoids.
+    """Return the turns (T, 3) into the elements that :func:`_mirrored` makes from trapezoids.
 
-    Their first axis lies along the mirror, and leads from the vertex that is nearer to it.
+    The first axis of an element is along the mirror, from the vertex that is nearer to it.
     """
-    into = beside.within  # runs from head to tail, along a triangle that is no more
+    into = beside.within  # from head to tail, along a removed triangle
     at_tail = into - into % 3 + (into + 1) % 3  # leaves the tail
     corner = into - into % 3 + (into + 2) % 3  # of that triangle, at the tail
-    halves = _native.bisectors(fans.lengths, fans.angles, fans.scales).ravel()
-    to_head = 2 * halves[corner] - fans.angles[at_tail]  # the other side of that corner
+    bisectors = _native.bisectors(fans.lengths, fans.angles, fans.scales).ravel()
+    to_head = 2 * bisectors[corner] - fans.angles[at_tail]  # the other side of that corner
     slope = np.arctan2(beside.head_sides - beside.tail_sides, beside.widths)
     tail = to_head - fans.scales[at_tail] * slope
     head = fans.angles[into] - fans.scales[into] * slope - np.pi

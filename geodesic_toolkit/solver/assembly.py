@@ -44,7 +44,7 @@ class Assembly:
         The discretization of a whole cloud that is partly masked.
     seams : Seams or None
     solver : str, class, instance or dict
-        The linear solver, as it was given.
+        The given linear solver.
     reason : str
         Reason for refinement, or against it, if the choice was left to "auto".
     unusual : str

@@ -125,7 +125,7 @@ class SourceLocator:
 
     @property
     def ground(self) -> "Ground | None":
-        """The places that points in space snap to; None where vertices have no positions."""
+        """The shape to which points in space snap; None if vertices have no positions."""
         return self._kept_ground()
 
     def _kept_ground(self) -> "Ground | None":

@@ -218,22 +218,24 @@ class Surface:
         return result
 
     def feet(self, points: FloatArray) -> tuple[IntArray, FloatArray]:
-        """Return the closest place of the surface to each of Q points, however far that is.
+        """Return the closest place of the surface to each of Q points, at any distance.
 
         Returns
         -------
         corners : ndarray of shape (Q, 3), int64
-            The vertices of the triangle that it lies in.
+            The vertices of the triangle of each place.
         weights : ndarray of shape (Q, 3), float64
-            Its barycentric coordinates there.
+            The barycentric coordinates of each place.
 
         Raises
         ------
         UnsupportedDomainError
-            The surface has no triangle.
+            The surface does not have triangles.
         """
         if len(self._faces) == 0:
-            raise UnsupportedDomainError("the shape has no triangles: all of it is one place")
+            raise UnsupportedDomainError(
+                "the shape has no triangles: all vertices are at one position"
+            )
         faces, weights = self._tree.closest(points)
         return self._faces[faces], weights
 

@@ -236,15 +236,15 @@ def _warn_if_far(points: FloatArray, feet: FloatArray, places: FloatArray, name:
 
 
 class CurveSamples(NamedTuple):
-    """A polyline with points in between, as it was given: not yet laid onto the surface.
+    """A polyline with points in between, before projection to the surface.
 
     Attributes
     ----------
     points : ndarray of shape (S, 3), float64
     corners : ndarray of shape (P, 3), float64
-        Different from one to the next; the first again at the end of a closed curve.
+        Corners without consecutive repeats; a closed curve repeats the first at the end.
     places : ndarray of shape (P,), int64
-        Which of the points the corners are.
+        Indices of the points at the corners.
     spacing : float
         Mean edge length of the shape.
     """
@@ -261,17 +261,17 @@ def samples_of(domain: Domain, passable: Domain, curve: Curve, name: str) -> Cur
     Parameters
     ----------
     domain : Domain
-        On whose faces the points of the curve may lie.
+        The domain whose faces may contain the points of the curve.
     passable : Domain
-        With positions: what is left of it where paths may go.
+        The unmasked part of the domain, with positions.
     curve : Curve
     name : str
-        What to call it in messages.
+        Name of the curve in messages.
 
     Raises
     ------
     InvalidSourceError
-        A face that there is not; a curve in another unit.
+        A face that does not exist; a curve in another unit.
     """
     from geodesic_toolkit.sources.curves import sample_polyline
 
@@ -295,7 +295,7 @@ def samples_of(domain: Domain, passable: Domain, curve: Curve, name: str) -> Cur
 
 
 def _along(domain: Domain, ground: Ground, curve: Curve, name: str) -> SourcePoints:
-    """Return samples of a curve; the corners around one lie at their distance from the curve."""
+    """Return samples of a curve; vertices around them have their distance from the curve."""
     passable = ground.domain
     points, corners, places, spacing = samples_of(domain, passable, curve, name)
     at = ground.closest(points)
@@ -366,8 +366,8 @@ def fronts_beside(
     spacing : float
     closed : bool
     past : tuple of two bool
-        Whether the curve is cut off at its first and its last end, by the boundary of the surface,
-        and would go on.
+        True if the curve is cut at its first or its last end by the boundary of the surface, and
+        would continue.
 
     Returns
     -------

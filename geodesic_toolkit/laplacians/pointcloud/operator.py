@@ -61,7 +61,7 @@ class _Stars:
     ----------
     soup : Soup
     normals : ndarray of shape (P, 3), float64
-        Of the planes that they lie in.
+        Normals of the planes of the stars.
     thin : Representatives
         The positions that represent crowds.
     origin : str
@@ -214,7 +214,7 @@ class PointCloudLaplacian(LaplaceOperator):
             scales=scales,
             surface_frames=frames_on_surface(places.points, soup, gradient, stars.in_space, scale),
             normals=np.column_stack(
-                [places.told(stars.normals[:, axis], axis == 2) for axis in range(3)]
+                [places.at_points(stars.normals[:, axis], axis == 2) for axis in range(3)]
             ),
             notes=notes,
             copy=False,
@@ -229,10 +229,10 @@ class PointCloudLaplacian(LaplaceOperator):
         return positive_part(metric)
 
     def frames(self, domain: Domain, metric: Discretization) -> Frames:
-        """Return the frames of the tangent planes that stars were made in.
+        """Return the frames of the tangent planes of the stars.
 
-        Normals that came without a sign take one along a minimum spanning tree; closed surfaces
-        look outwards.
+        Normals without a sign take one along a minimum spanning tree; those of closed surfaces
+        point outwards.
         """
         self.check_domain(domain)
         return frames_of_stars(domain, metric)
@@ -285,7 +285,7 @@ class PointCloudLaplacian(LaplaceOperator):
             smooth=in_space == 1,
             oriented=given is not None,
         )
-        return _Stars(soup, normals, thin, whose, in_space)
+        return _Stars(soup, normals, thin, origin, in_space)
 
 
 def _gradient(places: Places, soup: Soup, spacing: float) -> ElementGradient:
