@@ -1,7 +1,7 @@
 """The types of the compiled kernels; ``native/python/`` has their bindings.
 
-Arrays are C-contiguous and of just the dtype that is stated, or a TypeError says so. Shapes that do
-not fit together are a ValueError. Indices within arrays are not looked at unless that is said.
+Arrays must be C-contiguous and have exactly the stated dtype, or a TypeError is raised. Shapes that
+do not fit together raise a ValueError. Indices in arrays are not checked unless stated.
 """
 
 from typing import TypeAlias, final
@@ -15,17 +15,17 @@ Indices: TypeAlias = NDArray[np.int64]
 Numbers: TypeAlias = NDArray[np.float64]
 
 LEVEL: int
-"""The level of x86-64 of the module that is loaded, 2 to 4; 2 on other processors."""
+"""The level of x86-64 of the loaded module, 2 to 4; 2 on other processors."""
 LANES: int
-"""Numbers in one of its registers."""
+"""Number of doubles in a vector register of that level."""
 
 # -- memory ---------------------------------------------------------------------------------------
 
 def empty(size: int) -> Numbers:
-    """Return an array of so many numbers, in memory that kernels take theirs from."""
+    """Return an uninitialised array of `size` numbers, from the memory pool of the kernels."""
 
 def trim() -> None:
-    """Give what waits for the next array back to the system."""
+    """Return the unused memory of the pool to the system."""
 
 # -- distances -----------------------------------------------------------------------------------
 
@@ -36,7 +36,7 @@ def edges_of(triangles: Indices, n_vertices: int) -> tuple[Rows, Rows]:
 class Bounds:
     """Vertices, and the edges between them as a symmetric pattern with sorted rows.
 
-    The diagonal is of no account; there are no entries where there are no edges to hold to.
+    The diagonal is ignored; the pattern is empty if there are no edges that bound distances.
     """
 
     def __init__(self, vertices: Numbers, indptr: Rows, indices: Rows) -> None: ...
@@ -48,15 +48,15 @@ class Bounds:
         distances: Numbers,
         n_threads: int = 1,
     ) -> None:
-        """Hold distances (K, N) between the straight line and the path along edges, in place.
+        """Limit distances (K, N) to between the straight line and the path along edges, in place.
 
-        The places of set k are ``begins[k] <= p < begins[k + 1]``, and ``starts`` is read at them.
-        Infinite distances stay.
+        The sources of set k have the indices ``begins[k] <= p < begins[k + 1]`` in `places` and
+        `starts`. Infinite distances stay.
         """
 
 @final
 class Polyhedron:
-    """Different faces (E, 3), of three different vertices each; both ranges are checked."""
+    """Distinct faces (E, 3), each of three different vertices; indices are checked."""
 
     def __init__(self, vertices: Numbers, faces: Indices) -> None: ...
     @property
@@ -72,8 +72,8 @@ class Polyhedron:
     ) -> Numbers | None:
         """Return exact distances (N,) from points, None after more than `most` windows.
 
-        The vertices around point p are ``begins[p] <= i < begins[p + 1]``, of a face that they
-        share, and ``known`` is how far they are from it.
+        The vertices around point p have the indices ``begins[p] <= i < begins[p + 1]`` and belong
+        to one face; `known` are their distances from the point.
         """
 
 # -- sparse matrices in compressed rows ----------------------------------------------------------
@@ -85,24 +85,24 @@ def components(indptr: Rows, indices: Rows) -> Indices:
     """
 
 def components_of_edges(edges: Indices, n_vertices: int) -> Indices:
-    """Return the same from edges (E, 2), whose range is checked."""
+    """Return the connected component of every vertex from edges (E, 2), with checked indices."""
 
 def is_sound(indptr: Rows, indices: Rows, data: Numbers) -> bool:
-    """Return whether L is finite and symmetric, L 1 = 0, and no diagonal entry is negative."""
+    """Return True if L is finite and symmetric, L 1 = 0, and the diagonal is not negative."""
 
 def obtuse_excess(indptr: Rows, indices: Rows, data: Numbers, mass: Numbers, rings: int) -> Numbers:
-    """Return the share of entries of the wrong sign around each vertex, over so many rings.
+    """Return the share of entries of the wrong sign around each vertex, over `rings` rings.
 
-    What lies right of the diagonal is enough.
+    The upper triangle of the matrix is enough.
     """
 
 def diagonal_places(indptr: Rows, indices: Rows) -> Indices:
-    """Return where the diagonal entries are, row by row; of rows that have one."""
+    """Return the indices of the diagonal entries, row by row, for rows that have one."""
 
 def plus_diagonal(
     indptr: Rows, indices: Rows, data: Numbers, places: Indices, scales: Numbers, diagonal: Numbers
 ) -> Numbers:
-    """Return the entries of diag(diagonal) + diag(scales) A, whose diagonal has these places.
+    """Return the entries of diag(diagonal) + diag(scales) A; `places` index the diagonal of A.
 
     `scales` has a number for each row or one for all.
     """
@@ -113,14 +113,14 @@ def row_sums(indptr: Rows, indices: Rows, data: Numbers) -> Numbers:
 # -- the Cholesky solver ---------------------------------------------------------------------------
 
 def is_symmetric(indptr: Rows, indices: Rows) -> bool:
-    """Return whether every entry of a pattern has its mirror image."""
+    """Return True if every entry of a pattern has its mirror image."""
 
 @final
 class Elimination:
-    """An order of elimination, in groups of vertices that are eliminated together.
+    """An elimination order, in groups of vertices that are eliminated together.
 
     Group g is ``order[starts[g]:starts[g + 1]]``; its first column has ``heights[g]`` rows, and
-    ``parents[g]`` takes over what its elimination leaves. The last `n_full` were set aside.
+    ``parents[g]`` receives its update matrix. The last `n_full` vertices have nearly dense rows.
     """
 
     @property
@@ -139,13 +139,13 @@ def minimum_degree(indptr: Rows, indices: Rows) -> Elimination:
 
 @final
 class Analysis:
-    """Order, supernodes and places of the Cholesky factor of every matrix of one pattern.
+    """Order, supernodes and layout of the Cholesky factor of every matrix of one pattern.
 
     Column j belongs to vertex ``order[j]``. Supernode s has the columns ``first[s] <= j <
-    first[s + 1]`` and the rows ``rows[row_starts[s]:row_starts[s + 1]]``, of which its own columns
-    come first; its dense panel of that shape is stored by columns from ``panels[s]``, and
-    ``above[s]`` is its parent, -1 at roots. The permuted lower triangle by columns is `starts` and
-    `lower_rows`; `places` is where its entries are in a matrix's data.
+    first[s + 1]`` and the rows ``rows[row_starts[s]:row_starts[s + 1]]``, with its own columns
+    first; its dense panel of that shape is stored by columns from ``panels[s]``, and ``parents[s]``
+    is its parent, -1 at roots. The permuted lower triangle by columns is `starts` and `lower_rows`;
+    `places` are the indices of its entries in the data of a matrix.
     """
 
     @property
@@ -171,14 +171,14 @@ class Analysis:
     @property
     def nbytes(self) -> int: ...
     def factor_bytes(self, compact: bool) -> int:
-        """Return what making a factor takes."""
+        """Return the bytes that a factor takes while it is made."""
 
 def analyze(indptr: Rows, indices: Rows) -> Analysis:
     """Analyse a symmetric pattern with sorted columns."""
 
 @final
 class Factor:
-    """The Cholesky factor of a matrix, of whole numbers or of their upper halves.
+    """The Cholesky factor of a matrix, with full numbers or their upper halves.
 
     Raises
     ------
@@ -200,28 +200,28 @@ class Factor:
     def nbytes(self) -> int: ...
     @property
     def panels(self) -> Numbers | NDArray[np.uint32]:
-        """The dense panels: L, but for its diagonal, of which they hold the inverse.
+        """The dense panels of L, with the inverse of its diagonal.
 
-        Upper halves of numbers are ``uint32``. Some zeros follow.
+        Upper halves of numbers are ``uint32``. Padding with zeros follows.
         """
 
 def eliminate_front(panel: Numbers, height: int, width: int) -> tuple[int, Numbers]:
     """Eliminate the columns of a dense front in place, stored by columns.
 
-    Return the first column with a pivot <= 0, or -1, and the update matrix by columns, of which the
-    lower triangle counts.
+    Return the first column with a pivot <= 0, or -1, and the update matrix by columns, whose lower
+    triangle is valid.
     """
 
 # -- triangles -------------------------------------------------------------------------------------
 
 def proper_faces(faces: Indices, n_vertices: int) -> Bools:
-    """Return where a face has three different vertices that no face before it has."""
+    """Return a mask of the faces with three different vertices that do not repeat a face."""
 
 def measure_triangles(vertices: Numbers, faces: Indices) -> tuple[Numbers, Numbers, float, float]:
-    """Return inverse frames (F, 3), areas, and what tells whether they are sound.
+    """Return inverse frames (F, 3), areas, and two numbers that measure their quality.
 
-    The sum of all edge lengths, and the least by which two edges of a face are longer than the
-    third, over its longest.
+    These are the sum of all edge lengths, and the smallest slack of a triangle inequality, relative
+    to the longest edge of the face.
     """
 
 def measure_lengths(lengths: Numbers) -> tuple[Numbers, Numbers]:
@@ -231,16 +231,17 @@ def edge_lengths(frames: Numbers) -> Numbers:
     """Return the edges opposite the corners, (F, 3), from inverse frames."""
 
 def faces_at(faces: Indices, marked: Bools) -> Indices:
-    """Return the triangles (F, 3) that have a marked vertex, by number."""
+    """Return the indices of the triangles (F, 3) that have a marked vertex."""
 
 @final
 class HalfEdges:
-    """The half-edges of triangles, sorted by their vertices of lower index."""
+    """The half-edges of triangles, sorted by their smaller vertex."""
 
     @property
     def n_vertices(self) -> int: ...
     def twins(self) -> tuple[Indices, bool]:
-        """Return the twin of each half-edge, or -1, and whether all run against each other."""
+        """Return the twin of each half-edge, or -1, and True if all twins have opposite
+        directions."""
 
 def sorted_half_edges(faces: Indices, n_vertices: int) -> HalfEdges:
     """Sort the half-edges of triangles, fewer than 2³¹ of them."""
@@ -250,17 +251,17 @@ def edge_sums(
 ) -> tuple[tuple[Rows, Rows, Numbers], Numbers, Bools]:
     """Return the strict upper triangle of L = Gᵀ W G, barycentric mass, and boundary.
 
-    L = -Δ is positive semidefinite; rows are in no order.
+    L = -Δ is positive semidefinite; rows are unordered.
     """
 
 def mirrored(indptr: Rows, indices: Rows, data: Numbers) -> tuple[Rows, Rows, Numbers]:
-    """Return all of a stiffness from what lies right of its diagonal."""
+    """Return a full stiffness from its strict upper triangle."""
 
 def mean_edge_length(vertices: Numbers, indptr: Rows, indices: Rows) -> float:
-    """Return the mean length of the edges that a pattern has right of its diagonal."""
+    """Return the mean length of the edges in the upper triangle of a pattern."""
 
 def flip_edges(faces: Indices, lengths: Numbers, twin: Indices, held: Bools) -> int:
-    """Flip edges in place to an intrinsic Delaunay triangulation; return how many.
+    """Flip edges in place to an intrinsic Delaunay triangulation; return the number of flips.
 
     Edges of a held vertex stay.
     """
@@ -273,10 +274,10 @@ def flip_edges_with_directions(
     angles: Numbers,
     scales: Numbers,
 ) -> int:
-    """Do the same, and carry along the directions of half-edges that `polar_directions` returns."""
+    """Flip edges, and update the directions of half-edges that `polar_directions` returns."""
 
 def vertex_normals(vertices: Numbers, faces: Indices) -> Numbers:
-    """Return unit normals at vertices (N, 3), exact where these are on a sphere."""
+    """Return unit normals at vertices (N, 3), which are exact for vertices on a sphere."""
 
 def tangent_axes(normals: Numbers) -> Numbers:
     """Return a unit vector at a right angle to each normal, (N, 3)."""
@@ -290,18 +291,18 @@ def polar_directions(
     normals: Numbers,
     axes: Numbers,
 ) -> tuple[Numbers, Numbers]:
-    """Return the direction of each half-edge at its tail, and by what angles are scaled there."""
+    """Return the direction of each half-edge at its tail, and the scale of angles there."""
 
 def bisectors(lengths: Numbers, angles: Numbers, scales: Numbers) -> Numbers:
     """Return the direction of the bisector of each corner in the frame of its vertex, (F, 3)."""
 
 def triangle_turns(lengths: Numbers, directions: Numbers, mirrored: Bools) -> Numbers:
-    """Return turns (F, 6), pairs of numbers, that take bisectors into frames of triangles."""
+    """Return turns (F, 6), as pairs of numbers, from bisectors into the frames of triangles."""
 
 def space_turns(
     places: Numbers, elements: Indices, normals: Numbers, axes: Numbers, stars: bool
 ) -> tuple[Numbers, Bools]:
-    """Return turns (E, 2 m) by the least rotations of normals, and which elements are mirrored."""
+    """Return turns (E, 2 m) by least rotations of normals, and a mask of mirrored elements."""
 
 # -- the heat method between its solves -----------------------------------------------------------
 
@@ -315,7 +316,7 @@ def connection_laplacian(
 ) -> Numbers:
     """Return complex entries (nnz, 2) of G_cᴴ W G_c on a pattern with all edges and the diagonal.
 
-    It must have an entry for every pair of corners of a triangle.
+    The pattern must have an entry for every pair of corners of a triangle.
     """
 
 def edge_turns(indptr: Rows, indices: Rows, elements: Indices, turns: Numbers) -> Numbers:
@@ -334,7 +335,7 @@ def poisson_load(
 def fill(indptr: Rows, indices: Rows, data: Numbers, solution: Numbers, rows: Rows) -> None:
     """Fill the entries `rows` of u, which are 0, from neighbours with a value, ring by ring.
 
-    `rows` comes out in another order.
+    The order of `rows` changes.
     """
 
 # -- refinement ------------------------------------------------------------------------------------
@@ -343,8 +344,8 @@ def fill(indptr: Rows, indices: Rows, data: Numbers, solution: Numbers, rows: Ro
 class Corners:
     """The triangles around each vertex, as :func:`gather_corners` returns them.
 
-    Vertex v has the corners ``starts[v] <= c < starts[v + 1]``, but where stars overlap its own
-    star first, which ends before ``ends[v]``. The arrays are read-only views.
+    Vertex v has the corners ``starts[v] <= c < starts[v + 1]``; if stars overlap, its own star
+    comes first and ends before ``ends[v]``. The arrays are read-only views.
     """
 
     @property
@@ -367,12 +368,12 @@ def gather_corners(
 ) -> Corners:
     """Sort the corners of triangles by their vertices; `add_missed` adds triangles that stars lack.
 
-    Where there are no stars and the surface ends in an edge, between vertices of the `boundary`,
-    the edge is less than zero.
+    Without stars, `edge` is negative for edges at which the surface ends, between vertices of the
+    `boundary`.
     """
 
 def angle_defects(elements: Indices, frames: Numbers, boundary: Bools) -> Numbers:
-    """Return what the angles about vertices lack of 2π, where the domain ends of π."""
+    """Return the angle defects of vertices: 2π, or π at the boundary, minus their total angles."""
 
 def curvatures(
     elements: Indices,
@@ -384,19 +385,19 @@ def curvatures(
 ) -> Numbers:
     """Return the Gaussian curvature of vertices: angle defect over area, over one-rings.
 
-    Where K of a vertex, times its area, comes to `coarse` it counts for half; it is 0 where the
-    domain ends, and where sheets meet.
+    If K of a vertex, times its area, is `coarse`, it is halved; it is 0 at the boundary, and at
+    edges of several sheets.
     """
 
 def star_curvatures(elements: Indices, frames: Numbers, boundary: Bools, coarse: float) -> Numbers:
-    """Return the same of stars, from the angles about their own centres."""
+    """Return the Gaussian curvature of stars, from the angles around their own centres."""
 
 def falling(heat: Numbers, logarithmic: bool) -> Rows:
-    """Return the order in which heat falls as far as nine digits tell, and then by number."""
+    """Return the order of falling heat, compared to nine digits, and then by index."""
 
 @final
 class Sweeper:
-    """Triangles and their curvature, ready for sweeps; shared by all sources and threads."""
+    """Triangles and their curvature, prepared for sweeps; shared by all sources and threads."""
 
     def __init__(self, corners: Corners, curvature: Numbers, reflex: Bools) -> None: ...
     def sweep(
@@ -431,16 +432,16 @@ def delaunay_stars(
     smooth: bool,
     n_threads: int,
 ) -> tuple[Indices, Numbers, Bools]:
-    """Return the triangles of local Delaunay stars, their frames, and which stars are open."""
+    """Return the triangles of local Delaunay stars, their frames, and a mask of open stars."""
 
 def crowd_reaches(points: Numbers, neighbours: Indices, n_threads: int) -> Numbers:
-    """Return how far the line or the heap that a point is one of reaches, 0 where there is none."""
+    """Return the reach of the line or heap that contains each point, 0 outside them."""
 
 def thinned(points: Numbers, neighbours: Indices, radii: Numbers) -> Bools:
-    """Return which points to keep so that each other one has one of them within its radius."""
+    """Return a mask of points to keep, so that every other point has one within its radius."""
 
 def pole_normals(points: Numbers, neighbours: Indices, normals: Numbers, n_threads: int) -> Numbers:
-    """Return normals in which those that are in doubt point to the emptiest side."""
+    """Return normals, the uncertain ones turned to the emptiest side."""
 
 # -- shortest paths --------------------------------------------------------------------------------
 
@@ -455,9 +456,9 @@ def best_path(
     """Return a geodesic from a vertex to one of several ends over triangles (F, 3).
 
     Each has three different vertices; `height` and `back` are the distances (N,) from the ends and
-    from the start. What comes back are the faces (P,) that the points of the way are in, the
-    vertices (P, 2) that they are between, and the share (P,) of the second; nothing where no
-    triangle connects.
+    from the start. The result holds the face of each point of the path, (P,), the two vertices
+    between which it lies, (P, 2), and the share of the second, (P,); it is empty if triangles do
+    not connect the ends.
     """
 
 def straight_lines(
@@ -469,37 +470,38 @@ def straight_lines(
     distances: Numbers,
     most: int,
 ) -> tuple[Indices, Indices, Numbers, Numbers]:
-    """Return where straightest lines start, cross edges and end, and what is left of their lengths.
+    """Return the points of straightest lines at starts, edges and ends, and their missing lengths.
 
-    As (begins, faces, weights, missing). They start in faces, whose range is checked, at an angle
-    to half-edge 3 f, and cross `most` edges at most.
+    The result is (begins, faces, weights, missing). Lines start in faces, with checked indices, at
+    an angle to half-edge 3 f, and cross at most `most` edges.
     """
 
 def distinct_triangles(elements: Indices) -> tuple[Indices, Indices]:
-    """Return each triangle of elements (E, 3) once, (T, 3), its corners sorted, and how often it is
-    there, (T,). Elements (i, j, j) are left out.
+    """Return the distinct triangles of elements (E, 3), (T, 3), and their numbers of copies, (T,).
+
+    Corners are sorted, and elements (i, j, j) are excluded.
     """
 
 # -- graphs ----------------------------------------------------------------------------------------
 
 class GraphCorners:
-    """The corners of a graph, across which fronts go; edges are (E, 2), each once, no loops."""
+    """The corners of a graph, which fronts cross; edges are (E, 2), distinct and without loops."""
 
     def __init__(self, n_vertices: int, edges: Indices, lengths: Numbers) -> None: ...
     @property
     def n_corners(self) -> int: ...
     @property
     def covered(self) -> float:
-        """Share of the vertices of three edges and more whose edges corners connect."""
+        """Share of the vertices of three edges or more whose edges are connected by corners."""
     @property
     def growth(self) -> float:
-        """Vertices up to two edges away, for each neighbour."""
+        """Number of vertices up to two edges away, per neighbour."""
     @property
     def closed(self) -> float:
-        """Share of the edges whose triangles surround them: their third corners connect."""
+        """Share of the edges surrounded by triangles, whose third corners are connected."""
     @property
     def lattice(self) -> bool:
-        """Whether nine of ten corners are those of rectangles."""
+        """True if nine of ten corners are corners of rectangles."""
     @property
     def nbytes(self) -> int: ...
     def cross(
@@ -510,4 +512,4 @@ class GraphCorners:
         distances: Numbers,
         n_threads: int,
     ) -> None:
-        """Write the distances (K, N) from each of K sets of vertices, infinite where none leads."""
+        """Write the distances (K, N) from each of K sets of vertices, infinite without a path."""

@@ -1,7 +1,8 @@
 """The algebra of a shape: mass, stiffness, and a gradient whose adjoint is the divergence.
 
-The divergence never stands alone: every discretization keeps the identity ``L = Gᵀ W G`` with
-L = -Δ positive semidefinite, on which the heat method rests. Imports geometry and domains.
+The divergence is always the adjoint of the gradient: every discretization satisfies the identity
+``L = Gᵀ W G`` with L = -Δ positive semidefinite, on which the heat method rests. This package
+imports geometry and domains.
 """
 
 from geodesic_toolkit.discretization.data import Discretization

@@ -31,66 +31,66 @@ __all__ = ["Discretization"]
 @final
 @dataclass(frozen=True, kw_only=True, eq=False, repr=False)
 class Discretization(FrozenArrays):
-    """The discrete Laplacian of a domain, with the gradient that it comes from: data, no methods.
+    """The discrete Laplacian of a domain, with the gradient that it is made of, as data.
 
-    Validated once, cheaply (a few matrix-vector products), on construction.
+    It is validated once, on construction, at the cost of a few matrix-vector products.
 
     Parameters
     ----------
     mass : ndarray of shape (N,), float64
-        Measure of every vertex: length, area or volume. Positive, but 0 for a vertex of no
-        element, whose distance is ``inf``.
+        Measure of every vertex: length, area or volume. Positive; 0 for a vertex without elements,
+        whose distance is ``inf``.
     stiffness : csr_array or CompressedRows of shape (N, N), float64
         ``L = Gᵀ W G`` with L = -Δ positive semidefinite, symmetric, ``L 1 = 0``; ``M⁻¹ L ≈ -Δ``.
-        The attribute is always a csr_array; `rows` has it as kernels take it.
+        The attribute is always a csr_array; `rows` has it in the form that kernels take.
     gradient : Gradient
         ∇ with its normalisation and its adjoint.
     spacing : float
         Mean edge length h, in the unit of the domain; the default time step is h².
     boundary : ndarray of shape (N,), bool
-        Where the domain ends, for boundary conditions of the heat; all false where it has none.
+        True at the boundary of the domain, for boundary conditions of the heat; all false without a
+        boundary.
     scales : ndarray of shape (N,), float64, optional
-        The length whose square is the default time step, one value in each connected component;
-        `spacing` in all of them unless given.
+        The square root of the default time step, one value in each connected component; `spacing`
+        in all components unless given.
     surface_frames : ndarray of shape (E, 3), float64, optional
-        Where the elements are stars in tangent planes: the same triangles as they lie in space, in
-        the form of the gradient's own ``inverse_frames``. Refinement measures by them, and they
-        tell it the curvature.
+        For elements that are stars in tangent planes: the same triangles measured in space, in the
+        form of the gradient's own ``inverse_frames``. Refinement takes lengths and curvature from
+        them.
     surface : ElementGradient, optional
-        The triangles of the surface, where the gradient's elements are others: those are what
-        fronts cross and distances are measured on.
+        The triangles of the surface, if they are not the elements of the gradient: fronts cross
+        these triangles, and distances are measured on them.
     normals : ndarray of shape (N, 3), float64, optional
-        Where the elements are stars in tangent planes: the normals of those, of length 1.
+        For elements that are stars in tangent planes: the unit normals of these planes.
     along_edges : AlongEdges, optional
-        The shortest paths along the edges of a graph, which no distance exceeds, and which
-        refinement takes.
+        The shortest paths along the edges of a graph, which bound distances, and which refinement
+        uses.
     across_edges : AcrossEdges, optional
-        The same graph for fronts that cross its corners.
+        The same graph, for fronts that cross its corners.
     representatives : ndarray of shape (N,), int64, optional
-        The vertex whose distance each vertex reads: another one where several are at one place, of
-        which one has entries in the stiffness.
+        The vertex whose distance each vertex takes. Of several vertices at one position, one
+        represents the others and has entries in the stiffness.
     local_scale : bool, optional
-        Whether the gradient's measure is right but for a factor about each vertex, which is to be
-        read off potentials (``geometry.local_scale``). For edge gradients that
-        come with `along_edges`.
+        True if the measure of the gradient is correct up to a factor at each vertex, which is
+        estimated from potentials (``heat.local_scale``). For edge gradients with `along_edges`.
     triangulation : str, optional
-        Of triangles: "given", "intrinsic Delaunay" where edges were flipped until it is, or
-        "partly intrinsic Delaunay", in some connected components. Fronts flip nothing where nothing
-        is left to flip.
+        For triangles: "given", "intrinsic Delaunay" after edge flips, or "partly intrinsic
+        Delaunay" after flips in some connected components. Refinement does not flip edges of an
+        intrinsic Delaunay triangulation again.
     known_components : ndarray of shape (N,), int64, optional
-        The connected component of every vertex, numbered from 0, where the operator has found it
-        already; otherwise it is found in the stiffness.
+        The connected component of every vertex, numbered from 0, if the operator knows it already;
+        otherwise it is found from the stiffness.
     notes : mapping, optional
-        What the operator found or decided on the way, by name, for people to read: a number of
-        flipped edges, whose normals were used.
+        Findings and decisions of the operator, by name, for users: a number of flipped edges, or
+        the origin of normals.
     copy : bool
-        False hands the arrays over: they become read-only instead of being copied, which saves
-        their memory where they were made for this.
+        False transfers the arrays: they become read-only instead of being copied, which saves
+        memory if they were made for this.
 
     Raises
     ------
     InvalidDiscretizationError
-        An invariant above does not hold; the message says which, and where.
+        An invariant above does not hold; the message names the invariant and the index.
 
     Examples
     --------
@@ -131,7 +131,7 @@ class Discretization(FrozenArrays):
             )
         if self.gradient.n_vertices != count:
             raise InvalidDiscretizationError(
-                f"the gradient is for {self.gradient.n_vertices} vertices, the mass for {count}"
+                f"the gradient has {self.gradient.n_vertices} vertices, the mass {count}"
             )
         check_finite(self.mass, "mass")
         if self.mass.min() < 0:
@@ -145,8 +145,8 @@ class Discretization(FrozenArrays):
             self.surface.of_planes and self.surface.n_vertices == count
         ):
             raise InvalidDiscretizationError(
-                f"surface must be triangles in the same {count} vertices, not {self.surface!r} in "
-                f"{self.surface.n_vertices}"
+                f"surface must be triangles with the same {count} vertices, not {self.surface!r} "
+                f"with {self.surface.n_vertices}"
             )
         self._set_rows(count, copy)
         self._set_scales(count, copy)
@@ -162,7 +162,7 @@ class Discretization(FrozenArrays):
         self._set(spacing=float(self.spacing), notes=dict(self.notes))
 
     def _set_rows(self, count: int, copy: bool) -> None:
-        """Keep the stiffness as kernels take it; one of SciPy's is made when it is asked for."""
+        """Keep the stiffness in the form of kernels; SciPy's form is made at its first use."""
         given: csr_array | CompressedRows = self.stiffness
         if given.shape != (count, count):
             raise InvalidDiscretizationError(
@@ -177,7 +177,7 @@ class Discretization(FrozenArrays):
 
     @property
     def rows(self) -> CompressedRows:
-        """The stiffness as kernels take it."""
+        """The stiffness in the form that kernels take."""
         rows: CompressedRows = self.__dict__["_rows"]
         return rows
 
@@ -214,7 +214,8 @@ class Discretization(FrozenArrays):
                 and frames.shape == gradient.elements.shape
             ):
                 raise InvalidDiscretizationError(
-                    f"surface_frames {frames.shape} must be (E, 3), of the stars of {gradient!r}"
+                    f"surface_frames {frames.shape} must be (E, 3), for the triangles of the stars "
+                    f"of {gradient!r}"
                 )
             check_finite(frames, "the surface frame of element")
 
@@ -247,7 +248,7 @@ class Discretization(FrozenArrays):
         return freeze(connected_vertices(self.rows))
 
     def __getstate__(self) -> dict[str, Any]:
-        """Leave out what derives from the rest."""
+        """Return the state without derived attributes."""
         return {
             name: value
             for name, value in self.__dict__.items()
@@ -262,7 +263,7 @@ class Discretization(FrozenArrays):
 
 
 def _check_stiffness(rows: CompressedRows) -> None:
-    """Check L = Lᵀ and L 1 = 0 in one pass, and say what is wrong and where if it finds fault."""
+    """Check L = Lᵀ and L 1 = 0 in one pass; if that fails, raise an error that names the fault."""
     if _native.is_sound(*rows.arrays):
         return
     stiffness, count = rows.scipy, rows.shape[0]
@@ -272,7 +273,7 @@ def _check_stiffness(rows: CompressedRows) -> None:
     if (drift > 1e-8 * scale).any():
         bad = int(np.argmax(drift - 1e-8 * scale))
         raise InvalidDiscretizationError(
-            f"row {bad} of the stiffness sums to {drift[bad]:.3g}, not 0: L 1 = 0 is broken"
+            f"row {bad} of the stiffness sums to {drift[bad]:.3g}, not 0: L 1 = 0 does not hold"
         )
     probe = np.cos(np.arange(count))
     skew = np.abs(stiffness @ probe - stiffness.T @ probe)

@@ -25,19 +25,19 @@ class EdgeGradient(Gradient):
     """Gradients that are differences along edges, for graphs and any Laplacian of weights >= 0.
 
     ``(Gu)_e = u_j - u_i`` for the edge e = (i, j), and ``L = Gᵀ W G`` is the graph Laplacian
-    ``D - W``. The length of a gradient is pooled at the vertices, by the carré du champ
-    ``|∇u|²_i = (1 / 2 m_i) Σ_j w_ij (u_j - u_i)²``, and an edge divides by the mean of its two
-    ends: normalising each edge by itself would give the taxicab distance.
+    ``D - W``. The length of a gradient is averaged at the vertices, by the carré du champ ``|∇u|²_i
+    = (1 / 2 m_i) Σ_j w_ij (u_j - u_i)²``, and a difference along an edge is divided by the mean at
+    its two ends: to normalise each edge by itself would give the taxicab distance.
 
     Parameters
     ----------
     edges : ndarray of shape (E, 2), int64
     edge_weights : ndarray of shape (E,), float64
-        Non-negative. They set the scale of distance together with `measure`.
+        Non-negative. Together with `measure` they set the scale of distance.
     measure : ndarray of shape (N,), float64
         The mass of every vertex, non-negative.
     copy : bool
-        False hands the arrays over: they become read-only instead of being copied.
+        False transfers the arrays: they become read-only instead of being copied.
 
     Raises
     ------
@@ -71,7 +71,7 @@ class EdgeGradient(Gradient):
             if values.size and values.min() < 0:
                 bad = int(values.argmin())
                 raise InvalidDiscretizationError(
-                    f"{name} {bad} is {values[bad]}: an EdgeGradient needs non-negative ones; "
+                    f"{name} {bad} is {values[bad]}: an EdgeGradient needs non-negative values; "
                     "a Laplacian with negative weights needs elements (ElementGradient)"
                 )
 
@@ -83,9 +83,9 @@ class EdgeGradient(Gradient):
     def unit(self, log_heat: FloatArray) -> FloatArray:
         """Return ``∇log u/|∇log u|`` along every edge, of shape (E,) or (E, K).
 
-        The logarithm points the same way in the smooth limit and is far more accurate across an
-        edge, over which u itself falls by a factor of about e. An edge with an end that has no
-        heat tells no direction and gets zero.
+        The logarithm has the same direction in the smooth limit and is far more accurate across an
+        edge, over which u itself falls by a factor of about e. The result is zero on an edge with
+        an end without heat.
         """
         start, end = self.edges.T
         with np.errstate(invalid="ignore"):

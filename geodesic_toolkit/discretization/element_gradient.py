@@ -40,12 +40,12 @@ class ElementGradient(Gradient):
     measure : ndarray of shape (E,), float64
         Area or volume of each element, non-negative.
     vertex_count : int
-        Number N of vertices, the unreferenced ones among them.
+        Number N of vertices, including unreferenced ones.
     stars : bool
-        Whether the elements overlap, each being part of the star of its first vertex, as those of
-        a point cloud do; `measure` then counts a share of each.
+        True if the elements overlap and each belongs to the star of its first vertex, as in a point
+        cloud; `measure` then is a share of each.
     copy : bool
-        False hands the arrays over: they become read-only instead of being copied.
+        False transfers the arrays: they become read-only instead of being copied.
 
     Raises
     ------
@@ -112,18 +112,18 @@ class ElementGradient(Gradient):
     ) -> ElementGradient:
         """Return the gradient of linear finite elements on triangles.
 
-        It keeps three numbers of each; its coefficients are derived when they are asked for.
+        It keeps three numbers for each triangle; coefficients are derived at their first use.
 
         Parameters
         ----------
         elements : ndarray of shape (E, 3), int64
         inverse : ndarray of shape (E, 3), float64
-            The triangles as :attr:`inverse_frames` has them.
+            The triangles in the form of :attr:`inverse_frames`.
         areas : ndarray of shape (E,), float64
         vertex_count : int
-            Number N of vertices, the unreferenced ones among them.
+            Number N of vertices, including unreferenced ones.
         copy : bool
-            False hands the arrays over: they become read-only instead of being copied.
+            False transfers the arrays: they become read-only instead of being copied.
 
         Returns
         -------
@@ -132,7 +132,7 @@ class ElementGradient(Gradient):
         Raises
         ------
         InvalidDiscretizationError
-            Indices out of range; triangles without an area.
+            Indices out of range; triangles of zero area.
         """
         gradient = cls.__new__(cls)
         given = {"elements": elements, "inverse_frames": inverse, "measure": areas}
@@ -162,16 +162,16 @@ class ElementGradient(Gradient):
 
     @cached_property
     def inverse_frames(self) -> FloatArray:
-        """Triangles in three numbers ``(p, q, r)`` each, of shape (E, 3).
+        """Triangles as three numbers ``(p, q, r)`` each, of shape (E, 3).
 
-        In an orthonormal frame of its own the gradient of u on a triangle is
-        ``(p (u₁ - u₀), q (u₁ - u₀) + r (u₂ - u₀))``: the inverse of the matrix of its edges, made
-        lower triangular by turning the second hat function's gradient into the second axis.
+        In an orthonormal frame of a triangle the gradient of u is ``(p (u₁ - u₀), q (u₁ - u₀) + r
+        (u₂ - u₀))``: the inverse of the matrix of its edges, which is lower triangular because the
+        gradient of the second hat function is along the second axis.
         """
         first, second = self.coefficients[:, :, 1], self.coefficients[:, :, 2]
         steepness = np.hypot(second[:, 0], second[:, 1])
         axis = np.zeros_like(second)
-        axis[:, 1] = 1.0  # any axis does for a segment, whose second hat function is 0
+        axis[:, 1] = 1.0  # any axis is valid for a segment, whose second hat function is 0
         np.divide(second, steepness[:, None], out=axis, where=steepness[:, None] > 0)
         across = first[:, 0] * axis[:, 1] - first[:, 1] * axis[:, 0]
         along = np.einsum("ed,ed->e", first, axis)
@@ -180,12 +180,12 @@ class ElementGradient(Gradient):
     def unit(self, log_heat: FloatArray) -> FloatArray:
         """Return ``∇u/|∇u|`` on every element, of shape (E, dim) or (E, dim, K).
 
-        Directions depend on ratios inside an element only, so u is scaled by its largest value
-        there: right however small the heat is.
+        Directions depend only on ratios inside an element, so u is scaled by its largest value
+        there, and the result is accurate for arbitrarily small heat.
         """
         corner_log = log_heat[self.elements]
         largest = corner_log.max(axis=1, keepdims=True)
-        largest[largest == -np.inf] = 0.0  # no heat at all: u = 0 throughout, and so its gradient
+        largest[largest == -np.inf] = 0.0  # without heat u = 0, and so is its gradient
         corner_log -= largest
         scaled = np.exp(corner_log, out=corner_log)
         gradient = self._apply(scaled)
@@ -256,11 +256,11 @@ class ElementGradient(Gradient):
         return graph_laplacian(-entries, tails, heads, self.n_vertices)
 
     def sums(self) -> TriangleSums:
-        """Return what triangles add up to."""
+        """Return the sums over triangles: edge weights, mass and boundary."""
         return sums_of_triangles(self.elements, self.inverse_frames, self.measure, self.n_vertices)
 
     def __getstate__(self) -> dict[str, Any]:
-        """Leave out what derives from the rest."""
+        """Return the state without derived attributes."""
         derived = {"coefficients", "inverse_frames"} - {self._given}
         return {name: value for name, value in self.__dict__.items() if name not in derived}
 
@@ -272,7 +272,7 @@ class ElementGradient(Gradient):
 def _set(
     gradient: ElementGradient, *, vertex_count: int, stars: bool, copy: bool, **arrays: Any
 ) -> None:
-    """Set the attributes; of the two forms of the elements the other one derives from this."""
+    """Set the attributes; the form of the elements that is not given is derived on use."""
     form = "coefficients" if "coefficients" in arrays else "inverse_frames"
     vars(gradient).update(arrays, vertex_count=vertex_count, stars=stars, _given=form)
     coerce(gradient, copy=copy, elements=np.int64, measure=np.float64, **{form: np.float64})

@@ -1,4 +1,4 @@
-"""The contract of a discrete gradient."""
+"""The interface of a discrete gradient."""
 
 from __future__ import annotations
 
@@ -16,14 +16,15 @@ if TYPE_CHECKING:
 __all__ = ["MIN_RELATIVE_SLOPE", "Gradient", "as_columns"]
 
 MIN_RELATIVE_SLOPE = 1e-11
-"""Share of itself by which heat must differ to have a direction; poisson_load.cpp says why."""
+"""Minimum relative difference of heat on an element for a direction; poisson_load.cpp has the
+reason."""
 
 
 class Gradient(FrozenArrays, abc.ABC):
     """A discrete gradient ∇, its normalisation, and its adjoint.
 
-    A field is what the gradient of a function lives in: an array whose leading axes enumerate the
-    rows of `matrix` in order, with one more axis at the end when it holds K fields at once.
+    A field holds the gradient of a function: an array whose leading axes enumerate the rows of
+    `matrix` in order, with one more axis at the end if it holds K fields at once.
     """
 
     @property
@@ -33,37 +34,37 @@ class Gradient(FrozenArrays, abc.ABC):
 
     @abc.abstractmethod
     def unit(self, log_heat: FloatArray) -> FloatArray:
-        """Return ``∇u/|∇u|`` from ``log u``; zero where the gradient is.
+        """Return ``∇u/|∇u|`` from ``log u``; zero on elements with a zero gradient.
 
         Parameters
         ----------
         log_heat : ndarray of shape (N,) or (N, K)
-            Logarithm of the heat; ``-inf`` where there is none.
+            Logarithm of the heat; ``-inf`` at vertices without heat.
         """
 
     @abc.abstractmethod
     def adjoint(self, field: FloatArray) -> FloatArray:
         """Return ``Gᵀ W x``, of shape (N,) or (N, K): *minus* the integrated divergence of `field`.
 
-        It is the right-hand side that goes with the positive semidefinite stiffness ``L = -Δ``:
-        ``L φ = Gᵀ W x`` is the least-squares solution of ``∇φ = x``.
+        It is the right-hand side for the positive semidefinite stiffness ``L = -Δ``: ``L φ = Gᵀ W
+        x`` is the least-squares solution of ``∇φ = x``.
 
         Parameters
         ----------
         field : ndarray
-            A field, with one more axis at the end when it holds K fields at once.
+            A field, with one more axis at the end if it holds K fields at once.
         """
 
     def descent_load(self, heat: Heat) -> FloatArray:
         """Return ``Gᵀ W X`` with ``X = -∇u/|∇u|``: the right-hand side of ``L φ = Gᵀ W X``.
 
-        It is *minus* the integrated divergence of X, as L is -Δ; zero where there is no gradient.
-        It follows from `unit` and `adjoint`; a subclass need not override it.
+        It is *minus* the integrated divergence of X, as L is -Δ; X is zero on elements with a zero
+        gradient. It is computed by `unit` and `adjoint`; a subclass need not override it.
 
         Parameters
         ----------
         heat : Heat
-            Of N vertices.
+            Heat at N vertices.
 
         Returns
         -------
@@ -79,7 +80,7 @@ class Gradient(FrozenArrays, abc.ABC):
     @property
     @abc.abstractmethod
     def weights(self) -> FloatArray:
-        """The diagonal of W, of shape (R,): what each row of `matrix` weighs in an integral."""
+        """The diagonal of W, of shape (R,): the weight of each row of `matrix` in an integral."""
 
     @abc.abstractmethod
     def stiffness(self) -> csr_array:
@@ -87,5 +88,5 @@ class Gradient(FrozenArrays, abc.ABC):
 
 
 def as_columns(array: FloatArray, leading: int) -> FloatArray:
-    """Return `array` with its axes after the `leading` ones made one, of length 1 at least."""
+    """Return `array` with all axes after the `leading` ones merged into one axis."""
     return array.reshape(*array.shape[:leading], math.prod(array.shape[leading:]))

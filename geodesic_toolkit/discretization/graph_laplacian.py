@@ -1,4 +1,4 @@
-"""The stiffness of weighted edges, which both kinds of gradient come down to."""
+"""The stiffness of weighted edges, to which both kinds of gradient reduce."""
 
 from __future__ import annotations
 
@@ -19,17 +19,18 @@ def graph_laplacian(
 ) -> csr_array:
     """Return ``D - W`` for edge weights of either sign.
 
-    Every row has an entry for its diagonal, and one for every edge, be its weight zero: matrices
-    that share the edges share the pattern. Both entries of an edge are one sum, which makes W
-    symmetric to the bit; D is its row sum, which makes constants its kernel to rounding.
+    Every row has an entry for its diagonal, and one for every edge, even if its weight is zero:
+    matrices that share the edges share the pattern. Both entries of an edge are the same sum, so
+    that W is symmetric to the bit; D is its row sum, so that constants are in the kernel up to
+    rounding.
     """
     from scipy.sparse import coo_array, csr_array
 
-    apart = tails != heads
-    tails, heads = tails[apart], heads[apart]
-    places = (np.minimum(tails, heads), np.maximum(tails, heads))
+    proper = tails != heads
+    tails, heads = tails[proper], heads[proper]
+    indices = (np.minimum(tails, heads), np.maximum(tails, heads))
     shape = (n_vertices, n_vertices)
-    edges = coo_array(csr_array(coo_array((weights[apart], places), shape=shape)))
+    edges = coo_array(csr_array(coo_array((weights[proper], indices), shape=shape)))
     lower, upper = edges.coords
     degree = np.bincount(lower, edges.data, minlength=n_vertices)
     degree += np.bincount(upper, edges.data, minlength=n_vertices)

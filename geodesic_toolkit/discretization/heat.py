@@ -1,4 +1,4 @@
-"""Heat, as it passes from the diffusion to whatever reads it."""
+"""Heat, as the diffusion returns it and gradients and fronts read it."""
 
 from __future__ import annotations
 
@@ -16,17 +16,17 @@ __all__ = ["Heat", "log_of"]
 class Heat:
     """The heat u of K source sets.
 
-    Which form it is kept in is a matter of the diffusion that makes it and of the kernels that read
-    it: u itself, as long as floats hold its range, which saves a logarithm and a power of each
-    value; log u beyond that. Any other reader takes :meth:`log`.
+    The form of the values is chosen by the diffusion and read by kernels: u itself, as long as
+    floats hold its range, which saves a logarithm and a power of each value; log u beyond that.
+    Other code uses :meth:`log`.
 
     Attributes
     ----------
     values : ndarray of shape (N,) or (N, K), float64
-        u, of which every value is positive where heat comes and none has underflown; or log u,
-        over an unlimited range. In either form greater values are greater heat.
+        u, positive and without underflow at all vertices with heat; or log u, over an unlimited
+        range. In either form larger values are larger heat.
     logarithmic : bool
-        Which of the two.
+        True if the values are log u.
 
     Examples
     --------
@@ -41,30 +41,30 @@ class Heat:
 
     @classmethod
     def of(cls, heat: FloatArray) -> Heat:
-        """Return heat of which u is known, (N,) or (N, K); not below 1e-300 where it matters."""
+        """Return heat given by u, (N,) or (N, K), which must not underflow."""
         return cls(heat, logarithmic=False)
 
     @classmethod
     def of_log(cls, log_heat: FloatArray) -> Heat:
-        """Return heat of which log u is known, (N,) or (N, K); ``-inf`` where there is none."""
+        """Return heat given by log u, (N,) or (N, K); ``-inf`` at vertices without heat."""
         return cls(log_heat, logarithmic=True)
 
     def log(self) -> FloatArray:
-        """Return log u, of the shape of the values; ``-inf`` where no heat comes."""
+        """Return log u, of the shape of the values; ``-inf`` at vertices without heat."""
         return self.values if self.logarithmic else log_of(self.values)
 
     def for_kernels(self) -> tuple[FloatArray, bool]:
-        """Return the values in C order and which form they have: two arguments of kernels."""
+        """Return the values in C order, and True if they are log u: two arguments of kernels."""
         return np.ascontiguousarray(self.values, dtype=np.float64), self.logarithmic
 
     def squeezed(self) -> Heat:
-        """Return the heat of shape (N,) if it is that of one source set."""
+        """Return the heat of one source set with shape (N,), any other unchanged."""
         if self.values.shape[1:] != (1,):
             return self
         return Heat(self.values[:, 0], self.logarithmic)
 
     def replaced(self, columns: Sequence[int], other: Heat) -> Heat:
-        """Return the heat with these columns from another one; its own are written over."""
+        """Return the heat with these columns from another one; they are overwritten in place."""
         if self.logarithmic or other.logarithmic:
             values = self.log()
             values[:, columns] = other.log()
@@ -74,5 +74,5 @@ class Heat:
 
 
 def log_of(heat: FloatArray) -> FloatArray:
-    """Return log u of heat u; ``-inf`` where it is not positive."""
+    """Return log u of heat u; ``-inf`` at values that are not positive."""
     return np.log(heat, out=np.full_like(heat, -np.inf), where=~(heat <= 0))

@@ -1,7 +1,7 @@
-"""Weights of the wrong sign: how much harm they do, and a diffusion without them.
+"""Weights of the wrong sign: a measure of their effect, and a diffusion without them.
 
-Heat keeps to the maximum principle, and so stays positive, where all off-diagonal entries of the
-stiffness L = -Δ are zero or negative. Obtuse angles make some positive.
+Heat satisfies the maximum principle, and so stays positive, if all off-diagonal entries of the
+stiffness L = -Δ are zero or negative. Obtuse angles make some of them positive.
 """
 
 from typing import TYPE_CHECKING, cast
@@ -20,45 +20,46 @@ if TYPE_CHECKING:
 __all__ = ["has_wrong_signs", "obtuse_excess", "positive_part"]
 
 N_RINGS_AVERAGED = 4
-"""Size of the neighbourhoods that :func:`obtuse_excess` averages over."""
+"""Number of rings of the neighbourhoods over which :func:`obtuse_excess` averages."""
 
 MIN_RELATIVE_ENTRY = 1e-12
-"""Share of the largest entry of a stiffness below which one is 0."""
+"""Entry of a stiffness, relative to the largest one, below which it counts as 0."""
 
 WEIGHT_OF_REVERSED_EDGES = 1e-3
-"""What is left of an edge of the wrong sign: enough that no part comes off."""
+"""Weight that replaces one of the wrong sign, relative to its size; positive, so that the graph
+stays connected."""
 
 
 def obtuse_excess(stiffness: CompressedRows, mass: FloatArray) -> FloatArray:
-    """Return how much of a stiffness has the wrong sign around each vertex: 0 for an M-matrix.
+    """Return the share of a stiffness with the wrong sign around each vertex: 0 for an M-matrix.
 
-    The share of positive entries in the absolute sum of a row without the diagonal, averaged by
-    mass over neighbourhoods of four rings, of shape (N,). A lone obtuse triangle is harmless, and
-    tiny ones are: it takes a region of them to turn heat negative.
+    It is the share of positive entries in the absolute sum of a row without the diagonal, averaged
+    by mass over neighbourhoods of four rings, of shape (N,). A single obtuse triangle is harmless,
+    and so are tiny ones: only a region of obtuse triangles makes heat negative.
 
     Parameters
     ----------
     stiffness : CompressedRows of shape (N, N)
-        With an entry for every edge and for the diagonal of every row, be they zero.
-        What lies right of the diagonal is enough.
+        With an entry for every edge and for the diagonal of every row, even if it is zero. The
+        diagonal and upper triangle are enough.
     mass : ndarray of shape (N,)
     """
     return _native.obtuse_excess(*stiffness.arrays, mass, N_RINGS_AVERAGED)
 
 
 def has_wrong_signs(stiffness: CompressedRows) -> bool:
-    """Return whether off-diagonal entries of a stiffness are positive, but for rounding."""
-    apart = stiffness.indices != stiffness.row_of_entry
+    """Return True if off-diagonal entries of a stiffness are positive beyond rounding."""
+    off_diagonal = stiffness.indices != stiffness.row_of_entry
     rounding = MIN_RELATIVE_ENTRY * np.abs(stiffness.data).max(initial=0.0)
-    return bool((stiffness.data[apart] > rounding).any())
+    return bool((stiffness.data[off_diagonal] > rounding).any())
 
 
 def positive_part(metric: Discretization) -> Discretization:
     """Return the graph Laplacian of the edges of `metric` that have the right sign.
 
-    Its heat is positive wherever it comes. It differs from `metric` in a few edges only, which
-    matters little to the heat and nothing to the Poisson step, but one bad edge near a source can
-    turn the heat negative in all that lies behind it.
+    Its heat is positive at all vertices that it reaches. It differs from `metric` in a few edges
+    only, which changes the heat little and does not affect the Poisson step, whereas one edge of
+    the wrong sign near a source can make the heat negative in the whole region behind it.
 
     Parameters
     ----------
@@ -85,10 +86,10 @@ def positive_part(metric: Discretization) -> Discretization:
     weights = np.maximum(-given.data, WEIGHT_OF_REVERSED_EDGES * np.abs(given.data))
     edges = np.column_stack([tails[upper], heads[upper]])
     gradient = EdgeGradient(edges, weights[upper], metric.mass, copy=False)
-    if np.count_nonzero(diagonal) == count:  # the pattern stays, and its analysis serves
+    if np.count_nonzero(diagonal) == count:  # the pattern and its analysis stay valid
         weights[diagonal] = 0.0
         weights[diagonal] = -np.bincount(tails, weights, count)
-        stiffness = cast("csr_array", given.with_data(-weights))  # what the data make of it
+        stiffness = cast("csr_array", given.with_data(-weights))  # the class of the result
     else:
         stiffness = gradient.stiffness()
     return Discretization(

@@ -17,12 +17,12 @@ class TriangleSums:
     Attributes
     ----------
     edges : CompressedRows of shape (N, N)
-        The part of the stiffness L = Gᵀ W G, with L = -Δ positive semidefinite, that lies right of
-        the diagonal, in no order within its rows. There is an entry for every edge.
+        The upper triangle, without the diagonal, of the stiffness L = Gᵀ W G, with L = -Δ positive
+        semidefinite, unordered within rows. There is an entry for every edge.
     lumped_mass : ndarray of shape (N,), float64
         The barycentric mass: a third of the measure of the triangles around each vertex.
     boundary : ndarray of shape (N,), bool
-        Vertices of edges that one triangle has.
+        Vertices of edges of one triangle.
     sides : _native.HalfEdges
         The half-edges of the triangles, sorted.
     """
@@ -33,7 +33,7 @@ class TriangleSums:
     sides: _native.HalfEdges
 
     def stiffness(self) -> CompressedRows:
-        """Return the stiffness: half as long again as the edges have taken, so ask once."""
+        """Return the stiffness. It takes half the time of the edges, so callers keep the result."""
         return CompressedRows(*_native.mirrored(*self.edges.arrays))
 
 
@@ -52,12 +52,12 @@ def sums_of_triangles(
     Raises
     ------
     NotEnoughMemoryError
-        The stiffness would have more entries than 32 bits count.
+        The stiffness could have more entries than 32-bit indices allow.
     """
     if n_vertices + 6 * len(elements) > MOST_ENTRIES:
         raise NotEnoughMemoryError(
-            f"the stiffness of {len(elements)} triangles may have more entries than 32 bits count; "
-            "simplify the shape, or work on its parts"
+            f"the stiffness of {len(elements)} triangles may have more entries than 32-bit indices "
+            "allow; simplify the shape, or work on its parts"
         )
     sides = _native.sorted_half_edges(elements, n_vertices)
     rows, lumped_mass, boundary = _native.edge_sums(elements, sides, inverse_frames, measure)

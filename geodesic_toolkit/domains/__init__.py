@@ -1,6 +1,6 @@
-"""Shapes that distances are measured on: meshes, point clouds, graphs, and the base of others.
+"""Shapes that distances are measured on: meshes, point clouds, graphs, and their base class.
 
-Domains coerce, validate and freeze; they hold no algorithms.
+Domains coerce, validate and freeze arrays; they do not hold algorithms.
 """
 
 from geodesic_toolkit.domains.base import Domain

@@ -1,4 +1,4 @@
-"""The base of all domains, and the coercion of arrays that they share."""
+"""The base class of all domains, and the coercion of arrays that they share."""
 
 from __future__ import annotations
 
@@ -24,13 +24,13 @@ __all__ = ["Domain", "as_floats", "as_indices", "check_corners", "check_indices"
 class Domain(FrozenArrays, abc.ABC):
     """A shape that distances are measured on: immutable, validated once, with read-only arrays.
 
-    Third parties may subclass it for a kind of shape that the core does not have; an operator
-    says in :attr:`LaplaceOperator.domains` which kinds it discretizes. The number of vertices is
-    all that distances need. Everything else is an optional capability; a missing one raises an
-    `UnsupportedDomainError` that names it when it is needed.
+    Third parties may subclass it for a kind of shape that the core does not have; the attribute
+    :attr:`LaplaceOperator.domains` of an operator lists the kinds that it discretizes. Distances
+    need only the number of vertices. Everything else is an optional capability; the use of a
+    missing one raises an `UnsupportedDomainError` that names it.
 
     ============ =====================================================================
-    capability   what needs it
+    capability   used by
     ============ =====================================================================
     positions    sources at points, queries, pictures, files with a shape
     triangles    pictures and files with faces, :class:`SurfacePoint`, points between vertices
@@ -65,19 +65,19 @@ class Domain(FrozenArrays, abc.ABC):
 
     @property
     def normals(self) -> FloatArray | None:
-        """Unit normals, of shape (N, 3), that files keep; None unless overridden."""
+        """Unit normals, of shape (N, 3), which files keep; None unless overridden."""
         return None
 
     @property
     def positions(self) -> FloatArray:
         """Positions of the vertices, of shape (N, 3), in the unit of the distances.
 
-        Vertices that nothing uses may be NaN.
+        Unused vertices may be NaN.
 
         Raises
         ------
         UnsupportedDomainError
-            This kind of domain has none.
+            This kind of domain does not have them.
         """
         raise _without_capability(
             self, "no positions: its distances are at its vertices alone", "positions"
@@ -87,32 +87,32 @@ class Domain(FrozenArrays, abc.ABC):
     def triangles(self) -> IntArray:
         """Triangles of the surface as vertex indices, of shape (F, 3).
 
-        Those of a mesh, of polygons what they are split into, of a solid its boundary.
+        They are the faces of a mesh, the parts of split polygons, or the boundary of a solid.
 
         Raises
         ------
         UnsupportedDomainError
-            This kind of domain has none.
+            This kind of domain does not have them.
         """
         raise _without_capability(self, "no triangles", "triangles")
 
     def as_graph(self) -> Graph:
-        """Return the edges between the vertices with their lengths, each once.
+        """Return the distinct edges between the vertices, with their lengths.
 
         Returns
         -------
         Graph
-            Of the same vertices.
+            With the same vertices.
 
         Raises
         ------
         UnsupportedDomainError
-            This kind of domain has none.
+            This kind of domain does not have them.
         """
         raise _without_capability(self, "no edges", "as_graph()")
 
-    def without(self, mask: BoolArray) -> Domain:  # noqa: ARG002 - for those that override it
-        """Return the domain without what touches a masked vertex: no path crosses it.
+    def without(self, mask: BoolArray) -> Domain:  # noqa: ARG002 - for overriding methods
+        """Return the domain without elements of masked vertices, which paths then cannot cross.
 
         Parameters
         ----------
@@ -121,26 +121,26 @@ class Domain(FrozenArrays, abc.ABC):
         Returns
         -------
         Domain
-            A new one of a kind that the same operators take. All vertices keep their numbers;
-            masked ones belong to no element any more.
+            A new domain of a kind that the same operators take. All vertices keep their numbers;
+            masked vertices do not belong to elements any more.
 
         Raises
         ------
         InvalidOptionError
-            The mask leaves nothing.
+            All elements have masked vertices.
         UnsupportedDomainError
             This kind of domain cannot be masked.
         """
         raise UnsupportedDomainError(
-            f"vertices of a {type(self).__name__} cannot be masked; leave them out of it"
+            f"vertices of a {type(self).__name__} cannot be masked; remove them from it"
             f"{_to_write(self, 'without(mask)')}"
         )
 
     def closest(self, points: FloatArray) -> Located:  # noqa: ARG002 - as above
         """Return the places of the domain that are closest to points in space.
 
-        To be overridden by kinds whose places are not those of their `triangles`: of those, and
-        else of the vertices with `positions`, the closest are found without it.
+        Kinds of domain override it if their places are not those of their `triangles`. Without it,
+        the closest places are found on the triangles, or else among vertices with `positions`.
 
         Parameters
         ----------
@@ -161,17 +161,17 @@ class Domain(FrozenArrays, abc.ABC):
 
     @classmethod
     def samples(cls) -> Any:
-        """Return shapes of this kind about which the truth is known.
+        """Return shapes of this kind with known distances.
 
         Returns
         -------
         DomainSamples
-            As :func:`geodesic_toolkit.testing.laplace_operator_checks` takes them.
+            In the form that :func:`geodesic_toolkit.testing.laplace_operator_checks` takes.
 
         Raises
         ------
         UnsupportedDomainError
-            This kind of domain brings none.
+            This kind of domain does not provide samples.
         """
         raise UnsupportedDomainError(
             f"there are no samples of {cls.__name__}: pass samples=[DomainSamples(...)], or give "
@@ -180,7 +180,7 @@ class Domain(FrozenArrays, abc.ABC):
 
     @classmethod
     def has(cls, capability: str) -> bool:
-        """Return whether this kind of domain brings a capability.
+        """Return True if this kind of domain provides a capability.
 
         Parameters
         ----------
@@ -204,7 +204,7 @@ class Domain(FrozenArrays, abc.ABC):
 
 
 def _defined(kind: type, capability: str) -> Any:
-    """Return what a class has under a name; of a classmethod the function, which does not vary."""
+    """Return the attribute of a class; of a classmethod its function, which is always the same."""
     found = getattr(kind, capability)
     return getattr(found, "__func__", found)
 
@@ -216,20 +216,20 @@ def _without_capability(domain: Domain, missing: str, name: str) -> UnsupportedD
 
 
 def _to_write(domain: Domain, name: str) -> str:
-    """Return what the author of a kind of domain is to write; nothing of kinds of the core."""
+    """Return advice for the author of a kind of domain; "" for kinds of the core."""
     kind = type(domain)
     if kind.__module__.startswith(f"{__package__}."):
         return ""
-    what = "method" if name.endswith(")") else "property"
-    return f". To allow it, give the class {kind.__name__} the {what} {name} of Domain"
+    member = "method" if name.endswith(")") else "property"
+    return f". To allow it, give the class {kind.__name__} the {member} {name} of Domain"
 
 
 def _as_array(values: ArrayLike, name: str) -> np.ndarray[Any, Any]:
-    cure = "leave those rows out; positions are missing after {}.filled(numpy.nan)"
+    cure = "remove those rows; positions are missing after {}.filled(numpy.nan)"
     check_nothing_masked(values, name, InvalidDomainError, cure)
     try:
         array = np.asarray(values)
-    except (ValueError, TypeError) as error:  # ragged lists, objects that refuse conversion
+    except (ValueError, TypeError) as error:  # ragged lists, inconvertible objects
         reason = _raggedness(values) or str(error)
         raise InvalidDomainError(f"{name} cannot be read as an array: {reason}") from error
     if array.dtype.kind not in "iuf":
@@ -240,7 +240,7 @@ def _as_array(values: ArrayLike, name: str) -> np.ndarray[Any, Any]:
 
 
 def _raggedness(values: Any) -> str | None:
-    """Return which row has another number of entries than the first, or None."""
+    """Describe the first row with another number of entries than row 0; None without any."""
     rows = list(values) if isinstance(values, list | tuple) else []
     if not rows or not all(isinstance(row, list | tuple | np.ndarray) for row in rows):
         return None
@@ -254,8 +254,8 @@ def _raggedness(values: Any) -> str | None:
 def as_floats(values: ArrayLike, name: str, shape: tuple[int | None, ...]) -> FloatArray:
     """Return a fresh C-ordered float64 copy of `values` after checking its `shape`.
 
-    ``None`` stands for any length. Overflow of wider floats to infinity, and NaN that signal, are
-    left to the caller's check of finiteness.
+    ``None`` in `shape` means any length. The caller checks finiteness, after overflow of wider
+    floats to infinity.
     """
     array = _as_array(values, name)
     _check_shape(array, name, shape)
@@ -269,7 +269,7 @@ def as_indices(values: ArrayLike, name: str, row: str, shape: tuple[int | None, 
     `row` names one row of the array in messages: "face", "edge".
     """
     array = _as_array(values, name)
-    if array.size == 0 and array.ndim < len(shape):  # [] says "no rows" as well as (0, 3) does
+    if array.size == 0 and array.ndim < len(shape):  # [] means "no rows" like (0, 3)
         array = array.reshape([length or 0 for length in shape])
     _check_shape(array, name, shape)
     if array.dtype.kind == "f":
@@ -296,23 +296,23 @@ def check_corners(faces: Any) -> None:
     Raises
     ------
     InvalidDomainError
-        They have four columns.
+        `faces` has four columns.
     """
     try:
         shape = np.shape(faces)
-    except (ValueError, TypeError):  # rows of different lengths, say, which `as_indices` names
+    except (ValueError, TypeError):  # for example ragged rows, which `as_indices` reports
         return
     if len(shape) == 2 and shape[1] == 4 and shape[0]:
         raise InvalidDomainError(
             f"faces must have shape (n, 3), not {shape}. Split quadrangles that are convex: "
             "numpy.concatenate([faces[:, [0, 1, 2]], faces[:, [0, 2, 3]]]); others, or tetrahedra: "
             'meshio.Mesh(vertices, [("quad", faces)]), or "tetra"; of PyVista\'s rows, which begin '
-            "with 3, give faces[:, 1:]"
+            "with 3, pass faces[:, 1:]"
         )
 
 
 def check_indices(indices: IntArray, n_vertices: int, row: str) -> None:
-    """Raise for the first row of `indices` that refers to a vertex that is not there."""
+    """Raise for the first row of `indices` that refers to a vertex that does not exist."""
     if indices.size == 0 or (indices.min() >= 0 and indices.max() < n_vertices):
         return
     outside = (indices < 0) | (indices >= n_vertices)
@@ -325,7 +325,7 @@ def check_indices(indices: IntArray, n_vertices: int, row: str) -> None:
 
 
 def first_bad_row(good: np.ndarray[Any, Any]) -> int | None:
-    """Return the index of the first row in which `good` is not true throughout, or None."""
+    """Return the index of the first row in which `good` is not entirely true, or None."""
     if good.all():
         return None
     rows = good.all(axis=tuple(range(1, good.ndim))) if good.ndim > 1 else good

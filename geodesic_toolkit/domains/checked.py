@@ -14,12 +14,12 @@ __all__ = ["graph_of", "normals_of", "positions_of", "triangles_of"]
 
 
 def positions_of(domain: Domain) -> FloatArray:
-    """Return the positions of the vertices, (N, 3); NaN at vertices without a place.
+    """Return the positions of the vertices, (N, 3); NaN at vertices without one.
 
     Raises
     ------
     UnsupportedDomainError
-        There are none, or not one for each vertex.
+        Positions are missing, or their number is not that of the vertices.
     """
     _check(domain, "positions", domain.positions, np.float64, domain.n_vertices)
     return domain.positions
@@ -31,7 +31,7 @@ def normals_of(domain: Domain) -> FloatArray | None:
     Raises
     ------
     UnsupportedDomainError
-        Not one for each vertex.
+        The number of normals is not that of the vertices.
     """
     if domain.normals is not None:
         _check(domain, "normals", domain.normals, np.float64, domain.n_vertices)
@@ -44,7 +44,7 @@ def triangles_of(domain: Domain) -> IntArray:
     Raises
     ------
     UnsupportedDomainError
-        There are none, or one has a vertex that is not there.
+        Triangles are missing, or one refers to a vertex that does not exist.
     """
     triangles = domain.triangles
     _check(domain, "triangles", triangles, np.int64, None)
@@ -64,7 +64,7 @@ def graph_of(domain: Domain) -> Graph:
     Raises
     ------
     UnsupportedDomainError
-        There are none, or something else than a graph of the same vertices.
+        Edges are missing, or the result is not a graph with the same vertices.
     """
     graph = domain.as_graph()
     if not isinstance(graph, Graph) or graph.n_vertices != domain.n_vertices:
@@ -76,7 +76,7 @@ def graph_of(domain: Domain) -> Graph:
 
 
 def _check(domain: Domain, name: str, array: Any, dtype: type, rows: int | None) -> None:
-    """Raise unless an array is of that type and of shape (rows, 3)."""
+    """Raise unless an array has the given type and shape (rows, 3)."""
     good = isinstance(array, np.ndarray) and array.dtype == dtype and array.ndim == 2
     if good and array.shape[1] == 3 and rows in (None, len(array)):
         return

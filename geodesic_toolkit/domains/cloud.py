@@ -24,10 +24,10 @@ class PointCloud(Domain):
     Parameters
     ----------
     points : array-like of shape (N, 3)
-        Positions, in any unit; distances come out in the same one. Copied to float64.
+        Positions, in any unit; distances are in the same one. Copied to float64.
     normals : array-like of shape (N, 3), optional
-        Surface normals, of any length but zero; used as they are given. Where a point is missing
-        its normal is ignored.
+        Surface normals, of any length except zero; used as they are given. Normals of missing
+        points are ignored.
 
     Attributes
     ----------
@@ -35,13 +35,13 @@ class PointCloud(Domain):
     normals : ndarray of shape (N, 3), float64, read-only, or None
         Unit normals.
     present : ndarray of shape (N,), bool, read-only
-        Where the point is finite.
+        True at finite points.
 
     Raises
     ------
     InvalidDomainError
-        Wrong shape or dtype, no points, none that is finite, a normal that is zero or not finite
-        at a point that is there.
+        Wrong shape or dtype, no points, no finite points, a normal that is zero or not finite at a
+        finite point.
 
     Examples
     --------
@@ -62,7 +62,7 @@ class PointCloud(Domain):
             raise InvalidDomainError("the point cloud has no points")
         present: BoolArray = np.asarray(np.isfinite(positions).all(axis=1))
         if not present.any():
-            raise InvalidDomainError("no point of the point cloud is finite")
+            raise InvalidDomainError("the point cloud has no finite points")
         units = None if normals is None else _unit_normals(normals, present)
         self._set(points=positions, _normals=units, _present=present)
 
@@ -95,15 +95,15 @@ class PointCloud(Domain):
         Raises
         ------
         InvalidOptionError
-            The mask leaves no point.
+            All points are masked or missing.
         """
         if not (self.present & ~mask).any():
-            raise InvalidOptionError("the mask leaves no point, and so no paths")
+            raise InvalidOptionError("the mask leaves no points, and so no paths")
         return PointCloud(np.where(mask[:, None], np.nan, self.points), self.normals)
 
     @property
     def n_vertices(self) -> int:
-        """Number of points, the missing ones among them."""
+        """Number of points, including missing ones."""
         return len(self.points)
 
     def __repr__(self) -> str:
@@ -123,9 +123,9 @@ def _unit_normals(normals: ArrayLike, present: BoolArray) -> FloatArray:
     if bad is not None:
         raise InvalidDomainError(
             f"normal {bad} is zero or not finite: {vectors[bad].tolist()}; "
-            "leave the normals out to have them estimated"
+            "omit the normals to have them estimated"
         )
     vectors[~present] = 0.0
-    vectors /= np.where(largest > 0, largest, 1.0)[:, None]  # against overflow of the square
+    vectors /= np.where(largest > 0, largest, 1.0)[:, None]  # prevents overflow of the square
     length = np.linalg.norm(vectors, axis=1, keepdims=True)
     return np.asarray(vectors / np.where(length > 0, length, 1.0))

@@ -24,7 +24,7 @@ __all__ = ["Graph"]
 class Graph(Domain):
     """An undirected graph whose edges have lengths.
 
-    Loops are ignored and of parallel edges the shortest counts; several components and isolated
+    Loops are ignored and the shortest of parallel edges is used; several components and isolated
     vertices are not errors.
 
     Parameters
@@ -32,10 +32,10 @@ class Graph(Domain):
     n_vertices : int
         Number of vertices.
     edges : array-like of shape (E, 2)
-        Two vertex indices an edge, counted from 0, in either order.
+        Two vertex indices per edge, counted from 0, in either order.
     lengths : array-like of shape (E,), optional
-        Edge lengths, 0 or positive; 1 each where left out. Vertices that edges of length 0 connect
-        are one place under several indices.
+        Edge lengths, 0 or positive; 1 each if omitted. Vertices connected by edges of length 0 are
+        one position with several indices.
 
     Attributes
     ----------
@@ -45,8 +45,8 @@ class Graph(Domain):
     Raises
     ------
     InvalidDomainError
-        No vertices, wrong shapes, an edge that refers to a vertex that is not there, a length
-        that is negative or not finite. The message names the first offender.
+        No vertices, wrong shapes, an edge that refers to a vertex that does not exist, a length
+        that is negative or not finite. The message names the first invalid entry.
 
     Examples
     --------
@@ -79,7 +79,7 @@ class Graph(Domain):
 
     @property
     def n_vertices(self) -> int:
-        """Number of vertices, the isolated ones among them."""
+        """Number of vertices, including isolated ones."""
         return self._n_vertices
 
     @property
@@ -105,10 +105,10 @@ class Graph(Domain):
         Raises
         ------
         InvalidOptionError
-            The mask leaves no vertex.
+            All vertices are masked.
         """
         if mask.all():
-            raise InvalidOptionError("the mask leaves no vertex, and so no paths")
+            raise InvalidOptionError("the mask leaves no vertices, and so no paths")
         free = ~mask[self.edges].any(axis=1)
         return Graph(self.n_vertices, self.edges[free], self.lengths[free])
 

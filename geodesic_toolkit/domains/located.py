@@ -13,11 +13,11 @@ from geodesic_toolkit.errors import InvalidDomainError, InvalidSourceError
 
 __all__ = ["Located", "check_present"]
 
-ROUNDING = 1e-9
-"""Largest negative rounding error of a weight, as of computed barycentric coordinates."""
+MAX_ROUNDING_OF_WEIGHTS = 1e-9
+"""Largest negative rounding error of a weight, for computed barycentric coordinates."""
 
-SUM = 1e-6
-"""Largest rounding error of a sum of weights, which should be 1."""
+MAX_ERROR_OF_SUM = 1e-6
+"""Largest error of the sum of weights, which should be 1."""
 
 
 @final
@@ -31,14 +31,15 @@ class Located(FrozenArrays):
     Parameters
     ----------
     vertices : array-like of shape (P, C)
-        The C vertices of the element that each place lies in; an element of fewer repeats one.
+        The C vertices of the element that contains each place; an element with fewer vertices
+        repeats one.
     weights : array-like of shape (P, C)
-        Their weights: not negative, with sum 1.
+        The weights of the vertices: not negative, with sum 1.
 
     Raises
     ------
     InvalidSourceError
-        Other shapes, indices that are not whole or negative, weights that are not convex.
+        Other shapes, indices that are negative or not whole, weights that are not convex.
 
     Examples
     --------
@@ -59,11 +60,13 @@ class Located(FrozenArrays):
         except InvalidDomainError as error:
             raise InvalidSourceError(f"places: {error}") from error
         if not corners.shape[1]:
-            raise InvalidSourceError("places: each needs one vertex or more")
+            raise InvalidSourceError("places: each must have one vertex or more")
         if corners.size and corners.min() < 0:
             bad = int(np.flatnonzero((corners < 0).any(axis=1))[0])
             raise InvalidSourceError(f"place {bad} has the vertex {corners[bad].min()}")
-        convex = (shares >= -ROUNDING).all(axis=1) & (np.abs(shares.sum(axis=1) - 1) <= SUM)
+        convex = (shares >= -MAX_ROUNDING_OF_WEIGHTS).all(axis=1) & (
+            np.abs(shares.sum(axis=1) - 1) <= MAX_ERROR_OF_SUM
+        )
         if not convex.all():
             bad = int(convex.argmin())
             raise InvalidSourceError(
@@ -76,7 +79,7 @@ class Located(FrozenArrays):
         return len(self.vertices)
 
     def check_on(self, domain: Domain, name: str = "places") -> None:
-        """Raise unless all vertices are present ones of a domain.
+        """Raise unless all vertices exist in a domain and are not missing.
 
         Parameters
         ----------
@@ -87,7 +90,7 @@ class Located(FrozenArrays):
         Raises
         ------
         InvalidSourceError
-            One is not.
+            A vertex does not exist or is missing.
         """
         used = self.vertices[self.weights > 0]
         if used.size and used.max() >= domain.n_vertices:
@@ -98,27 +101,27 @@ class Located(FrozenArrays):
         check_present(domain, used, name)
 
     def positions(self, domain: Domain) -> FloatArray:
-        """Return where the places lie.
+        """Return the positions of the places.
 
         Parameters
         ----------
         domain : Domain
-            With positions.
+            A domain with positions.
 
         Returns
         -------
         ndarray of shape (P, 3), float64
             In the unit of the domain.
         """
-        places = domain.positions[self.vertices]
-        return np.asarray(np.einsum("pc,pcd->pd", self.weights, places))
+        corners = domain.positions[self.vertices]
+        return np.asarray(np.einsum("pc,pcd->pd", self.weights, corners))
 
 
 def check_present(domain: Domain, vertices: IntArray, name: str) -> None:
-    """Raise an `InvalidSourceError` that begins with `name` where one of them is missing."""
-    there = domain.present[vertices]
-    if not there.all():
+    """Raise an `InvalidSourceError` that begins with `name` if one of the vertices is missing."""
+    is_present = domain.present[vertices]
+    if not is_present.all():
         raise InvalidSourceError(
-            f"{name}: {domain.vertex_name} {vertices[~there][0]} of the {type(domain).__name__} is "
-            "missing (not finite)"
+            f"{name}: {domain.vertex_name} {vertices[~is_present][0]} of the "
+            f"{type(domain).__name__} is missing (not finite)"
         )

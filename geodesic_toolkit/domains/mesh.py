@@ -27,18 +27,19 @@ class TriangleMesh(Domain):
     """A triangle mesh in space.
 
     Degenerate and repeated faces, unreferenced and duplicate vertices, non-manifold edges and
-    several components are not errors: scans and models have them. Faces of the same three vertices,
-    front and back of a triangle perhaps, count once; where front and back have vertices of their
-    own, they are two sheets, and :func:`merge_vertices` makes one of them.
+    several components are not errors: scans and models have them. Faces with the same three
+    vertices, such as front and back of a triangle, count once; if front and back have different
+    vertices, they are two sheets, and :func:`merge_vertices` joins them.
 
     Parameters
     ----------
     vertices : array-like of shape (N, 3)
-        Positions, in any unit; distances come out in the same one. Any real dtype and memory
-        order; copied to float64. Those that no face refers to may be NaN or infinite, as pixels
-        without depth are.
+        Positions, in any unit; distances are in the same one. Any real dtype and memory order;
+        copied to float64. Vertices without faces may be NaN or infinite, as pixels without depth
+        are.
     faces : array-like of shape (F, 3)
-        Three vertex indices a face, counted from 0; floats must be whole numbers. Copied to int64.
+        Three vertex indices per face, counted from 0; floats must be whole numbers. Copied to
+        int64.
 
     Attributes
     ----------
@@ -48,8 +49,8 @@ class TriangleMesh(Domain):
     Raises
     ------
     InvalidDomainError
-        Wrong shape or dtype, no vertices or no faces, a face that refers to a vertex that is not
-        there or not finite. The message names the first offender.
+        Wrong shape or dtype, no vertices or no faces, a face that refers to a vertex that does not
+        exist or is not finite. The message names the first invalid entry.
 
     Examples
     --------
@@ -77,7 +78,7 @@ class TriangleMesh(Domain):
 
     @property
     def n_vertices(self) -> int:
-        """Number of vertices, the unreferenced ones among them."""
+        """Number of vertices, including unreferenced ones."""
         return len(self.vertices)
 
     @property
@@ -98,7 +99,7 @@ class TriangleMesh(Domain):
         return self.faces
 
     def as_graph(self) -> Graph:
-        """Return the edges of faces with three different vertices, those of some length, each once.
+        """Return the distinct edges of positive length of faces with three different vertices.
 
         Returns
         -------
@@ -112,7 +113,7 @@ class TriangleMesh(Domain):
         return Graph(self.n_vertices, edges[some], lengths[some])
 
     def without(self, mask: BoolArray) -> "TriangleMesh":
-        """Return the mesh without the faces that have a masked vertex, its vertices as they are.
+        """Return the mesh with the same vertices, without the faces that have a masked vertex.
 
         Parameters
         ----------
@@ -125,7 +126,7 @@ class TriangleMesh(Domain):
         Raises
         ------
         InvalidOptionError
-            The mask leaves no face.
+            All faces have a masked vertex.
 
         Examples
         --------
@@ -136,12 +137,12 @@ class TriangleMesh(Domain):
         """
         faces = self.faces[~mask[self.faces].any(axis=1)]
         if not len(faces):
-            raise InvalidOptionError("the mask leaves no face, and so no paths")
+            raise InvalidOptionError("the mask leaves no faces, and so no paths")
         return TriangleMesh(self.vertices, faces)
 
     @property
     def n_faces(self) -> int:
-        """Number of faces, the degenerate and the repeated ones among them."""
+        """Number of faces, including degenerate and repeated ones."""
         return len(self.faces)
 
     def __repr__(self) -> str:
@@ -150,13 +151,13 @@ class TriangleMesh(Domain):
 
 
 def _check_finite(points: FloatArray, faces: IntArray, finite: BoolArray) -> None:
-    """Raise for the first face that refers to a vertex which is not finite."""
+    """Raise for the first face that refers to a vertex that is not finite."""
     face = first_bad_row(finite[faces])
     if face is None:
         return
     bad = int(faces[face][~finite[faces[face]]][0])
     raise InvalidDomainError(
-        f"vertex {bad} is not finite: {points[bad].tolist()}; face {face} refers to it. Leave out "
+        f"vertex {bad} is not finite: {points[bad].tolist()}; face {face} refers to it. Remove "
         "such faces: faces[numpy.isfinite(vertices[faces]).all(axis=(1, 2))]; or use a PointCloud, "
         "which keeps such points as missing"
     )

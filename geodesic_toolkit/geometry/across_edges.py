@@ -1,14 +1,14 @@
 """Distances across the edges of a graph, by fronts through its corners.
 
-A corner is two edges of a vertex whose ends are known to be how far apart: a triangle of the graph,
-or a quadrangle that it leaves empty, which is laid out in the plane so that its area is the
-largest. A rectangle of voxels is that as well, and what is parallel or at right angles in a lattice
-follows from its rectangles. Vertices are settled from the nearest to the farthest, as in Dijkstra's
-algorithm; each reads the shortest of the paths along its edges and of those that a front takes
-straight across its corners.
+A corner consists of two edges of a vertex whose other ends have a known distance: a triangle of the
+graph, or an empty quadrangle, which is laid out in the plane with the largest area. Rectangles of
+voxels are such quadrangles, and they determine which edges of a lattice are parallel or at right
+angles. Distances become final from the nearest vertex to the farthest, as in Dijkstra's algorithm;
+each is the shortest of the paths along the edges of a vertex and of the paths of fronts straight
+across its corners.
 
-Where noise lengthens the edges between samples of a surface, that is taken off for the most part,
-unless triangles overlap so much that the shortest of many ways is short by itself.
+If noise lengthens the edges between samples of a surface, most of its effect is subtracted, unless
+triangles overlap so much that the shortest of many paths is short by itself.
 """
 
 from __future__ import annotations
@@ -25,29 +25,29 @@ from geodesic_toolkit.core.types import FloatArray, IntArray
 from geodesic_toolkit.geometry.noise import squared_noise
 from geodesic_toolkit.geometry.threads import threads_for
 
-__all__ = ["MIN_GROWTH_OF_SOLIDS", "OF_TRIANGLES", "AcrossEdges"]
+__all__ = ["MIN_CLOSED_SHARE_OF_TRIANGLES", "MIN_GROWTH_OF_SOLIDS", "AcrossEdges"]
 
-OF_TRIANGLES = 0.5
-"""Share of the edges that triangles surround above which most corners are of overlapping triangles.
-Neighbour graphs have 0.8 and more; lattices have 0, and meshes of triangles their rim, 0 to 0.3.
+MIN_CLOSED_SHARE_OF_TRIANGLES = 0.5
+"""Minimum share of edges surrounded by triangles in graphs of overlapping triangles. Neighbour
+graphs have 0.8 and more; lattices have 0, and meshes of triangles 0 to 0.3, at their rim.
 """
 
 MIN_GROWTH_OF_SOLIDS = 3.5
-"""Vertices within two edges for each neighbour, above which a graph samples a solid. Neighbour
-graphs of squares, rolls and spheres have 2.8 to 3.4, edges of meshes 3.1 to 3.4; neighbour graphs
-of cubes 3.6 to 4.4, tetrahedra 4.7 to 5.5.
+"""Vertices within two edges, per neighbour, above which a graph samples a solid. Neighbour graphs
+of squares, rolls and spheres have 2.8 to 3.4, edges of meshes 3.1 to 3.4; neighbour graphs of cubes
+3.6 to 4.4, tetrahedra 4.7 to 5.5.
 """
 
-DENSE, THIN = 0.99, 0.94
-"""Share of the edges that triangles surround, between which noise is taken off less and less. They
-surround 90 % with 8 neighbours in the plane, 95.5 % with 10, 98 % with 12 and 99.3 % with 15. Found
-on squares, spheres and rolls of 500 and 2,500 samples with noise of 0, 0.05, 0.1 and 0.15 mean
-distances in ten dimensions: mean errors are 0 to 6 %. With 0.93 and 0.98, or 0.92 and 0.99, they
-are up to 2 % larger.
+CLOSED_SHARE_WITHOUT_CORRECTION, CLOSED_SHARE_OF_FULL_CORRECTION = 0.99, 0.94
+"""Shares of edges surrounded by triangles, between which the correction for noise decreases to 0.
+Triangles surround 90 % with 8 neighbours in the plane, 95.5 % with 10, 98 % with 12 and 99.3 % with
+15. Found on squares, spheres and rolls of 500 and 2,500 samples with noise of 0, 0.05, 0.1 and 0.15
+mean distances in ten dimensions: mean errors are 0 to 6 %. With 0.93 and 0.98, or 0.92 and 0.99,
+they are up to 2 % larger.
 """
 
-MIN_SHARE_OF_LENGTH = 0.5
-"""Part of its length that an edge keeps."""
+MIN_RELATIVE_LENGTH_OF_CORRECTED_EDGES = 0.5
+"""Minimum length of a corrected edge, relative to its length before."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -58,11 +58,11 @@ class AcrossEdges(FrozenArrays):
     ----------
     n_vertices : int
     edges : ndarray of shape (E, 2), int64
-        Each once, without loops.
+        Distinct, without loops.
     lengths : ndarray of shape (E,), float64
         Positive.
     representatives : ndarray of shape (N,), int64
-        The vertex whose distance each vertex reads; empty where that is its own.
+        The vertex whose distance each vertex takes; empty if each takes its own.
 
     References
     ----------
@@ -85,7 +85,7 @@ class AcrossEdges(FrozenArrays):
 
     @property
     def corners(self) -> _native.GraphCorners:
-        """The corners, found when they, or `noise`, are first asked for."""
+        """The corners, computed at the first use of them or of `noise`."""
         return self._corners_and_noise[0]
 
     @property
@@ -96,27 +96,31 @@ class AcrossEdges(FrozenArrays):
     @cached_property
     def _corners_and_noise(self) -> tuple[_native.GraphCorners, float]:
         corners = _native.GraphCorners(self.n_vertices, self.edges, self.lengths)
-        taken = float(np.clip((DENSE - corners.closed) / (DENSE - THIN), 0, 1))
+        most, least = CLOSED_SHARE_WITHOUT_CORRECTION, CLOSED_SHARE_OF_FULL_CORRECTION
+        share = float(np.clip((most - corners.closed) / (most - least), 0, 1))
         if (
             corners.lattice
             or corners.growth > MIN_GROWTH_OF_SOLIDS
-            or not taken
-            or corners.closed < OF_TRIANGLES
+            or not share
+            or corners.closed < MIN_CLOSED_SHARE_OF_TRIANGLES
         ):
             return corners, 0.0
-        off = taken * squared_noise(self.n_vertices, self.edges, self.lengths)
-        if not off:
+        correction = share * squared_noise(self.n_vertices, self.edges, self.lengths)
+        if not correction:
             return corners, 0.0
         shorter = np.sqrt(
-            np.maximum(self.lengths**2 - off, (MIN_SHARE_OF_LENGTH * self.lengths) ** 2)
+            np.maximum(
+                self.lengths**2 - correction,
+                (MIN_RELATIVE_LENGTH_OF_CORRECTED_EDGES * self.lengths) ** 2,
+            )
         )
-        noise = off / float(np.median(self.lengths**2))
+        noise = correction / float(np.median(self.lengths**2))
         return _native.GraphCorners(self.n_vertices, self.edges, shorter), noise
 
     def distances(self, begins: IntArray, vertices: IntArray, starts: FloatArray) -> FloatArray:
         """Return the distance from each of K sets of vertices, (K, N).
 
-        Arguments are those of `AlongEdges.distances`; nothing is above what that returns.
+        Arguments are those of `AlongEdges.distances`, and distances are never above its result.
         """
         others = self.representatives
         moved = others[vertices] if len(others) else vertices

@@ -22,11 +22,11 @@ class AlongEdges(FrozenArrays):
     ----------
     n_vertices : int
     edges : ndarray of shape (E, 2), int64
-        Each once, without loops.
+        Distinct, without loops.
     lengths : ndarray of shape (E,), float64
         Not negative.
     instead_of_heat : str
-        Why heat cannot measure this graph; empty where it can.
+        Reason why heat cannot measure this graph; empty if it can.
 
     References
     ----------
@@ -50,7 +50,7 @@ class AlongEdges(FrozenArrays):
     @cached_property
     def matrix(self) -> Any:
         """The lengths as a symmetric csr_array of shape (N, N), zeros stored as well."""
-        from scipy.sparse import coo_array, csr_array  # two tenths of a second
+        from scipy.sparse import coo_array, csr_array  # the import takes 0.2 s
 
         ends = np.concatenate([self.edges, self.edges[:, ::-1]]).T
         shape = (self.n_vertices, self.n_vertices)
@@ -62,33 +62,33 @@ class AlongEdges(FrozenArrays):
         Parameters
         ----------
         begins : ndarray of shape (K + 1,), int64
-            Where the vertices of each set begin, and P at the end.
+            Index of the first vertex of each set, and P at the end.
         vertices : ndarray of shape (P,), int64
         starts : ndarray of shape (P,), float64
-            The distance that each of them starts with; of any sign.
+            Initial distance of each vertex, of any sign.
 
         Returns
         -------
         ndarray of shape (K, N), float64
-            ``inf`` where no edge leads.
+            ``inf`` at vertices that edges do not connect to the set.
         """
         from scipy.sparse import csr_array
         from scipy.sparse.csgraph import dijkstra
 
         count, sets = self.n_vertices, np.diff(begins)
-        offset = np.minimum.reduceat(starts, begins[:-1])  # Dijkstra's edges are not negative
+        offset = np.minimum.reduceat(starts, begins[:-1])  # Dijkstra's algorithm needs lengths >= 0
         late = starts - np.repeat(offset, sets)
         order = np.lexsort((late, vertices, np.repeat(np.arange(len(sets)), sets)))
         owner = np.repeat(np.arange(len(sets)), sets)[order]
-        place, late = vertices[order], late[order]
-        first = np.ones(len(order), dtype=np.bool_)  # SciPy would add up what is stored twice
-        first[1:] = (owner[1:] != owner[:-1]) | (place[1:] != place[:-1])
+        vertex, late = vertices[order], late[order]
+        first = np.ones(len(order), dtype=np.bool_)  # SciPy would add repeated entries
+        first[1:] = (owner[1:] != owner[:-1]) | (vertex[1:] != vertex[:-1])
         inner = self.matrix
         ends = np.cumsum(np.bincount(owner[first], minlength=len(sets)))
-        graph = csr_array(  # one vertex more for each set, with paths to its members only
+        graph = csr_array(  # with one more vertex per set, which has edges to its members only
             (
                 np.concatenate([inner.data, late[first]]),
-                np.concatenate([inner.indices, place[first].astype(inner.indices.dtype)]),
+                np.concatenate([inner.indices, vertex[first].astype(inner.indices.dtype)]),
                 np.concatenate([inner.indptr, inner.indptr[-1] + ends]),
             ),
             shape=(count + len(sets), count + len(sets)),
@@ -101,7 +101,7 @@ class AlongEdges(FrozenArrays):
 
 
 def shortest_parallel_edges(edges: IntArray, lengths: FloatArray) -> tuple[IntArray, FloatArray]:
-    """Return edges without loops, smaller vertex first, each once with its least length."""
+    """Return distinct edges without loops, smaller vertex first, each with its smallest length."""
     ends = np.sort(edges, axis=1)
     order = np.lexsort((lengths, ends[:, 1], ends[:, 0]))
     ends, lengths = ends[order], lengths[order]

@@ -1,8 +1,8 @@
 """Cells of finite elements as the polygons of a surface.
 
-Polygons come as their sizes and, one after the other, their corners. Cells are named as meshio
-does, and their nodes are in the order of VTK: the corners, the nodes in the middles of edges, those
-in the middles of faces.
+Polygons are given by their sizes and by their corners, one polygon after the other. Cells have the
+names of meshio, and their nodes are in the order of VTK: the corners, the nodes in the middles of
+edges, those in the middles of faces.
 """
 
 from collections.abc import Iterable
@@ -15,10 +15,10 @@ from geodesic_toolkit.errors import InvalidDomainError
 
 __all__ = ["faces_of", "surface_polygons"]
 
-PLANE_CELLS = {"triangle": 3, "quad": 4}
+CORNERS_OF_PLANE_CELLS = {"triangle": 3, "quad": 4}
 """Corners of the plane cells."""
 
-PARTS: dict[tuple[int, int], list[tuple[int, ...]]] = {
+PARTS_OF_FACES: dict[tuple[int, int], list[tuple[int, ...]]] = {
     (3, 3): [(0, 1, 2)],
     (3, 6): [(0, 3, 5), (3, 1, 4), (5, 4, 2), (3, 4, 5)],
     (3, 7): [(0, 3, 6), (3, 1, 6), (1, 4, 6), (4, 2, 6), (2, 5, 6), (5, 0, 6)],
@@ -26,9 +26,9 @@ PARTS: dict[tuple[int, int], list[tuple[int, ...]]] = {
     (4, 8): [(0, 4, 7), (4, 1, 5), (5, 2, 6), (7, 6, 3), (4, 5, 6, 7)],
     (4, 9): [(0, 4, 8, 7), (4, 1, 5, 8), (8, 5, 2, 6), (7, 8, 6, 3)],
 }
-"""What a face of so many corners and nodes is split into, so that every node is a corner."""
+"""Polygons that replace a face of given numbers of corners and nodes: every node is a corner."""
 
-SOLID_CELLS: dict[str, list[tuple[int, ...]]] = {
+FACES_OF_SOLID_CELLS: dict[str, list[tuple[int, ...]]] = {
     "tetra": [(0, 2, 1), (0, 1, 3), (1, 2, 3), (0, 3, 2)],
     "hexahedron": [
         (0, 3, 2, 1),
@@ -43,7 +43,7 @@ SOLID_CELLS: dict[str, list[tuple[int, ...]]] = {
 }
 """Faces of the solid cells, seen from outside."""
 
-EDGES: dict[str, list[tuple[int, int]]] = {
+EDGES_OF_SOLID_CELLS: dict[str, list[tuple[int, int]]] = {
     "tetra": [(0, 1), (1, 2), (2, 0), (0, 3), (1, 3), (2, 3)],
     "hexahedron": [
         *[(0, 1), (1, 2), (2, 3), (3, 0), (4, 5), (5, 6), (6, 7), (7, 4)],
@@ -54,19 +54,19 @@ EDGES: dict[str, list[tuple[int, int]]] = {
 }
 """Edges of the solid cells, in the order of the nodes in their middles."""
 
-MIDDLES: dict[str, list[int]] = {
+MIDDLE_NODES_OF_FACES: dict[str, list[int]] = {
     "hexahedron27": [24, 25, 22, 21, 23, 20],
     "wedge18": [-1, -1, 15, 16, 17],
     "pyramid14": [13, -1, -1, -1, -1],
     "pyramid19": [13, 14, 15, 16, 17],
 }
-"""Nodes in the middles of the faces of solid cells, or -1; others have none."""
+"""Nodes in the middles of the faces of solid cells, or -1; other cells do not have such nodes."""
 
-SIMPLE = {"tetra": 4, "hexahedron": 8, "wedge": 6, "pyramid": 5}
+CORNERS_OF_SOLID_CELLS = {"tetra": 4, "hexahedron": 8, "wedge": 6, "pyramid": 5}
 
 
 def surface_polygons(blocks: Iterable[tuple[str, Any]]) -> tuple[IntArray, IntArray]:
-    """Return the polygons among cells or, where there are none, those around the solid ones.
+    """Return the polygons among cells or, if there are none, the surface of the solid cells.
 
     Cells of second order are split, so that the nodes in the middles of their edges and faces are
     corners, too.
@@ -75,13 +75,13 @@ def surface_polygons(blocks: Iterable[tuple[str, Any]]) -> tuple[IntArray, IntAr
     ----------
     blocks : iterable of (kind, cells)
         Cells of a kind, by the names of meshio ("triangle", "quad8", "polygon", "tetra10"): arrays
-        with a row a cell, or sequences of rows. Other kinds are passed over.
+        with a row for each cell, or sequences of rows. Other kinds are ignored.
 
     Returns
     -------
     sizes, corners : ndarray of int64
-        None where there is neither surface nor solid. The solids' surface is seen from outside:
-        the faces that only one cell has.
+        Empty if there is neither surface nor solid. The surface of solids consists of the faces of
+        only one cell, seen from outside.
 
     Raises
     ------
@@ -91,7 +91,9 @@ def surface_polygons(blocks: Iterable[tuple[str, Any]]) -> tuple[IntArray, IntAr
     cells = [(kind, data) for kind, data in blocks if len(data)]
     polygons = [part for kind, data in cells for part in _polygons(kind, data)]
     if not polygons:
-        polygons = _boundary([(kind, data) for kind, data in cells if _family(kind) in SOLID_CELLS])
+        polygons = _boundary(
+            [(kind, data) for kind, data in cells if _family(kind) in FACES_OF_SOLID_CELLS]
+        )
     nothing = np.zeros(0, dtype=np.int64)
     return (
         np.concatenate([nothing, *(sizes for sizes, _ in polygons)]),
@@ -100,7 +102,7 @@ def surface_polygons(blocks: Iterable[tuple[str, Any]]) -> tuple[IntArray, IntAr
 
 
 def _family(kind: str) -> str:
-    """Return the cell without its number of nodes: "triangle6" is a "triangle"."""
+    """Return the name of a cell without its number of nodes: "triangle" for "triangle6"."""
     return kind.rstrip("0123456789")
 
 
@@ -108,16 +110,16 @@ def _polygons(kind: str, data: Any) -> list[tuple[IntArray, IntArray]]:
     if kind.startswith("polygon"):
         sizes = np.array([len(row) for row in data], dtype=np.int64)
         return [(sizes, np.concatenate([np.asarray(row, dtype=np.int64) for row in data]))]
-    count = PLANE_CELLS.get(_family(kind))
+    count = CORNERS_OF_PLANE_CELLS.get(_family(kind))
     return [] if count is None else _split(kind, np.asarray(data, dtype=np.int64), count)
 
 
 def _split(kind: str, nodes: IntArray, count: int) -> list[tuple[IntArray, IntArray]]:
-    """Return plane cells of so many corners as polygons whose corners are all of their nodes.
+    """Return plane cells with `count` corners as polygons whose corners are all of their nodes.
 
-    The polygons of a cell follow each other, as far as they have equally many corners.
+    The polygons of a cell that have equally many corners follow each other.
     """
-    parts = PARTS.get((count, nodes.shape[1]))
+    parts = PARTS_OF_FACES.get((count, nodes.shape[1]))
     if parts is None:
         raise InvalidDomainError(_too_high(kind))
     sizes = sorted({len(part) for part in parts})
@@ -129,25 +131,25 @@ def _split(kind: str, nodes: IntArray, count: int) -> list[tuple[IntArray, IntAr
 
 def _too_high(kind: str) -> str:
     return (
-        f"the cells {kind!r} have more nodes than those of second order, and distances would be "
-        "missing at these; export the mesh with cells of first or second order"
+        f"the cells {kind!r} have more nodes than those of second order, and distances at the "
+        "additional nodes would be missing; export the mesh with cells of first or second order"
     )
 
 
 def _rows(table: IntArray) -> tuple[IntArray, IntArray]:
-    """Return polygons that all have the same number of corners."""
+    """Return the rows of a table as polygons."""
     return np.full(len(table), table.shape[1], dtype=np.int64), table.ravel()
 
 
 def _boundary(solids: list[tuple[str, Any]]) -> list[tuple[IntArray, IntArray]]:
-    """Return the faces that only one solid cell has."""
+    """Return the faces of only one solid cell."""
     faces: dict[tuple[int, int], list[IntArray]] = {}
     for kind, data in solids:
         cells = np.asarray(data, dtype=np.int64)
         for nodes, count in faces_of(kind, cells.shape[1]):
             faces.setdefault((count, len(nodes)), []).append(cells[:, nodes])
     boundary = []
-    for count in PLANE_CELLS.values():
+    for count in CORNERS_OF_PLANE_CELLS.values():
         alike = {size: np.concatenate(some) for (own, size), some in faces.items() if own == count}
         if not alike:
             continue
@@ -164,17 +166,17 @@ def _boundary(solids: list[tuple[str, Any]]) -> list[tuple[IntArray, IntArray]]:
 
 
 def faces_of(kind: str, size: int) -> list[tuple[list[int], int]]:
-    """Return the nodes of each face of a solid cell, as those of a plane cell, and its corners."""
+    """Return the nodes of each face of a solid cell, in plane-cell order, and its corners."""
     family = _family(kind)
-    first, edges = SIMPLE[family], EDGES[family]
+    first, edges = CORNERS_OF_SOLID_CELLS[family], EDGES_OF_SOLID_CELLS[family]
     if size == first:
-        return [(list(face), len(face)) for face in SOLID_CELLS[family]]
-    middles = MIDDLES.get(f"{family}{size}", [-1] * len(SOLID_CELLS[family]))
-    if size != first + len(edges) and f"{family}{size}" not in MIDDLES:
+        return [(list(face), len(face)) for face in FACES_OF_SOLID_CELLS[family]]
+    middles = MIDDLE_NODES_OF_FACES.get(f"{family}{size}", [-1] * len(FACES_OF_SOLID_CELLS[family]))
+    if size != first + len(edges) and f"{family}{size}" not in MIDDLE_NODES_OF_FACES:
         raise InvalidDomainError(_too_high(kind))
     faces = []
     number = {frozenset(edge): first + place for place, edge in enumerate(edges)}
-    for face, middle in zip(SOLID_CELLS[family], middles, strict=True):
+    for face, middle in zip(FACES_OF_SOLID_CELLS[family], middles, strict=True):
         ring = zip(face, face[1:] + face[:1], strict=True)
         nodes = [*face, *(number[frozenset(edge)] for edge in ring)]
         faces.append((nodes + [middle] * (middle >= 0), len(face)))

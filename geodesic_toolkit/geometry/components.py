@@ -15,13 +15,14 @@ def connected_vertices(matrix: CompressedRows) -> IntArray:
     Parameters
     ----------
     matrix : CompressedRows of shape (N, N)
-        Its entries, whatever their values, are the edges; those on one side of the diagonal do.
+        Its entries, whatever their values, are the edges; entries on one side of the diagonal are
+        enough.
     """
     return _native.components(matrix.indptr, matrix.indices)
 
 
 def connected_by_edges(edges: IntArray, n_vertices: int) -> IntArray:
-    """Return the same where edges are (E, 2) pairs of vertices.
+    """Return the component of every vertex, (N,), of a graph with the given edges, (E, 2).
 
     Examples
     --------
@@ -34,5 +35,5 @@ def connected_by_edges(edges: IntArray, n_vertices: int) -> IntArray:
 
 
 def connected_by_faces(faces: IntArray, n_vertices: int) -> IntArray:
-    """Return the same where vertices are connected by (F, 3) faces."""
+    """Return the component of every vertex, (N,), of a mesh with the given faces, (F, 3)."""
     return connected_by_edges(np.concatenate([faces[:, :2], faces[:, 1:]]), n_vertices)

@@ -1,9 +1,10 @@
 """Polygons that are not convex, triangulated inside themselves.
 
-A polygon is looked at along its normal (Newell's: the sum of the cross products of its fan). Its
-fan is kept wherever the fan covers the polygon and nothing else; a quadrangle has one other
-diagonal, and for the rest manifold3d clips ears. That library was chosen over mapbox_earcut, which
-drops corners that lie on a straight line, and so opens cracks towards the neighbours of a polygon.
+A polygon is projected along its normal (Newell's: the sum of the cross products of its fan). Its
+fan is kept if it covers exactly the polygon; a quadrangle has one other diagonal, and other
+polygons are triangulated by manifold3d's ear clipping. That library was chosen over mapbox_earcut,
+which drops corners that lie on a straight line, and so opens cracks towards the neighbours of a
+polygon.
 """
 
 from dataclasses import dataclass
@@ -17,50 +18,50 @@ from geodesic_toolkit.core.types import BoolArray, FloatArray, IntArray
 __all__ = ["correct_fans"]
 
 POLYGONS_PER_BLOCK = 1 << 18
-"""Polygons that are looked at in one go, for the sake of memory."""
+"""Polygons that are checked at once, which limits memory."""
 
 CROSS_PRODUCT_ROUNDING = 16 * np.finfo(np.float64).eps
-"""Bound for rounding in a cross product, in units of the coordinates times the polygon's size."""
+"""Bound for rounding in a cross product, relative to the coordinates times the polygon's size."""
 
 MAX_RELATIVE_HEIGHT_OF_PLANES = 1e-3
-"""Height over extent up to which a polygon is plane, and so crosses itself where it seems to: edges
-of others pass each other in space. Single precision leaves 1e-7; a twisted sliver of a control
-mesh, whose two triangles are as good as any, has 9e-3."""
+"""Maximum height over extent of a plane polygon. Only a plane polygon whose projected edges cross
+does cross itself: edges of other polygons pass each other in space. Single precision leaves 1e-7; a
+twisted sliver of a control mesh, for which both diagonals are equally good, has 9e-3."""
 
 PAIRS_PER_BLOCK = 1 << 20
-"""Pairs of edges that are tried for crossings in one go."""
+"""Pairs of edges that are tested for crossings at once."""
 
 
 @dataclass(frozen=True)
 class _Corners:
-    """Some polygons in space, corner after corner, each relative to its first corner."""
+    """Polygons in space, corner after corner, with each polygon relative to its first corner."""
 
-    places: FloatArray
+    points: FloatArray
     starts: IntArray
     sizes: IntArray
-    noise: FloatArray  # of cross products, one a polygon
+    noise: FloatArray  # of cross products, one per polygon
 
     @classmethod
     def of(cls, positions: FloatArray, sizes: IntArray) -> "_Corners":
         starts = np.cumsum(sizes) - sizes
-        places = positions - np.repeat(positions[starts], sizes, axis=0)
-        reach = np.maximum.reduceat(np.abs(places).max(axis=1), starts)
+        points = positions - np.repeat(positions[starts], sizes, axis=0)
+        reach = np.maximum.reduceat(np.abs(points).max(axis=1), starts)
         magnitude = np.maximum.reduceat(np.abs(positions).max(axis=1), starts)
-        return cls(places, starts, sizes, CROSS_PRODUCT_ROUNDING * reach * (magnitude + reach))
+        return cls(points, starts, sizes, CROSS_PRODUCT_ROUNDING * reach * (magnitude + reach))
 
     def fans(self) -> tuple[IntArray, FloatArray, FloatArray]:
         """Return the triangles of the fans: the polygon, and two edges from its first corner.
 
-        There is one for each corner and the next; those at both ends are flat.
+        There is one for each corner and the next corner; the first and the last are flat.
         """
         owner = np.repeat(np.arange(len(self.sizes)), self.sizes)
         after = np.arange(len(owner)) + 1
         ends = self.starts + self.sizes - 1
         after[ends] = self.starts
-        return owner, self.places, self.places[after]
+        return owner, self.points, self.points[after]
 
     def normals(self) -> FloatArray:
-        """Return the unit normals; that of the largest triangle where a polygon has none."""
+        """Return the unit normals; the normal of the largest triangle for polygons of zero area."""
         owner, here, there = self.fans()
         crosses = np.cross(here, there)
         normals = np.add.reduceat(crosses, self.starts)
@@ -72,9 +73,10 @@ class _Corners:
         return normals / np.where(lengths > 0, lengths, 1.0)[:, None]
 
     def fan_fits(self) -> BoolArray:
-        """Return for each polygon whether the fan of its first corner covers it and no more.
+        """Return a mask of the polygons that the fan of their first corner covers exactly.
 
-        All its triangles turn the same way, and go round that corner at most once.
+        All triangles of the fan turn the same way, and their angles at that corner sum to 2π or
+        less.
         """
         owner, here, there = self.fans()
         normals = self.normals()
@@ -89,16 +91,16 @@ class _Corners:
 def correct_fans(
     vertices: FloatArray, sizes: IntArray, corners: IntArray, faces: IntArray
 ) -> list[int]:
-    """Replace the fans of polygons that are not within their polygon, in place.
+    """Replace fans that are not inside their polygon, in place.
 
     Parameters
     ----------
     vertices : ndarray of shape (N, 3), float64
     sizes, corners : ndarray of int64
-        Polygons, as everywhere; those that refer to vertices that are not there or not finite are
-        passed over, for the mesh to name.
+        Sizes and corners of polygons; polygons with vertices that are missing or not finite are
+        skipped, because the mesh reports them.
     faces : ndarray of shape (F, 3), int64
-        Their fans, which have ``max(size - 2, 0)`` triangles each.
+        The fans of the polygons, which have ``max(size - 2, 0)`` triangles each.
 
     Returns
     -------
@@ -108,7 +110,7 @@ def correct_fans(
     Raises
     ------
     MissingDependencyError
-        There is one of more than four corners, and manifold3d is not installed.
+        A polygon of more than four corners is not convex, and manifold3d is not installed.
     """
     starts = np.cumsum(sizes) - sizes
     counts = np.maximum(sizes - 2, 0)
@@ -137,7 +139,7 @@ def correct_fans(
 
 
 def _counted(sizes: IntArray) -> IntArray:
-    """Return 0, 1, ... for each of some groups."""
+    """Return the numbers 0, 1, ... within each group."""
     ends = np.cumsum(sizes)
     total = int(ends[-1]) if len(ends) else 0
     return np.arange(total) - np.repeat(ends - sizes, sizes)
@@ -150,13 +152,13 @@ def _all_of(flags: BoolArray, sizes: IntArray) -> BoolArray:
 
 
 def _split(polygon: FloatArray) -> tuple[IntArray, bool]:
-    """Return triangles of one polygon whose fan does not fit, and whether it crosses itself."""
+    """Return triangles of one polygon whose fan does not fit, and True if it crosses itself."""
     n = len(polygon)
     corners = _Corners.of(polygon, np.array([n]))
     normal = corners.normals()[0]
     plane = (
-        np.ptp(corners.places @ normal)
-        <= MAX_RELATIVE_HEIGHT_OF_PLANES * np.ptp(corners.places, axis=0).max()
+        np.ptp(corners.points @ normal)
+        <= MAX_RELATIVE_HEIGHT_OF_PLANES * np.ptp(corners.points, axis=0).max()
     )
     if n == 4:
         turned = _Corners.of(np.roll(polygon, -1, axis=0), np.array([4]))
@@ -164,7 +166,7 @@ def _split(polygon: FloatArray) -> tuple[IntArray, bool]:
             return np.array([[1, 2, 3], [1, 3, 0]]), False
         return np.array([[0, 1, 2], [0, 2, 3]]), bool(plane)
     noise = float(corners.noise[0])
-    flat = corners.places @ _plane(normal).T
+    flat = corners.points @ _plane(normal).T
     triangles = np.asarray(_ear_clipping()([flat]), dtype=np.int64)
     a, b, c = (flat[triangles[:, k]] for k in range(3))
     overlaps = bool((_cross(b - a, c - a) < -noise).any())
@@ -183,9 +185,9 @@ def _cross(u: FloatArray, v: FloatArray) -> FloatArray:
 
 
 def _crosses_itself(ring: FloatArray, noise: float) -> bool:
-    """Return whether two edges of a plane polygon cross; those that only touch do not.
+    """Return True if two edges of a plane polygon cross; edges that only touch do not.
 
-    Only edges are compared whose extents along x overlap.
+    Only edges whose extents along x overlap are compared.
     """
     heads = np.roll(ring, -1, axis=0)
     low, high = np.minimum(ring[:, 0], heads[:, 0]), np.maximum(ring[:, 0], heads[:, 0])
@@ -212,5 +214,5 @@ def _crosses_itself(ring: FloatArray, noise: float) -> bool:
 
 
 def _ear_clipping() -> Any:
-    """Return manifold3d's function from a list of rings to triangles, which keep every corner."""
+    """Return manifold3d's triangulation of a list of rings, which keeps every corner."""
     return require("manifold3d", "io", "splitting polygons that are not convex needs").triangulate

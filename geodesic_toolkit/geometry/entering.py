@@ -1,4 +1,4 @@
-"""Distances inside triangles of which only some corners have one, by unfolding into the plane."""
+"""Distances inside triangles from one or two known corners, by unfolding into the plane."""
 
 import numpy as np
 
@@ -8,26 +8,26 @@ __all__ = ["entered"]
 
 
 def entered(
-    positions: FloatArray, values: FloatArray, faces: IntArray, places: FloatArray
+    positions: FloatArray, values: FloatArray, faces: IntArray, points: FloatArray
 ) -> FloatArray:
-    """Return the distance at places in triangles, come in from the corners that have one.
+    """Return the distance at points in triangles, from the corners that have a distance.
 
-    Between two such corners the front is that of a point behind their edge, which lies at the
-    distance of both; else the way leads through a corner.
+    Between two such corners the front is that of a virtual source behind their edge, at the given
+    distances from both; otherwise the path leads through a corner.
 
     Parameters
     ----------
     positions : ndarray of shape (N, 3)
     values : ndarray of shape (N,)
-        Infinite at corners that no way comes from.
+        Infinite at corners without a distance.
     faces : ndarray of shape (Q, 3), int64
-    places : ndarray of shape (Q, 3)
+    points : ndarray of shape (Q, 3)
         One in each face.
 
     Returns
     -------
     ndarray of shape (Q,)
-        Infinite where all three corners are.
+        Infinite if all three corners are.
 
     Examples
     --------
@@ -39,7 +39,7 @@ def entered(
     array([4.472136])
     """
     known = values[faces]
-    steps = np.linalg.norm(positions[faces] - places[:, None], axis=2)
+    steps = np.linalg.norm(positions[faces] - points[:, None], axis=2)
     least = np.asarray((known + steps).min(axis=1))
     two = np.flatnonzero(np.isfinite(known).sum(axis=1) == 2)
     order = np.argsort(known[two], axis=1)[:, :2]
@@ -47,9 +47,9 @@ def entered(
     tail, head = positions[ends[:, 0]], positions[ends[:, 1]]
     one, other = values[ends].T
     length = np.linalg.norm(head - tail, axis=1)
-    # In the plane: the edge from 0 to `length`, the place at (along, up), the point below.
+    # In the plane: the edge from 0 to `length`, the point at (along, up), the virtual source below.
     safe = np.where(length > 0, length, 1.0)
-    along = np.einsum("qd,qd->q", places[two] - tail, (head - tail) / safe[:, None])
+    along = np.einsum("qd,qd->q", points[two] - tail, (head - tail) / safe[:, None])
     up = np.sqrt(np.maximum(steps[two, order[:, 0]] ** 2 - along**2, 0.0))
     aside = (length + (one - other) * (one + other) / safe) / 2
     down = np.sqrt(np.maximum(one**2 - aside**2, 0.0))

@@ -27,8 +27,8 @@ __all__ = ["ComplexArray", "Fans", "Frames", "fans_of", "frames_in_space", "norm
 
 ComplexArray: TypeAlias = NDArray[np.complex128]
 
-OPPOSITE = 1e-9
-"""Cosine of the angle between two normals, plus one, from which on the least rotation is known."""
+MIN_COSINE_SUM_OF_NORMALS = 1e-9
+"""Minimum of one plus the cosine of the angle between two normals with a unique least rotation."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -38,17 +38,18 @@ class Frames(FrozenArrays):
     Parameters
     ----------
     normals : ndarray of shape (N, 3), float64
-        Of length 1.
+        Unit vectors.
     x_axes : ndarray of shape (N, 3), float64
-        Of length 1, at a right angle to the normals.
+        Unit vectors, at a right angle to the normals.
     turns : ndarray of shape (E, m), complex128
-        For each corner of the elements of a gradient a number of length 1 that takes a tangent
+        For each corner of the elements of a gradient, a number of length 1 that takes a tangent
         vector of the vertex into the frame of the element.
     mirrored : ndarray of shape (E,), bool
-        Elements that run clockwise, seen from where the normals point: the turn takes vectors into
-        the mirror image of their frame, in which the second component has the other sign.
+        Elements that are clockwise, seen from outside, where the normals point: the turn takes
+        vectors into the mirror image of their frame, in which the second component has the opposite
+        sign.
     surface_turns, surface_mirrored : ndarray of shape (F, 3) and (F,)
-        The same of the triangles of the surface; those above unless given.
+        Turns and mirrored triangles of the surface; those of the elements unless given.
 
     Examples
     --------
@@ -81,21 +82,21 @@ class Frames(FrozenArrays):
     def to_space(
         self, vectors: ComplexArray, vertices: IntArray | slice = slice(None)
     ) -> FloatArray:
-        """Return tangent vectors (..., P) at some vertices, all of them by default, in space."""
+        """Return tangent vectors (..., P) at vertices, by default all, as vectors in space."""
         x, y = self.x_axes[vertices], self.y_axes[vertices]
         return np.asarray(vectors.real[..., None] * x + vectors.imag[..., None] * y)
 
     def to_frames(
         self, vectors: FloatArray, vertices: IndexArray | IntArray | slice = slice(None)
     ) -> ComplexArray:
-        """Return vectors in space, (P, 3), as they lie in the tangent planes of some vertices."""
+        """Return vectors in space, (P, 3), projected to the tangent planes of vertices."""
         x = np.einsum("pd,pd->p", vectors, self.x_axes[vertices])
         return np.asarray(x + 1j * np.einsum("pd,pd->p", vectors, self.y_axes[vertices]))
 
     def least_turns(self, tails: IndexArray, heads: IndexArray) -> ComplexArray:
         """Return the turns from frames at `tails` to those at `heads`, by least rotations."""
         before, after, axis = self.normals[tails], self.normals[heads], self.x_axes[tails]
-        aligned = np.maximum(1 + np.einsum("ed,ed->e", before, after), OPPOSITE)
+        aligned = np.maximum(1 + np.einsum("ed,ed->e", before, after), MIN_COSINE_SUM_OF_NORMALS)
         share = np.einsum("ed,ed->e", after, axis) / aligned
         turned = self.to_frames(axis - share[:, None] * (before + after), heads)
         sizes = np.abs(turned)
@@ -116,21 +117,21 @@ class Fans:
     Attributes
     ----------
     faces : ndarray of shape (F, 3), int64
-        Turned so that neighbours agree; in vertices of their own where that cut some apart.
+        Consistently oriented faces; with new vertices, if cuts were needed.
     lengths : ndarray of shape (F, 3), float64
         The edge opposite corner i in column i.
     twin : ndarray of shape (3 F,), int64
-        The half-edge that each half-edge ``3 f + c``, opposite corner c of face f, is glued to, or
+        The half-edge to which each half-edge ``3 f + c``, opposite corner c of face f, is glued, or
         -1.
     origin : ndarray of int64
-        The vertex of the mesh that each vertex of the faces is.
+        The vertex of the mesh for each vertex of the faces.
     turned : ndarray of shape (F,), bool
-        Faces that were given in the opposite order: their columns are reversed.
+        Faces that were given in the opposite orientation: their columns are reversed.
     mirrored : ndarray of shape (F,), bool
-        Faces that run clockwise, seen from where the normals point.
+        Faces that are clockwise, seen from outside, where the normals point.
     angles, scales : ndarray of shape (3 F,), float64
-        The direction of each half-edge in the frame of the vertex that it leaves, corner c + 1, and
-        the factor of angles between half-edges there; negative where faces are mirrored.
+        The direction of each half-edge in the frame of its tail, corner c + 1, and the factor of
+        angles between half-edges there; negative in mirrored faces.
     """
 
     faces: IntArray
@@ -144,21 +145,21 @@ class Fans:
 
     @property
     def elements(self) -> IntArray:
-        """The faces (F, 3) in the vertices of the mesh, and as they were given."""
+        """The faces (F, 3) with vertices of the mesh, in the given orientation."""
         faces = self.origin[self.faces]
         return np.where(self.turned[:, None], faces[:, ::-1], faces)
 
     def delaunay(self) -> "Fans":
-        """Return the intrinsic Delaunay triangulation, as :func:`delaunay_triangles` makes it."""
+        """Return the intrinsic Delaunay triangulation, as by :func:`delaunay_triangles`."""
         return self.flipped(np.zeros(len(self.origin), dtype=np.bool_))
 
     def flipped(self, held: BoolArray) -> "Fans":
-        """Return the triangles after all flips of edges but those of held vertices.
+        """Return the triangles after all flips, except for edges of held vertices.
 
         Parameters
         ----------
         held : ndarray of bool
-            One for each of the vertices that `faces` are in.
+            One value for each vertex of `faces`.
         """
         faces, lengths, twin = self.faces.copy(), self.lengths.copy(), self.twin.copy()
         angles, scales = self.angles.copy(), self.scales.copy()
@@ -174,7 +175,7 @@ class Fans:
         )
 
     def turns(self) -> tuple[ComplexArray, BoolArray]:
-        """Return the turns of the `elements`, and which of these are mirrored."""
+        """Return the turns of the `elements`, and a mask of mirrored ones."""
         lengths, directions = (
             self.lengths,
             _native.bisectors(self.lengths, self.angles, self.scales),
@@ -197,7 +198,8 @@ def fans_of(
     ----------
     vertices : ndarray of shape (N, 3), float64
     parts : sequence of (faces, lengths)
-        Triangles (F, 3) that share no vertex with those of other parts, and their edge lengths.
+        Triangles (F, 3) that do not share vertices with those of other parts, and their edge
+        lengths.
 
     Returns
     -------
@@ -207,7 +209,7 @@ def fans_of(
     Raises
     ------
     UnsupportedDomainError
-        A part is one-sided, so that its tangent planes cannot be turned alike.
+        A part is one-sided, so that its tangent planes cannot be oriented consistently.
     """
     oriented = [_Oriented.of(*part) for part in parts]
     normals = _normals(vertices, oriented)
@@ -218,8 +220,8 @@ def fans_of(
 def normals_of_faces(vertices: FloatArray, faces: IntArray) -> FloatArray:
     """Return unit normals at the vertices of a mesh, of shape (N, 3).
 
-    Exact where the vertices are on a sphere; (0, 0, 1) at vertices of no face. Neighbours are
-    turned alike first, as most of them are.
+    They are exact for vertices on a sphere, and (0, 0, 1) at vertices without faces. Faces are
+    oriented consistently first, by the majority of their orientations.
 
     Parameters
     ----------
@@ -246,7 +248,7 @@ def _normals(vertices: FloatArray, parts: Sequence["_Oriented"]) -> FloatArray:
 
 @dataclass(frozen=True, eq=False)
 class _Oriented:
-    """Triangles turned so that neighbours agree."""
+    """Consistently oriented triangles."""
 
     faces: IntArray
     lengths: FloatArray
@@ -257,13 +259,13 @@ class _Oriented:
 
     @classmethod
     def of(cls, given: IntArray, lengths: FloatArray) -> "_Oriented":
-        """Return faces turned alike; most of each connected patch stays as it was given."""
+        """Return consistently oriented faces, which keep the majority's orientation."""
         count = int(given.max(initial=-1)) + 1
-        nowhere = np.zeros(len(given), dtype=np.bool_)
+        none = np.zeros(len(given), dtype=np.bool_)
         twin, coherent = _native.sorted_half_edges(given, count).twins()
         if coherent:
             lengths = np.ascontiguousarray(lengths)
-            return cls(given, lengths, twin, np.arange(count), nowhere, nowhere)
+            return cls(given, lengths, twin, np.arange(count), none, none)
         faces, lengths, origin = coherently_oriented(given, lengths)
         _check_two_sided(origin[faces], count)
         twin, _ = _native.sorted_half_edges(faces, len(origin)).twins()
@@ -273,7 +275,7 @@ class _Oriented:
         return cls(faces, np.ascontiguousarray(lengths), twin, origin, turned, mirrored[patch])
 
     def by_normals(self) -> IntArray:
-        """Return the faces (F, 3) so that their normals are those of most as they were given."""
+        """Return the faces (F, 3) with the orientation of the majority of the given ones."""
         faces = self.origin[self.faces]
         return np.where(self.mirrored[:, None], faces[:, ::-1], faces)
 
@@ -292,7 +294,7 @@ class _Oriented:
 
 
 def _check_two_sided(faces: IntArray, count: int) -> None:
-    """Raise where two faces still run along an edge in the same direction."""
+    """Raise if two faces still have an edge with the same direction."""
     _, coherent = _native.sorted_half_edges(faces, count).twins()
     if coherent:
         return
@@ -302,29 +304,29 @@ def _check_two_sided(faces: IntArray, count: int) -> None:
     runs = np.abs(np.bincount(place, np.where(tails < heads, 1, -1)))
     face = int(np.flatnonzero((sides[place] == 2) & (runs[place] == 2))[0]) // 3
     raise UnsupportedDomainError(
-        "the surface is one-sided, as a Möbius strip is, and has tangent planes that cannot be "
-        f"turned alike: the face of vertices {faces[face].tolist()} closes it; cut it open there"
+        "the surface is one-sided, like a Möbius strip, and its tangent planes cannot be oriented "
+        f"consistently: the face of vertices {faces[face].tolist()} closes it; cut it open there"
     )
 
 
 def frames_in_space(
-    places: FloatArray, elements: IntArray, normals: FloatArray, *, stars: bool
+    points: FloatArray, elements: IntArray, normals: FloatArray, *, stars: bool
 ) -> Frames:
     """Return frames of elements in space; turns are the least rotations between normals.
 
     Parameters
     ----------
-    places : ndarray of shape (N, 3), float64
+    points : ndarray of shape (N, 3), float64
     elements : ndarray of shape (E, 2) or (E, 3), int64
-        Edges or triangles; triangles of which two vertices are one are segments.
+        Edges or triangles; triangles with two equal vertices are segments.
     normals : ndarray of shape (N, 3), float64
-        Of length 1.
+        Unit vectors.
     stars : bool
-        Whether the plane of a triangle is the tangent plane of its first vertex, and not its own.
+        True if the plane of a triangle is the tangent plane of its first vertex instead of its own.
     """
     normals = np.ascontiguousarray(normals)
     axes = _native.tangent_axes(normals)
     turns, mirrored = _native.space_turns(
-        np.ascontiguousarray(places), np.ascontiguousarray(elements), normals, axes, stars
+        np.ascontiguousarray(points), np.ascontiguousarray(elements), normals, axes, stars
     )
     return Frames(normals, axes, _complex(turns), mirrored)

@@ -1,7 +1,7 @@
 """Intrinsic triangulations, and Voronoi areas by libigl.
 
-All that the core needs of libigl's triangulation side is here, imported on first use. Edges are
-flipped by our own kernel: libigl's flips take longer than all the rest of the heat method.
+Everything that the core needs of libigl for triangulations is here, imported on first use. Edges
+are flipped by our own kernel: libigl's flips take longer than all other steps of the heat method.
 """
 
 import numpy as np
@@ -18,7 +18,7 @@ __all__ = [
 ]
 
 MOST_SIDES = np.iinfo(np.int32).max
-"""Half-edges up to which our kernels pair them."""
+"""Maximum number of half-edges that our kernels can pair."""
 
 
 def delaunay_triangles(
@@ -29,16 +29,16 @@ def delaunay_triangles(
     Parameters
     ----------
     faces : ndarray of shape (F, 3), int64
-        Turned in any way; edges of more than two faces stay.
+        With any orientation; edges of more than two faces stay.
     lengths : ndarray of shape (F, 3), float64
         The edge opposite corner i in column i, with every triangle inequality strict.
     sides : _native.HalfEdges, optional
-        The half-edges of the faces, where they have been sorted already.
+        The half-edges of the faces, if they have been sorted already.
 
     Returns
     -------
     faces : ndarray of shape (F, 3), int64
-        In the same vertices.
+        With the same vertices.
     lengths : ndarray of shape (F, 3), float64
     twin : ndarray of shape (3 F,), int64
         The half-edge that each half-edge ``3 f + c``, opposite corner c of face f, is glued to;
@@ -57,7 +57,7 @@ def delaunay_triangles(
 def _flipped(
     faces: IntArray, lengths: FloatArray, twin: IntArray, n_vertices: int
 ) -> tuple[IntArray, FloatArray, IntArray]:
-    """Return the triangles and their twins after all flips; those given are written over."""
+    """Return the triangles and their twins after all flips; the given twins are overwritten."""
     faces, lengths = faces.copy(), lengths.copy()
     _native.flip_edges(faces, lengths, twin, np.zeros(n_vertices, dtype=np.bool_))
     return faces, lengths, twin
@@ -66,11 +66,11 @@ def _flipped(
 def coherently_oriented(
     faces: IntArray, lengths: FloatArray
 ) -> tuple[IntArray, FloatArray, IntArray]:
-    """Return the same triangles turned so that neighbours agree, cut apart where they cannot.
+    """Return the same triangles with consistent orientation, cut where that is impossible.
 
-    They cannot along an edge of more than two faces, and somewhere on a one-sided surface. Flipping
-    edges needs this: libigl's flips crash or bend the surface without it, and leave the edges of a
-    cut alone as those of a boundary.
+    It is impossible at an edge of more than two faces, and along a line of a one-sided surface.
+    Edge flips need this: libigl's flips crash or distort the surface without it, and do not flip
+    the edges of a cut, as these are boundary edges.
 
     Parameters
     ----------
@@ -81,10 +81,10 @@ def coherently_oriented(
     Returns
     -------
     faces : ndarray of shape (F, 3), int64
-        In vertices of their own, of which a cut makes several out of one.
+        With new vertices: a cut splits a vertex into several.
     lengths : ndarray of shape (F, 3), float64
     origin : ndarray of int64
-        The vertex that each of these was.
+        The original vertex of each new one.
     """
     if _coherent(faces):
         return faces, lengths, np.arange(faces.max() + 1)
@@ -97,13 +97,13 @@ def coherently_oriented(
 
 
 def _coherent(faces: IntArray) -> bool:
-    """Return whether no two faces run along an edge in the same direction."""
+    """Return True if two faces never run along an edge in the same direction."""
     half_edges = np.sort(faces.ravel() * (faces.max() + 1) + faces[:, [1, 2, 0]].ravel())
     return bool((half_edges[1:] != half_edges[:-1]).all())  # np.unique hashes, 20 times slower here
 
 
 def _cut_apart(faces: IntArray) -> tuple[IntArray, IntArray]:
-    """Return the faces glued along those edges only where two meet that run against each other."""
+    """Return the faces glued only along edges of two faces with opposite directions."""
     corners = np.arange(faces.size).reshape(faces.shape)
     tail, head = faces.ravel(), faces[:, [1, 2, 0]].ravel()
     ends = np.sort(np.column_stack([tail, head]), axis=1)
@@ -111,7 +111,7 @@ def _cut_apart(faces: IntArray) -> tuple[IntArray, IntArray]:
     new = np.ones(len(order) + 1, dtype=np.bool_)
     new[1:-1] = (ends[order][1:] != ends[order][:-1]).any(axis=1)
     first = np.flatnonzero(new[:-1] & ~new[1:])  # edges of two half-edges or more
-    first = first[new[first + 2]]  # of exactly two
+    first = first[new[first + 2]]  # edges of exactly two
     one, other = order[first], order[first + 1]
     against = tail[one] == head[other]
     one, other = one[against], other[against]
@@ -136,5 +136,5 @@ def voronoi_areas(faces: IntArray, lengths: FloatArray, n_vertices: int) -> Floa
     kind = igl.MassMatrixType.MASSMATRIX_TYPE_VORONOI
     areas = np.zeros(n_vertices)
     diagonal = igl.massmatrix_intrinsic(lengths, faces, kind).diagonal()
-    areas[: len(diagonal)] = diagonal  # libigl stops at the last vertex that a face refers to
+    areas[: len(diagonal)] = diagonal  # libigl stops at the last used vertex
     return areas

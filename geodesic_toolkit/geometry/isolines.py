@@ -8,21 +8,22 @@ from geodesic_toolkit.core.types import FloatArray, IntArray
 
 __all__ = ["Chain", "level_set"]
 
-ASIDE = 1e-12
-"""Share of the largest value by which a level set keeps off vertices: it goes through edges."""
+MIN_RELATIVE_OFFSET_FROM_VERTICES = 1e-12
+"""Minimum offset of values at vertices from the level, relative to the largest value, so that a
+level set crosses edges only."""
 
 
 class Chain(NamedTuple):
-    """A part of a level set, from one edge that it crosses to the next.
+    """A connected part of a level set, as a chain of segments between edges.
 
     Attributes
     ----------
     faces : ndarray of shape (P,), int64
-        A face with each of the points: the one that the next segment lies in, or the last one did.
+        A face of each point: that of the next segment, or of the last one at the end.
     weights : ndarray of shape (P, 3), float64
-        The points in barycentric coordinates of those faces.
+        The points in barycentric coordinates of these faces.
     closed : bool
-        Whether the last point is joined to the first.
+        True if the last point is joined to the first.
     """
 
     faces: IntArray
@@ -31,13 +32,13 @@ class Chain(NamedTuple):
 
 
 def level_set(faces: IntArray, values: FloatArray, level: float = 0.0) -> list[Chain]:
-    """Return where a function crosses a level, larger values on the left.
+    """Return the level set of a function, with larger values on its left.
 
     Parameters
     ----------
     faces : ndarray of shape (F, 3), int64
-        Counterclockwise, seen from where left is left. Faces with a value that is not finite are
-        left out.
+        Counterclockwise, seen from the side that defines left. Faces with a value that is not
+        finite are skipped.
     values : ndarray of shape (N,), float64
     level : float
 
@@ -78,11 +79,13 @@ def level_set(faces: IntArray, values: FloatArray, level: float = 0.0) -> list[C
 def _segments(
     faces: IntArray, values: FloatArray, level: float
 ) -> tuple[IntArray, IntArray, IntArray, FloatArray, FloatArray]:
-    """Return the segments: the edges that they come in by and leave by, faces, and both ends."""
+    """Return the segments: their entry and exit edges, faces, and both ends."""
     count = len(values)
     off = np.asarray(values - level)
     finite = np.isfinite(off)
-    aside = ASIDE * max(float(np.abs(off[finite]).max(initial=0.0)), np.finfo(np.float64).tiny)
+    aside = MIN_RELATIVE_OFFSET_FROM_VERTICES * max(
+        float(np.abs(off[finite]).max(initial=0.0)), np.finfo(np.float64).tiny
+    )
     off = np.where(np.abs(off) < aside, aside, off)
     above = off > 0
     number = above[faces].sum(axis=1)
@@ -91,7 +94,7 @@ def _segments(
     corners = faces[crossed]
     rows = np.arange(len(crossed))
     sides = []
-    for falls in (True, False):  # where the rim of the face goes down, the line comes in
+    for falls in (True, False):  # the line enters at the edge with falling values
         tail = above[corners] == falls
         head = above[np.roll(corners, -1, axis=1)] != falls
         c = (tail & head).argmax(axis=1)

@@ -7,17 +7,18 @@ from geodesic_toolkit.geometry.along_edges import AlongEdges
 from geodesic_toolkit.geometry.components import connected_by_edges
 
 __all__ = [
-    "FEW_LENGTHS",
     "LENGTH_TOLERANCE",
-    "NEARLY_EVERYWHERE",
+    "MAX_LENGTHS_OF_LATTICES",
+    "MAX_SHARE_OF_MESHES",
     "is_network",
     "share_of_meshes",
     "widest_level",
 ]
 
-NEARLY_EVERYWHERE = 0.05
-"""Share of the vertices that may lie in meshes of a graph of lines. Trees, chains and streets with
-a bend each have none; square grids with every tenth edge missing have 0.8, three by three 0.11.
+MAX_SHARE_OF_MESHES = 0.05
+"""Maximum share of vertices in meshes, in a graph of lines. In trees, chains and streets with a
+bend each it is 0; in square grids with every tenth edge missing 0.8, in a grid of three by three
+0.11.
 """
 
 
@@ -28,15 +29,15 @@ LENGTH_TOLERANCE = 1e-6
 def share_of_meshes(n_vertices: int, edges: IntArray) -> float:
     """Return the share of vertices that lie in meshes, instead of on lines.
 
-    Dead ends are taken off first, so that a tree has no junctions. What is left of a graph of lines
-    are junctions with chains of vertices between them; a vertex of a grid, or of a neighbour graph,
-    is a junction with three neighbours at least that are junctions.
+    Dead ends are removed first, so that a tree does not have junctions. The rest of a graph of
+    lines consists of junctions with chains of vertices between them; a vertex of a grid, or of a
+    neighbour graph, is a junction with at least three neighbours that are junctions.
 
     Parameters
     ----------
     n_vertices : int
     edges : ndarray of shape (E, 2), int64
-        Each once, without loops.
+        Distinct, without loops.
 
     Examples
     --------
@@ -52,30 +53,30 @@ def share_of_meshes(n_vertices: int, edges: IntArray) -> float:
     return float(np.mean(np.bincount(between.ravel(), minlength=n_vertices) >= 3))
 
 
-FEW_LENGTHS = 16
-"""Lengths that the edges of a lattice may have: those around a voxel have 13."""
+MAX_LENGTHS_OF_LATTICES = 16
+"""Maximum number of edge lengths in a lattice: the edges around a voxel have 13."""
 
-SMALLER_JUNCTIONS = 0.05
-"""Least share of vertices with fewer than four neighbours in a network of streets. A closed mesh of
-quadrangles has next to none, and a raster of 80 x 80 places has so many at its margin."""
+MIN_SHARE_OF_SMALL_JUNCTIONS = 0.05
+"""Minimum share of vertices with fewer than four neighbours in a street network. A closed mesh of
+quadrangles has almost none, and a raster of 80 x 80 points has this share at its margin."""
 
 MAX_SHARE_OF_TRIANGLES = 0.1
-"""Share of edges that may be sides of triangles in a network of streets. Plans have 1 to 5 %, and
-meshes and neighbour graphs nearly 100."""
+"""Maximum share of edges that are sides of triangles in a street network. City plans have 1 to 5 %,
+and meshes and neighbour graphs nearly 100."""
 
 
 def is_network(n_vertices: int, edges: IntArray, lengths: FloatArray) -> bool:
-    """Return whether a graph of junctions looks like a street network rather than like samples.
+    """Return True if a graph of junctions looks like a street network rather than like samples.
 
-    Its edges have all kinds of lengths, other than those of a lattice; hardly two neighbours of a
-    vertex are neighbours, other than among samples; and there are at most four of them, often
-    fewer. A raster of heights, with edges to four sides, looks alike where it is small.
+    Edges of a network have many lengths, unlike those of a lattice; two neighbours of a vertex are
+    rarely neighbours, unlike among samples; and a vertex has at most four neighbours, often fewer.
+    A small raster of heights, with edges to four sides, looks the same.
 
     Parameters
     ----------
     n_vertices : int
     edges : ndarray of shape (E, 2), int64
-        Each once, without loops.
+        Distinct, without loops.
     lengths : ndarray of shape (E,), float64
         Positive.
 
@@ -92,9 +93,9 @@ def is_network(n_vertices: int, edges: IntArray, lengths: FloatArray) -> bool:
     """
     degree = np.bincount(edges.ravel(), minlength=n_vertices)
     known = degree[degree > 0]
-    if known.mean() > 4 or np.mean(known < 4) < SMALLER_JUNCTIONS:
+    if known.mean() > 4 or np.mean(known < 4) < MIN_SHARE_OF_SMALL_JUNCTIONS:
         return False
-    if len(np.unique(np.round(np.log(lengths) / LENGTH_TOLERANCE))) <= FEW_LENGTHS:
+    if len(np.unique(np.round(np.log(lengths) / LENGTH_TOLERANCE))) <= MAX_LENGTHS_OF_LATTICES:
         return False
     adjacency = AlongEdges(n_vertices, edges, np.ones(len(edges))).matrix
     in_triangles = (adjacency @ adjacency).multiply(adjacency)
@@ -102,31 +103,31 @@ def is_network(n_vertices: int, edges: IntArray, lengths: FloatArray) -> bool:
 
 
 def _dead_ends(n_vertices: int, edges: IntArray) -> BoolArray:
-    """Return which (N,) vertices go when those with one neighbour are taken off time and again.
+    """Return a mask (N,) of the vertices removed by repeatedly removing those with one neighbour.
 
-    The exclusive or of the neighbours that are left is, where there is but one, that one.
+    The exclusive or of the remaining neighbours of a vertex is its neighbour if only one remains.
     """
     degree = np.bincount(edges.ravel(), minlength=n_vertices)
     neighbours = np.zeros(n_vertices, dtype=np.int64)
     for one, other in ((0, 1), (1, 0)):
         np.bitwise_xor.at(neighbours, edges[:, one], edges[:, other])
-    gone = degree == 0
+    removed = degree == 0
     ends = np.flatnonzero(degree == 1)
     while len(ends):
-        gone[ends] = True
+        removed[ends] = True
         last = neighbours[ends]
         np.bitwise_xor.at(neighbours, last, ends)
         np.subtract.at(degree, last, 1)
-        ends = np.unique(last[(degree[last] == 1) & ~gone[last]])
-    return np.asarray(gone)
+        ends = np.unique(last[(degree[last] == 1) & ~removed[last]])
+    return np.asarray(removed)
 
 
 def widest_level(n_vertices: int, edges: IntArray) -> int:
-    """Return how many vertices the largest level of a breadth-first search has.
+    """Return the number of vertices in the largest level of a breadth-first search.
 
-    Of the searches from both ends of the largest part the narrower one counts. Every level parts a
-    graph in two, so that a factor need not be wider; that of a square grid is its diagonal, that
-    of samples in many dimensions a good part of all vertices.
+    The result is the narrowest of searches from the ends of the largest component. Every level
+    splits a graph in two, so that a factor need not be wider; the largest level of a square grid is
+    its diagonal, that of samples in many dimensions is a large share of all vertices.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""Normals of points that edges connect, and their orientation."""
+"""Normals of points connected by edges, and their orientation."""
 
 import numpy as np
 
@@ -19,12 +19,12 @@ def normals_from_edges(
         Finite.
     edges : ndarray of shape (E, 2), int64
     weights : ndarray of shape (E,), float64, optional
-        How much each edge counts; all the same unless given.
+        Weight of each edge; equal unless given.
 
     Returns
     -------
     ndarray of shape (N, 3), float64
-        Of length 1 and of any sign.
+        Unit vectors of any sign.
     """
     steps = points[edges[:, 1]] - points[edges[:, 0]]
     lengths = np.linalg.norm(steps, axis=1, keepdims=True)
@@ -41,10 +41,10 @@ def normals_from_edges(
 
 
 def oriented_normals(points: FloatArray, normals: FloatArray, edges: IntArray) -> FloatArray:
-    """Return normals with the signs that agree along a minimum spanning tree of the edges.
+    """Return normals with consistent signs along a minimum spanning tree of the edges.
 
-    Neighbours whose normals are alike come first. The highest point of each connected part looks
-    up, so that the normals of closed surfaces point outwards.
+    The tree prefers neighbours with similar normals. The normal at the highest point of each
+    component points up, so that the normals of closed surfaces point outwards.
 
     Parameters
     ----------
@@ -79,7 +79,7 @@ def oriented_normals(points: FloatArray, normals: FloatArray, edges: IntArray) -
     tails, heads = np.divmod(key, count)
     # Differences lie between 1 and 2, because an entry of 0 is not an edge.
     unlike = 2 - np.abs(np.einsum("ed,ed->e", normals[tails], normals[heads]))
-    # One more vertex, above the others, makes one tree of all parts.
+    # One more vertex, above the others, joins all components in one tree.
     rows, columns = np.append(tails, tops), np.append(heads, np.full(len(tops), count))
     weights = np.append(unlike, np.ones(len(tops)))
     graph = csr_array(coo_array((weights, (rows, columns)), shape=(count + 1, count + 1)))
@@ -87,6 +87,6 @@ def oriented_normals(points: FloatArray, normals: FloatArray, edges: IntArray) -
     before[count] = count
     upward = np.concatenate([normals, [[0.0, 0.0, 1.0]]])
     agree = np.where(np.einsum("nd,nd->n", upward, upward[before]) < 0, -1.0, 1.0)
-    while (before != count).any():  # each round doubles how far up the tree signs are multiplied
+    while (before != count).any():  # each round doubles the height over which signs are multiplied
         agree, before = agree * agree[before], before[before]
     return np.asarray(normals * agree[:count, None])

@@ -1,6 +1,6 @@
 """Polygons and strips as triangles.
 
-Polygons come as their sizes and, one after the other, their corners.
+Polygons are given by their sizes and by their corners, one polygon after the other.
 """
 
 import numpy as np
@@ -10,7 +10,7 @@ from geodesic_toolkit.core.types import FloatArray, IntArray
 __all__ = ["split_polygons", "strip_triangles", "unpadded_polygons"]
 
 MAX_LISTED_POLYGONS = 5
-"""Polygons that a remark names."""
+"""Maximum number of polygons named in a remark."""
 
 
 def split_polygons(
@@ -24,26 +24,26 @@ def split_polygons(
     ----------
     vertices : ndarray of shape (N, 3), float64
     sizes : ndarray of shape (P,), int64
-        Corners of each polygon.
+        Number of corners of each polygon.
     corners : ndarray of shape (sizes.sum(),), int64
-        Their vertex indices, polygon by polygon.
+        Vertex indices of the corners, polygon by polygon.
 
     Returns
     -------
     faces : ndarray of shape (F, 3), int64
         The triangles of a polygon follow each other.
     remarks : list of str
-        What people should hear of: polygons that were split, polygons that cross themselves, scraps
-        that were left out.
+        Remarks for users on polygons that were split, polygons that cross themselves, and faces of
+        fewer than three corners.
 
     Raises
     ------
     MissingDependencyError
         A polygon of more than four corners is not convex, and manifold3d is not installed.
     """
-    corners = _repeats_alike(sizes, corners)
+    corners = _with_equal_repeats(sizes, corners)
     faces = _fans(sizes, corners)
-    polygons, scraps = int((sizes > 3).sum()), int((sizes < 3).sum())
+    polygons, degenerate = int((sizes > 3).sum()), int((sizes < 3).sum())
     remarks = []
     if polygons:
         from geodesic_toolkit.geometry.concave import correct_fans
@@ -56,8 +56,8 @@ def split_polygons(
         )
         if crossing:
             remarks.append(_crossing_remark(crossing))
-    if scraps:
-        remarks.append(f"{scraps} faces have fewer than three corners and were left out")
+    if degenerate:
+        remarks.append(f"{degenerate} faces have fewer than three corners and were dropped")
     return faces, remarks
 
 
@@ -74,24 +74,24 @@ def _fans(sizes: IntArray, corners: IntArray) -> IntArray:
 def _crossing_remark(crossing: list[int]) -> str:
     named = ", ".join(map(str, crossing[:MAX_LISTED_POLYGONS]))
     if len(crossing) == 1:
-        who = f"polygon {named} crosses itself: its"
+        subject = f"polygon {named} crosses itself: its"
     else:
         more = (
             f" and {len(crossing) - MAX_LISTED_POLYGONS} more"
             if len(crossing) > MAX_LISTED_POLYGONS
             else ""
         )
-        who = f"polygons {named}{more} cross themselves: their"
+        subject = f"polygons {named}{more} cross themselves: their"
     return (
-        f"{who} triangles overlap, and distances there are not those of the shape; correct the "
+        f"{subject} triangles overlap, and distances there are not those of the shape; correct the "
         "corners (polygons are counted from 0)"
     )
 
 
-def _repeats_alike(sizes: IntArray, corners: IntArray) -> IntArray:
-    """Return the corners with those of a polygon that was there before just as they were then.
+def _with_equal_repeats(sizes: IntArray, corners: IntArray) -> IntArray:
+    """Return the corners, with those of a repeated polygon equal to those of its first copy.
 
-    Back and front of one polygon are split into the same triangles so, which count once.
+    So the back and the front of a polygon are split into the same triangles, which count once.
     """
     begins = np.cumsum(sizes) - sizes
     result = corners
@@ -103,7 +103,7 @@ def _repeats_alike(sizes: IntArray, corners: IntArray) -> IntArray:
         ahead = np.take_along_axis(ring, (least + np.arange(size)) % size, axis=1)
         back = np.take_along_axis(ring, (least - np.arange(size)) % size, axis=1)
         same_way = np.where((ahead[:, 1] <= back[:, 1])[:, None], ahead, back)
-        order = np.lexsort(same_way.T)  # stable: the first of those that are alike leads
+        order = np.lexsort(same_way.T)  # stable: the first of equal polygons leads
         new = np.ones(len(order), dtype=np.bool_)
         new[1:] = (same_way[order[1:]] != same_way[order[:-1]]).any(axis=1)
         if new.all():
@@ -116,20 +116,20 @@ def _repeats_alike(sizes: IntArray, corners: IntArray) -> IntArray:
 
 
 def strip_triangles(sizes: IntArray, indices: IntArray) -> IntArray:
-    """Return the triangles of strips; -1 begins a new one, and every second triangle is turned.
+    """Return the triangles of strips; -1 begins a new strip, and every second triangle is reversed.
 
-    Triangles with a repeated vertex are the joints of strips, not faces.
+    Triangles with a repeated vertex join strips, and are not faces.
     """
     ends = np.cumsum(sizes)
     strip = np.repeat(np.arange(len(sizes)), sizes)
     cut = indices == -1
     strip = strip + np.cumsum(cut)
-    # Position in the strip: its first entry is the one after a cut, or the first of its list.
+    # Position in the strip, whose first entry follows a cut or is the first of its list.
     starts = np.zeros(len(indices), dtype=bool)
     starts[(ends - sizes)[sizes > 0]] = True
     starts[1:] |= cut[:-1]
-    places = np.arange(len(indices))
-    position = places - np.maximum.accumulate(np.where(starts, places, 0))
+    entries = np.arange(len(indices))
+    position = entries - np.maximum.accumulate(np.where(starts, entries, 0))
     a, b, c = indices[:-2], indices[1:-1], indices[2:]
     odd = position[:-2] % 2 == 1
     faces = np.column_stack([np.where(odd, b, a), np.where(odd, a, b), c])
@@ -140,13 +140,13 @@ def strip_triangles(sizes: IntArray, indices: IntArray) -> IntArray:
 
 
 def unpadded_polygons(row: IntArray) -> tuple[IntArray, IntArray]:
-    """Return sizes and corners of polygons that each stand behind their size: ``3 a b c 4 ...``."""
+    """Return sizes and corners of polygons that each follow their size: ``3 a b c 4 ...``."""
     step = int(row[0]) + 1 if len(row) else 1
-    if len(row) % step == 0 and (row[::step] == step - 1).all():  # all of one size
+    if len(row) % step == 0 and (row[::step] == step - 1).all():  # all have one size
         table = row.reshape(-1, step)
         return table[:, 0].astype(np.int64), table[:, 1:].ravel().astype(np.int64)
-    places, place = [], 0
-    while place < len(row):
-        places.append(place)
-        place += 1 + int(row[place])
-    return row[places].astype(np.int64), np.delete(row, places).astype(np.int64)
+    heads, head = [], 0
+    while head < len(row):
+        heads.append(head)
+        head += 1 + int(row[head])
+    return row[heads].astype(np.int64), np.delete(row, heads).astype(np.int64)

@@ -1,18 +1,18 @@
 """Rims, where a surface ends, and triangles that are obtuse towards them.
 
-An edge inside a surface is flipped where its opposite angles are more than π together. A rim edge
-has no other side to be flipped with: an angle of more than π/2 opposite it gives it a weight of the
-wrong sign, heat turns negative, and along a hull of slivers all functions are held to straight
-lines. Glued to its mirror image along the rim, the surface has no rim, and flips in symmetric pairs
-are possible. The obtuse triangle and its image become a kite with its other diagonal, which leads
-from the obtuse corner to the image of that. The half of the kite on this side of the mirror is two
-right triangles that meet in the foot of the perpendicular. As corner and image have one value, the
-foot has it, too. Further flips make right trapezoids, with one value on each side that ends in the
-mirror.
+An edge inside a surface is flipped if the sum of its opposite angles is more than π. A rim edge has
+only one triangle and cannot be flipped: an angle of more than π/2 opposite it gives it a weight of
+the wrong sign, heat turns negative, and along a hull of slivers all functions are forced to be
+linear. If the surface is glued to its mirror image along the rim, the rim disappears, and flips in
+symmetric pairs are possible. The obtuse triangle and its image form a kite, which gets its other
+diagonal, from the obtuse corner to its image. The half of the kite on this side of the mirror is
+two right triangles that meet at the foot of the perpendicular. As corner and image have equal
+values, the foot has the same value. Further flips make right trapezoids, with one value on each
+side that ends in the mirror.
 
 N. Sharp, K. Crane, *A Laplacian for Nonmanifold Triangle Meshes*, Computer Graphics Forum 39, 2020,
-https://doi.org/10.1111/cgf.14069, glue so two copies of all triangles; here only those that change
-are touched.
+https://doi.org/10.1111/cgf.14069, glue two copies of all triangles in this way; here only the
+triangles that change are processed.
 """
 
 from typing import NamedTuple
@@ -26,24 +26,24 @@ from geodesic_toolkit.geometry.triangles import measured_by_lengths
 __all__ = ["Trapezoids", "mirrored_at_rims", "rim_cotangents", "rim_edges"]
 
 COTANGENT_TOLERANCE = 1e-10
-"""Cotangent below zero from which on an angle is obtuse: no rounding must make it so."""
+"""Negative cotangent above which an angle is obtuse, so that rounding does not make it so."""
 
 
 class Trapezoids(NamedTuple):
-    """Right trapezoids between an edge and the mirror, or triangles where a side has no length.
+    """Right trapezoids between an edge and the mirror, or triangles if a side has length 0.
 
     Attributes
     ----------
     tails, heads : ndarray of shape (T,), int64
-        The vertices of the edge, seen from which the mirror lies on the right.
+        The vertices of the edge, directed so that the mirror is on its right.
     widths : ndarray of shape (T,), float64
-        How far the sides, which end in the mirror, are apart.
+        The distance of the parallel sides, which end in the mirror.
     tail_sides, head_sides : ndarray of shape (T,), float64
-        How long the sides are: how far the vertices are from the mirror.
+        The lengths of these sides: the distances of the vertices from the mirror.
     beyond : ndarray of shape (T,), int64
-        The half-edge of the triangle on the other side of the edge, or -1.
+        The half-edge of the triangle beyond the edge, or -1.
     within : ndarray of shape (T,), int64
-        The half-edge of the triangle in whose place it lies, which runs from head to tail.
+        The half-edge of the replaced triangle, from head to tail.
     """
 
     tails: IntArray
@@ -55,23 +55,23 @@ class Trapezoids(NamedTuple):
     within: IntArray
 
     def only(self, chosen: BoolArray) -> "Trapezoids":
-        """Return some of them."""
+        """Return the chosen trapezoids."""
         return Trapezoids._make(column[chosen] for column in self)
 
     @staticmethod
     def together(parts: "list[Trapezoids]") -> "Trapezoids":
-        """Return those of several."""
+        """Return the trapezoids of several parts."""
         return Trapezoids._make(np.concatenate(columns) for columns in zip(*parts, strict=True))
 
 
 def rim_edges(faces: IntArray, boundary: BoolArray) -> IntArray:
-    """Return the half-edges ``3 f + c``, opposite corner c of face f, that have an edge alone.
+    """Return the half-edges ``3 f + c``, opposite corner c of face f, of edges of one face.
 
     Parameters
     ----------
     faces : ndarray of shape (F, 3), int64
     boundary : ndarray of shape (N,), bool
-        Whether a vertex is at the end of one.
+        True for vertices at the ends of such edges.
     """
     beside = _native.faces_at(faces, boundary)
     at = boundary[faces[beside]]
@@ -82,38 +82,38 @@ def rim_edges(faces: IntArray, boundary: BoolArray) -> IntArray:
     return np.asarray(candidates[np.sort(first[count == 1])])
 
 
-def _edge_numbers(faces: IntArray, halves: IntArray, n_vertices: int) -> IntArray:
-    """Return a number for the edge of each half-edge, the same for those of the same ends."""
+def _edge_numbers(faces: IntArray, half_edges: IntArray, n_vertices: int) -> IntArray:
+    """Return a number for the edge of each half-edge, equal for half-edges with the same ends."""
     corners = faces.ravel()
-    tails, heads = corners[_next(halves)], corners[_before(halves)]
+    tails, heads = corners[_next(half_edges)], corners[_before(half_edges)]
     return np.asarray(np.minimum(tails, heads) * n_vertices + np.maximum(tails, heads))
 
 
-def rim_cotangents(lengths: FloatArray, halves: IntArray) -> FloatArray:
+def rim_cotangents(lengths: FloatArray, half_edges: IntArray) -> FloatArray:
     """Return the cotangents of the angles opposite half-edges.
 
     Parameters
     ----------
     lengths : ndarray of shape (F, 3), float64
         The edge opposite corner i in column i.
-    halves : ndarray of shape (R,), int64
+    half_edges : ndarray of shape (R,), int64
 
     Returns
     -------
     ndarray of shape (R,)
     """
-    edge, along, up = _apexes(lengths, halves)
+    edge, along, up = _apexes(lengths, half_edges)
     return np.asarray(_cotangents(edge, along, up))
 
 
 def mirrored_at_rims(
     faces: IntArray, lengths: FloatArray, twin: IntArray
 ) -> tuple[BoolArray, Trapezoids]:
-    """Return the intrinsic Delaunay triangulation of a surface and its mirror image, halved.
+    """Return half of the intrinsic Delaunay triangulation of a surface and its mirror image.
 
-    Only rims change, as nothing else has another neighbour than it had: where the corner beyond an
-    edge lies within the circle about that edge and its image, the triangle goes, and there are two
-    trapezoids in the place of one.
+    Only triangles at rims change, because others keep their neighbours. If the corner beyond an
+    edge lies in the circle through that edge and its image, the triangle is removed, and two
+    trapezoids replace one.
 
     Parameters
     ----------
@@ -122,15 +122,15 @@ def mirrored_at_rims(
     lengths : ndarray of shape (F, 3), float64
         The edge opposite corner i in column i.
     twin : ndarray of shape (3 F,), int64
-        The half-edge that each is glued to, or -1: at rims, at edges of more than two faces, and
-        where a one-sided surface was cut. The surface is mirrored at all of them.
+        The half-edge that each half-edge is glued to, or -1: at rims, at edges of more than two
+        faces, and at cuts of one-sided surfaces. The surface is mirrored at all of these.
 
     Returns
     -------
     kept : ndarray of shape (F,), bool
         The triangles that stay.
     trapezoids : Trapezoids
-        What lies between them and the mirror, of which each has an area.
+        The trapezoids between the triangles and the mirror, each with an area.
     """
     kept = np.ones(len(faces), dtype=np.bool_)
     rims = np.flatnonzero(twin < 0)
@@ -139,9 +139,9 @@ def mirrored_at_rims(
     found = Trapezoids(tails, heads, lengths.ravel()[rims], none, none, rims, rims)
     done = [found.only(np.zeros(len(rims), dtype=np.bool_))]
     while len(found.widths):
-        opens, feet, sides = _openings(found, lengths, kept)
-        done.append(found.only(~opens))
-        found, foot, side = found.only(opens), feet[opens], sides[opens]
+        absorbs, feet, sides = _absorbed_triangles(found, lengths, kept)
+        done.append(found.only(~absorbs))
+        found, foot, side = found.only(absorbs), feet[absorbs], sides[absorbs]
         half = found.beyond
         apex = corners[half]
         kept[half // 3] = False
@@ -158,35 +158,36 @@ def mirrored_at_rims(
     return kept, found.only(found.tail_sides + found.head_sides > 0)
 
 
-def _openings(
+def _absorbed_triangles(
     found: Trapezoids, lengths: FloatArray, kept: BoolArray
 ) -> tuple[BoolArray, FloatArray, FloatArray]:
-    """Return which trapezoids are to take the triangles beyond them, one each.
+    """Return a mask of the trapezoids that absorb the triangle beyond them, each a different one.
 
-    Also where on the mirror the corners of those lie, from the tail's side on, and how far from it.
+    Return also the positions on the mirror of the corners of these triangles, measured from the
+    side at the tail, and the distances of the corners from the mirror.
     """
-    opens = found.beyond >= 0
-    faces = np.where(opens, found.beyond // 3, 0)
-    opens &= kept[faces]  # or else they are neighbours of a trapezoid, and no flip is due
-    edge, along, up = _apexes(lengths, np.where(opens, found.beyond, 0))
+    absorbs = found.beyond >= 0
+    faces = np.where(absorbs, found.beyond // 3, 0)
+    absorbs &= kept[faces]  # removed ones are trapezoids already
+    edge, along, up = _apexes(lengths, np.where(absorbs, found.beyond, 0))
     rise, run = (found.head_sides - found.tail_sides) / edge, found.widths / edge
     feet = along * run - up * rise
     sides = found.tail_sides + along * rise + up * run
     facing = (found.tail_sides + found.head_sides) / found.widths  # cotangent seen from an image
     excess = _cotangents(edge, along, up) + facing
-    opens &= (excess < -COTANGENT_TOLERANCE) & (feet > 0) & (feet < found.widths)
-    order = np.lexsort((np.where(opens, excess, np.inf), faces))
+    absorbs &= (excess < -COTANGENT_TOLERANCE) & (feet > 0) & (feet < found.widths)
+    order = np.lexsort((np.where(absorbs, excess, np.inf), faces))
     later = np.zeros(len(order), dtype=np.bool_)
     later[order[1:]] = faces[order[1:]] == faces[order[:-1]]
-    return opens & ~later, feet, sides
+    return absorbs & ~later, feet, sides
 
 
-def _apexes(lengths: FloatArray, halves: IntArray) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Return the lengths of half-edges, and where the corners opposite lie: along it and aside."""
+def _apexes(lengths: FloatArray, half_edges: IntArray) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Return the lengths of half-edges, and the positions of opposite corners: along and aside."""
     own = lengths.ravel()
-    edge, to_head, to_tail = own[halves], own[_next(halves)], own[_before(halves)]
+    edge, to_head, to_tail = own[half_edges], own[_next(half_edges)], own[_before(half_edges)]
     along = (edge**2 + (to_tail - to_head) * (to_tail + to_head)) / (2 * edge)
-    _, areas = measured_by_lengths(lengths[halves // 3])
+    _, areas = measured_by_lengths(lengths[half_edges // 3])
     return edge, along, 2 * areas / edge
 
 
@@ -194,10 +195,10 @@ def _cotangents(edge: FloatArray, along: FloatArray, up: FloatArray) -> FloatArr
     return np.asarray((up**2 - along * (edge - along)) / (edge * up))
 
 
-def _next(halves: IntArray) -> IntArray:
-    """Return the half-edges that follow about their triangles."""
-    return np.asarray(halves - halves % 3 + (halves + 1) % 3)
+def _next(half_edges: IntArray) -> IntArray:
+    """Return the next half-edges of the same triangles."""
+    return np.asarray(half_edges - half_edges % 3 + (half_edges + 1) % 3)
 
 
-def _before(halves: IntArray) -> IntArray:
-    return np.asarray(halves - halves % 3 + (halves + 2) % 3)
+def _before(half_edges: IntArray) -> IntArray:
+    return np.asarray(half_edges - half_edges % 3 + (half_edges + 2) % 3)

@@ -5,11 +5,11 @@ import os
 __all__ = ["threads_for"]
 
 POINTS_PER_THREAD = 2000
-"""Points for which one more thread is worth starting."""
+"""Number of points per thread that is worth starting."""
 
 
 def threads_for(n_points: int) -> int:
-    """Return the number of threads for so many points: results are the same for any."""
+    """Return the number of threads for a number of points; results do not depend on it."""
     return max(1, min(_processors(), n_points // POINTS_PER_THREAD))
 
 

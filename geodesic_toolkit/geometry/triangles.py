@@ -1,7 +1,7 @@
 """Triangles by their edge lengths: areas, angles, hat-function gradients, edges.
 
 A triangle is measured in its own plane, in the frame that puts its corners at (0, 0), (l, 0) and
-(a, b): three numbers ``(l, a, b)`` hold all of its metric, wherever they come from (corner
+(a, b): the three numbers ``(l, a, b)`` determine its metric, whatever their origin (corner
 positions, edge lengths of an intrinsic triangulation, a tangent plane).
 """
 
@@ -33,14 +33,14 @@ __all__ = [
 
 
 MIN_SLACK_OF_TRIANGLE_INEQUALITY = 1e-5
-"""What a triangle inequality must hold with, in edge lengths, for angles to have digits."""
+"""Minimum slack of a triangle inequality, in edge lengths, for accurate angles."""
 
 
 def proper_faces(faces: IntArray) -> BoolArray:
-    """Return where a face has three different vertices that no face before it has.
+    """Return a mask of the faces that have three different vertices and do not repeat a face.
 
-    Surfaces are often given twice, front and back: an edge would then have four faces, and area
-    count double. Copies that have vertices of their own are another sheet.
+    Surfaces are often given twice, front and back: an edge would then have four faces, and areas
+    would be doubled. Copies with their own vertices are another sheet.
 
     Parameters
     ----------
@@ -73,18 +73,18 @@ def measured_triangles(
 ) -> tuple[IntArray, FloatArray, FloatArray, float]:
     """Return the :func:`proper_faces`, measured.
 
-    Where a face has no area, or nearly so, every edge of its connected part is made longer by one
-    constant, as :func:`mollified_lengths` does.
+    If a face has an area of almost 0, every edge of its component is made longer by one constant,
+    as in :func:`mollified_lengths`.
 
     Returns
     -------
     faces : ndarray of shape (F, 3), int64
-        The proper ones; none where every one is a single place.
+        The proper faces; empty if the corners of every face are at one position.
     inverse : ndarray of shape (F, 3), float64
         As :func:`inverse_frames` returns them.
     areas : ndarray of shape (F,), float64
     added : float
-        The most that was added to an edge.
+        The largest length that was added to an edge.
     """
     proper = proper_faces(faces)
     if not proper.all():
@@ -98,14 +98,14 @@ def measured_triangles(
 
 
 def measured_by_lengths(lengths: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Return the inverse frames (F, 3) and the areas (F,) of triangles with such edges."""
+    """Return the inverse frames (F, 3) and the areas (F,) of triangles with given edge lengths."""
     return _native.measure_lengths(np.ascontiguousarray(lengths))
 
 
 def _mollified(
     vertices: FloatArray, faces: IntArray, lengths: FloatArray
 ) -> tuple[FloatArray, FloatArray, float]:
-    """Return inverse frames and areas: from lengths in parts where something was added to them."""
+    """Return inverse frames and areas, in components with changed lengths from these lengths."""
     frames = frames_from_positions(vertices, faces)
     part = connected_by_faces(faces, len(vertices))[faces[:, 0]]
     longer, added = mollified_lengths(lengths, part)
@@ -117,8 +117,8 @@ def _mollified(
 def frames_from_positions(vertices: FloatArray, faces: IntArray) -> FloatArray:
     """Return the (F, 3) planar frames ``(l, a, b)`` of triangles in space.
 
-    Sharper than going through edge lengths: the height b comes from a cross product and keeps its
-    relative accuracy in slivers.
+    They are more accurate than frames from edge lengths: the height b comes from a cross product
+    and keeps its relative accuracy in slivers.
     """
     origin, first, second = (vertices[faces[:, corner]] for corner in range(3))
     u, v = first - origin, second - origin
@@ -182,7 +182,7 @@ def hat_gradients_from_inverse(inverse: FloatArray) -> FloatArray:
 
 
 def edges_of_faces(faces: IntArray, n_vertices: int) -> tuple[IntArray, IntArray]:
-    """Return the undirected edges (E, 2), smaller vertex first, and how many faces each has."""
+    """Return the undirected edges (E, 2), smaller vertex first, and their numbers of faces."""
     from scipy.sparse import coo_array, csr_array
 
     tails = faces.ravel()
@@ -201,7 +201,7 @@ def edges_and_lengths(vertices: FloatArray, faces: IntArray) -> tuple[IntArray, 
 
 
 def mean_edge_length(vertices: FloatArray, edges: CompressedRows) -> float:
-    """Return the mean length of the edges that a symmetric matrix of shape (N, N) has entries for.
+    """Return the mean length of the edges in the pattern of a symmetric matrix of shape (N, N).
 
     Parameters
     ----------
@@ -212,7 +212,7 @@ def mean_edge_length(vertices: FloatArray, edges: CompressedRows) -> float:
 
 
 def mean_squared_edges(lengths: FloatArray) -> FloatArray:
-    """Return the (F,) mean squared edge length of triangles with such edges, (F, 3)."""
+    """Return the (F,) mean squared edge lengths of triangles with edge lengths (F, 3)."""
     return np.asarray(np.einsum("fc,fc->f", lengths, lengths) / 3)
 
 
@@ -222,21 +222,21 @@ def mollified_lengths(
     *,
     slack: float = MIN_SLACK_OF_TRIANGLE_INEQUALITY,
 ) -> tuple[FloatArray, FloatArray]:
-    """Return edge lengths that form proper triangles, and what was added to those of each face.
+    """Return edge lengths that form proper triangles, and the length added to those of each face.
 
-    One constant is added to all edges of a connected part, the smallest that leaves every triangle
-    inequality a slack of `slack` times the mean edge length of the part, or the longest edge of the
-    face where that is shorter; nothing where they have it already. Zero-area faces thus become thin
-    triangles that still connect their vertices (Sharp and Crane, *A Laplacian for Nonmanifold
-    Triangle Meshes*, 2020, section 4.5, https://doi.org/10.1111/cgf.14069), while proper triangles
-    stay as they are, be they tiny beside others.
+    One constant is added to all edges of a component, the smallest that leaves every triangle
+    inequality a slack of `slack` times the mean edge length of the component, or the longest edge
+    of the face if that is shorter; it is 0 if they have this slack already. Zero-area faces thus
+    become thin triangles that still connect their vertices (Sharp and Crane, *A Laplacian for
+    Nonmanifold Triangle Meshes*, 2020, section 4.5, https://doi.org/10.1111/cgf.14069), while
+    proper triangles do not change, even if they are much smaller than others.
 
     Parameters
     ----------
     lengths : ndarray of shape (F, 3), float64
         The edge opposite corner i in column i.
     part : ndarray of shape (F,), int64, optional
-        The connected part of each face; all are one unless given.
+        The component of each face; a single one unless given.
 
     Returns
     -------
@@ -247,7 +247,7 @@ def mollified_lengths(
     total, longest = lengths.sum(axis=1), lengths.max(axis=1)
     count = np.bincount(part)
     mean = (np.bincount(part, total) / np.maximum(3 * count, 1))[part]
-    mean = np.where(mean > 0, mean, total.mean() / 3)  # a part that is a single place
+    mean = np.where(mean > 0, mean, total.mean() / 3)  # a component at one position
     scale = np.where(longest > 0, np.minimum(longest, mean), mean)
     worst = np.zeros(len(count))
     np.maximum.at(worst, part, slack * scale - (total - 2 * longest))

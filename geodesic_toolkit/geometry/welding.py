@@ -1,4 +1,4 @@
-"""Places that are the same, or nearly: corners that were written more than once."""
+"""Equal and nearly equal positions: corners that were written more than once."""
 
 import numpy as np
 
@@ -8,31 +8,32 @@ from geodesic_toolkit.geometry.triangles import proper_faces
 __all__ = [
     "boundary_edges",
     "edges_and_counts",
-    "merged_places",
+    "merged_positions",
     "movable_by",
     "rounding_of",
-    "same_places",
+    "same_positions",
 ]
 
 MAX_SHARE_OF_SHORTEST_EDGE = 0.25
-"""Share of the shortest edge at a vertex that it may be moved by. Below a half no two corners of a
-face become one: each would have to move by half of their edge. So a quarter keeps faces apart."""
+"""Maximum move of a vertex, relative to the shortest edge at it. Below a half, two corners of a
+face are never merged, because each would have to move by half of their edge. So a quarter preserves
+faces."""
 
-FEW_ULPS = 4
-"""Units in the last place, of single precision, that two computations of one place may differ by:
-half a unit each where one is rounded, and as much again in each coordinate."""
+MAX_ULPS_OF_COPIES = 4
+"""Units in the last place, of single precision, by which two computations of one position may
+differ: half a unit each by rounding, and the same again in each coordinate."""
 
 SORTING_DIRECTION = np.array([0.61803399, 0.56984029, 0.54159265])
-"""In which places are put in order: not one that shapes are made along."""
+"""Direction in which positions are sorted: not one that is common in shapes."""
 
 
-def same_places(points: FloatArray) -> tuple[IntArray, IntArray]:
-    """Return the first point at each place, in order, and which of them each point is.
+def same_positions(points: FloatArray) -> tuple[IntArray, IntArray]:
+    """Return the first point at each position, in order, and the position of each point.
 
     Parameters
     ----------
     points : ndarray of shape (N, 3)
-        Those with a NaN are each by itself.
+        Points with a NaN are never equal to others.
 
     Returns
     -------
@@ -42,8 +43,8 @@ def same_places(points: FloatArray) -> tuple[IntArray, IntArray]:
     Examples
     --------
     >>> import numpy as np
-    >>> from geodesic_toolkit.geometry.welding import same_places
-    >>> first, place = same_places(np.array([[1.0, 0, 0], [0, 0, 0], [1, -0.0, 0]]))
+    >>> from geodesic_toolkit.geometry.welding import same_positions
+    >>> first, place = same_positions(np.array([[1.0, 0, 0], [0, 0, 0], [1, -0.0, 0]]))
     >>> first.tolist(), place.tolist()
     ([0, 1], [0, 1, 0])
     """
@@ -56,28 +57,29 @@ def same_places(points: FloatArray) -> tuple[IntArray, IntArray]:
     return first, place
 
 
-def merged_places(points: FloatArray, reach: FloatArray) -> IntArray:
-    """Return for each point the first one that it is one with, of shape (N,).
+def merged_positions(points: FloatArray, reach: FloatArray) -> IntArray:
+    """Return for each point the first point that it is merged with, of shape (N,).
 
-    Points are taken in their order: one that lies near enough to an earlier one which stays becomes
-    that one. So nothing is moved farther than its reach, however long a chain of points is.
+    Points are processed in order: a point that is near enough to an earlier one that stays is
+    merged with it. So a point never moves farther than its reach, even in a long chain of points.
 
     Parameters
     ----------
     points : ndarray of shape (N, 3)
-        Those that are not finite stay.
+        Points that are not finite stay.
     reach : ndarray of shape (N,)
-        How far from a point another one may lie, 0 or more; of two points the lesser reach counts.
+        Maximum distance of a point that is merged, 0 or more; of two points the smaller reach
+        applies.
 
     Examples
     --------
     >>> import numpy as np
-    >>> from geodesic_toolkit.geometry.welding import merged_places
+    >>> from geodesic_toolkit.geometry.welding import merged_positions
     >>> points = np.array([[0.0, 0, 0], [0.9, 0, 0], [1.8, 0, 0], [9, 0, 0]])
-    >>> merged_places(points, np.full(4, 1.0)).tolist()
+    >>> merged_positions(points, np.full(4, 1.0)).tolist()
     [0, 0, 2, 3]
     """
-    first, place = same_places(points)
+    first, place = same_positions(points)
     least = np.full(len(first), np.inf)
     np.minimum.at(least, place, reach)
     one, other = _near_pairs(points[first], least)
@@ -86,7 +88,7 @@ def merged_places(points: FloatArray, reach: FloatArray) -> IntArray:
     while len(low):
         waits = np.zeros(len(first), dtype=np.bool_)
         waits[high] = True
-        moves[high[~waits[low]]] = True  # all before `low` have been decided: it stays
+        moves[high[~waits[low]]] = True  # all before `low` are decided: it stays
         undecided = ~moves[low] & ~moves[high] & waits[low]
         low, high = low[undecided], high[undecided]
     owner = np.arange(len(first))
@@ -98,7 +100,7 @@ def merged_places(points: FloatArray, reach: FloatArray) -> IntArray:
 def _near_pairs(points: FloatArray, reach: FloatArray) -> tuple[IntArray, IntArray]:
     """Return the pairs of points within the reach of each other, the earlier point first.
 
-    SciPy's trees would do, but importing them takes longer than the distances of most meshes.
+    SciPy's trees could do this, but their import takes longer than the distances of most meshes.
     """
     rows = np.flatnonzero(np.isfinite(points).all(axis=1))
     points, reach = points[rows] - points[rows[:1]], reach[rows]
@@ -120,28 +122,29 @@ def _near_pairs(points: FloatArray, reach: FloatArray) -> tuple[IntArray, IntArr
 
 
 def rounding_of(points: FloatArray) -> float:
-    """Return how far apart rounding to single precision can put copies of one place.
+    """Return the largest distance between copies of one position by rounding to single precision.
 
-    Where the coordinates are such numbers they have been rounded as they stand; others may have
-    been in a frame about the shape.
+    Coordinates that are numbers of single precision have been rounded themselves; others may have
+    been rounded in a frame centred at the shape.
     """
     eps = float(np.finfo(np.float32).eps)
     with np.errstate(over="ignore"):
         single = bool((points == points.astype(np.float32)).all())
     extent = float(np.linalg.norm(np.ptp(points, axis=0))) if len(points) else 0.0
-    return FEW_ULPS * eps * (float(np.abs(points).max(initial=0.0)) if single else extent)
+    return MAX_ULPS_OF_COPIES * eps * (float(np.abs(points).max(initial=0.0)) if single else extent)
 
 
 def movable_by(points: FloatArray, edges: IntArray, rounding: float) -> FloatArray:
-    """Return how far each point may be moved without harm to a feature of the shape, (N,).
+    """Return the distance that each point may move without loss of a feature of the shape, (N,).
 
-    That is a quarter of the shortest edge at it; edges as short as the rounding are not features.
+    It is a quarter of the shortest edge at the point; edges as short as the rounding are not
+    features.
 
     Parameters
     ----------
     points : ndarray of shape (N, 3)
     edges : ndarray of shape (E, 2), int64
-        In any order, also repeated.
+        In any order; they may be repeated.
     rounding : float
     """
     length = np.linalg.norm(points[edges[:, 0]] - points[edges[:, 1]], axis=1)
@@ -163,6 +166,6 @@ def edges_and_counts(faces: IntArray) -> tuple[IntArray, IntArray]:
 
 
 def boundary_edges(faces: IntArray) -> IntArray:
-    """Return the edges (B, 2) that only one of the :func:`proper_faces` has."""
+    """Return the edges (B, 2) of only one of the :func:`proper_faces`."""
     edges, counts = edges_and_counts(faces[proper_faces(faces)])
     return np.asarray(edges[counts == 1])

@@ -1,6 +1,6 @@
 """The heat method: diffusion, unit gradients, the Poisson step. Begin with ``method``.
 
-Imports discretizations, linear solvers, sources and refinement; it knows no domain.
+It imports discretizations, linear solvers, sources and refinement, but not domains.
 """
 
 from geodesic_toolkit.heat.diffusion import HeatReport

@@ -13,7 +13,7 @@ from geodesic_toolkit.core.rows import CompressedRows
 from geodesic_toolkit.core.types import BoolArray, FloatArray, IntArray
 from geodesic_toolkit.discretization.data import Discretization
 from geodesic_toolkit.discretization.heat import Heat, log_of
-from geodesic_toolkit.heat.log_range import fill_from_neighbours, log_solve, settled_above
+from geodesic_toolkit.heat.log_range import fill_from_neighbours, log_solve, smallest_final_value
 from geodesic_toolkit.linear.base import Analysis, Factor, LinearSolver
 from geodesic_toolkit.linear.patterns import SharedAnalysis, plus_diagonal
 from geodesic_toolkit.sources.points import SourcePoints
@@ -23,10 +23,10 @@ __all__ = ["Boundary", "HeatFlow", "HeatReport"]
 Boundary: TypeAlias = Literal["neumann", "dirichlet", "average"]
 
 HARMFUL_SHARE = 0.01
-"""Share of reached vertices with non-positive heat from which on it does harm."""
+"""Minimum share of reached vertices with non-positive heat at which distances are wrong."""
 
 ROWS_PER_BLOCK = 16
-"""Rows of a table that are read as one."""
+"""Rows of a table that are compared as one row."""
 
 
 @dataclass(frozen=True)
@@ -38,9 +38,9 @@ class HeatReport:
     reached : int
         Vertices connected to a source.
     non_positive : int
-        Those among them where the heat came out zero or negative.
+        Number of these vertices with zero or negative heat.
     stages : int
-        Solves that its range took: 1 up to some 600 edges from the source.
+        Number of solves for its range: 1 up to some 600 edges from the source.
     """
 
     reached: int
@@ -49,7 +49,7 @@ class HeatReport:
 
     @property
     def harmful(self) -> bool:
-        """True if there are so many of them (over 1 %) that distances suffer."""
+        """True if distances are inaccurate: over 1 % of vertices have non-positive heat."""
         return self.non_positive > HARMFUL_SHARE * self.reached
 
 
@@ -64,7 +64,7 @@ class HeatFlow:
     boundary : {"neumann", "dirichlet", "average"}
     solver : LinearSolver
     analysis : Analysis, optional
-        That of the solver, where other systems share it.
+        Analysis of the solver, given if other systems share it.
     """
 
     def __init__(
@@ -103,7 +103,7 @@ class HeatFlow:
         ----------
         block : sequence of K SourcePoints
         workspace : ndarray of shape (N, K), float64, optional
-            Memory to work in, in which the heat may then be.
+            Workspace, which may hold the heat afterwards.
         """
         heat, reports = self._diffuse(block, workspace)
         if free := self._at_held_boundary(block):
@@ -114,17 +114,17 @@ class HeatFlow:
         return heat, reports
 
     def log_solve(self, loads: FloatArray) -> FloatArray:
-        """Return log u, (N, K), for loads on vertices that are not negative, with no condition."""
+        """Return log u, (N, K), for loads >= 0 at vertices, without a boundary condition."""
         if self.boundary != "neumann":
             return self._free.log_solve(loads)
         (system,) = self.systems()
-        if not self.solver.componentwise:  # restarts rest on every entry being right
+        if not self.solver.componentwise:  # restarts need every entry to be accurate
             return log_of(system.factor.solve(loads))
         log_heat, _ = log_solve(system.matrix, system.factor, loads)
         return log_heat
 
     def is_cold(self, log_heat: FloatArray, loads: FloatArray) -> bool:
-        """Return whether heat (N, K) of such loads has not come, or is not positive, somewhere."""
+        """Return True if heat (N, K) is not positive at a vertex that its load is connected to."""
         parts = self.diffusion.components
         for column in np.flatnonzero((log_heat == -np.inf).any(axis=0)):
             heated = np.zeros(parts.max() + 1, dtype=np.bool_)
@@ -134,11 +134,12 @@ class HeatFlow:
         return False
 
     def _at_held_boundary(self, block: Sequence[SourcePoints]) -> list[int]:
-        """Return the source sets with a point at a boundary held at zero, which is then free.
+        """Return the source sets at a boundary held at zero; they are solved with a free boundary.
 
-        At it means on it or next to it, within the reach √t = h of the heat: what such a condition
-        leaves of that is the heat of a dipole, which says little about distance. On a square of
-        22 x 22 vertices distances from the rim were 24 % off, and are 1.7 %.
+        A source set is there if a point is on the boundary or adjacent to it, within the reach √t =
+        h of the heat: the condition turns such heat into that of a dipole, which carries little
+        information on distance. On a square of 22 x 22 vertices distances from the rim were 24 %
+        off with the condition, and are 1.7 % off without it.
         """
         if self.boundary != "dirichlet" or not self.diffusion.boundary.any():
             return []
@@ -150,7 +151,7 @@ class HeatFlow:
 
     @cached_property
     def _cold(self) -> BoolArray:
-        """Return a mask, (N,), of vertices that are on the boundary or next to it."""
+        """Return a mask, (N,), of vertices that are on the boundary or adjacent to it."""
         held, rows = self.diffusion.boundary, self.diffusion.rows
         cold = held.copy()
         cold[rows.row_of_entry[held[rows.indices]]] = True
@@ -174,7 +175,7 @@ class HeatFlow:
         (system, *more) = self.systems()
         first = system.load(loads)
         if self.solver.componentwise:
-            solve = system.factor.solve if more else system.factor.solve_over  # others need it too
+            solve = system.factor.solve if more else system.factor.solve_over  # keep loads
             solution = solve(first)
             lowest = _lowest(solution)
             far = list(range(len(owners)))
@@ -192,7 +193,7 @@ class HeatFlow:
             part[:, far], stages = log_solve(
                 system.matrix, system.factor, first[:, far], solution=solution[:, far]
             )
-        else:  # restarts rest on every entry being right: take what the solver gives
+        else:  # restarts need every entry to be accurate: use the solution unchanged
             part, stages = log_of(system.factor.solve(first)), 1
         parts = [part]
         for other in more:
@@ -205,7 +206,7 @@ class HeatFlow:
         if len(owners) > len(block):
             parts = [_merged(part + log_scales, owners) for part in parts]
         log_heat = parts[0] if len(parts) == 1 else np.logaddexp(*parts) - np.log(2)
-        unset = log_heat.min(axis=0, initial=np.inf) == -np.inf  # most columns are whole
+        unset = log_heat.min(axis=0, initial=np.inf) == -np.inf  # most columns are complete
         reports = [
             self._complete(log_heat[:, k], block[k], stages)
             if unset[k]
@@ -217,19 +218,19 @@ class HeatFlow:
     def _beyond_range(
         self, solution: FloatArray, lowest: FloatArray, block: Sequence[SourcePoints]
     ) -> list[int]:
-        """Return the columns in which heat reaches values near underflow: one solve is not all."""
+        """Return the columns whose heat falls to values near underflow, and needs more solves."""
         beyond = []
-        settled = self.systems()[0].settled
+        final = self.systems()[0].smallest_final
         for k, least in enumerate(lowest.tolist()):
-            if least > settled:  # as in most columns
+            if least > final:  # as in most columns
                 continue
-            sunk = np.abs(solution[:, k]) <= settled
-            if sunk.any() and (sunk & self.reached(block[k])).any():
+            small = np.abs(solution[:, k]) <= final
+            if small.any() and (small & self.reached(block[k])).any():
                 beyond.append(k)
         return beyond
 
     def _complete_in_range(self, solution: FloatArray, k: int, points: SourcePoints) -> HeatReport:
-        """Fill column k of u in place where heat should be positive and is not."""
+        """Fill column k of u in place at vertices whose heat is not positive."""
         missing = solution[:, k] < 0
         report = HeatReport(self._reach(points), int(np.count_nonzero(missing)), 1)
         if report.non_positive and not report.harmful:
@@ -238,7 +239,7 @@ class HeatFlow:
         return report
 
     def _complete(self, log_heat: FloatArray, points: SourcePoints, stages: int) -> HeatReport:
-        """Fill one column of log u in place where heat should be positive and is not."""
+        """Fill a column of log u in place at vertices whose heat is not positive."""
         reached = self.reached(points)
         missing = reached & (log_heat == -np.inf)
         count = int(missing.sum())
@@ -250,7 +251,7 @@ class HeatFlow:
     def _loads(
         self, block: Sequence[SourcePoints], workspace: FloatArray | None = None
     ) -> tuple[FloatArray, FloatArray, IntArray]:
-        """Return right-hand sides (N, K'), the logarithms of their scales, and whose they are."""
+        """Return right-hand sides (N, K'), the logarithms of their scales, and their sets."""
         if not any(points.delayed for points in block):
             columns = workspace
             if columns is None:
@@ -273,22 +274,22 @@ class HeatFlow:
         return columns, np.array(log_scales), np.array(owners)
 
     def _decay(self, points: SourcePoints) -> FloatArray:
-        """Return the powers of e by which heat falls in a unit of length at each point."""
+        """Return the rate of exponential decay of heat per unit of length at each point."""
         at = points.first_vertices
         scale = self.diffusion.scales[at]
         time = np.broadcast_to(self.times, self.diffusion.n_vertices)[at]
-        # exp(-d / √t) in the smooth limit; by steps of h the heat equation has this solution.
+        # exp(-d / √t) in the smooth limit; the discrete equation with steps of h has this solution.
         return np.asarray(np.arccosh(1 + scale**2 / (2 * time)) / scale)
 
     def reached(self, points: SourcePoints) -> BoolArray:
-        """Return where heat from a source set should come, of shape (N,)."""
+        """Return a mask (N,) of the vertices that heat from a source set should reach."""
         reached = np.isin(self.diffusion.components, points.components(self.diffusion))
         if self.boundary == "dirichlet":
             reached &= ~self.diffusion.boundary
         return reached
 
     def _reach(self, points: SourcePoints) -> int:
-        """Return at how many vertices."""
+        """Return the number of vertices that heat from a source set should reach."""
         if self.boundary == "dirichlet":
             return int(self.reached(points).sum())
         if len(self._part_sizes) == 1:
@@ -300,7 +301,7 @@ class HeatFlow:
         return np.bincount(self.diffusion.components)
 
     def systems(self) -> list["_HeatSystem"]:
-        """Return the systems that the boundary condition asks for, factorised once."""
+        """Return the systems of the boundary condition, factorised once."""
         with self._lock:
             if self._systems is None:
                 conditions = {"average": [False, True]}.get(
@@ -312,15 +313,15 @@ class HeatFlow:
     def _heat_system(self, dirichlet: bool) -> "_HeatSystem":
         free = plus_diagonal(self.diffusion.rows, self.diffusion.mass, self.times)
         diagonal = free.diagonal()
-        if not (diagonal > 0).all():  # vertices of no element: any pivot will do
+        if not (diagonal > 0).all():  # vertices without elements: any pivot is accepted
             free = plus_diagonal(free, np.where(diagonal > 0, 0.0, 1.0))
             diagonal = free.diagonal()
         held = self.diffusion.boundary if dirichlet else np.zeros_like(self.diffusion.boundary)
         if not held.any():
             return _HeatSystem(free, free, held, diagonal, self._analysis.factorize(free))
-        apart = held[free.row_of_entry] | held[free.indices]
+        uncoupled = held[free.row_of_entry] | held[free.indices]
         pinned = plus_diagonal(
-            free.with_data(np.where(apart, 0.0, free.data)), np.where(held, diagonal, 0.0)
+            free.with_data(np.where(uncoupled, 0.0, free.data)), np.where(held, diagonal, 0.0)
         )
         return _HeatSystem(pinned, free, held, diagonal, self._analysis.factorize(pinned))
 
@@ -334,10 +335,10 @@ class HeatFlow:
 
 @dataclass(frozen=True)
 class _HeatSystem:
-    """``M + t L`` under one boundary condition: rows of `held` vertices say ``u = 0``.
+    """``M + t L`` under one boundary condition: rows of `held` vertices are ``u = 0``.
 
-    A source that is itself held is a spike of its own: its value is fixed at what a lone vertex
-    would have, and its neighbours feel it through the free system's rows.
+    A held source is a separate spike: its value is fixed at that of an isolated vertex, and it acts
+    on its neighbours through the rows of the free system.
     """
 
     matrix: CompressedRows
@@ -347,25 +348,25 @@ class _HeatSystem:
     factor: Factor
 
     @cached_property
-    def settled(self) -> float:
-        """The smallest heat that is taken as it is."""
-        return settled_above(self.diagonal)
+    def smallest_final(self) -> float:
+        """The smallest heat that is final after one solve."""
+        return smallest_final_value(self.diagonal)
 
     def load(self, delta: FloatArray) -> FloatArray:
-        """Return the right-hand sides that put the heat δ, (N, K), where the condition allows."""
-        if self.free is self.matrix:  # none is held
+        """Return the right-hand sides of the heat δ, (N, K), under the boundary condition."""
+        if self.free is self.matrix:  # not a vertex is held
             return delta
         spikes = np.where(self.held[:, None], delta, 0.0) / self.diagonal[:, None]
         if not spikes.any():
             return np.where(self.held[:, None], 0.0, delta)
-        felt = np.where(self.held[:, None], 0.0, delta - self.free.scipy @ spikes)
-        return felt + spikes * self.diagonal[:, None]
+        coupling = np.where(self.held[:, None], 0.0, delta - self.free.scipy @ spikes)
+        return coupling + spikes * self.diagonal[:, None]
 
 
 def _lowest(table: FloatArray) -> FloatArray:
-    """Return the least number in each column, of shape (K,).
+    """Return the minimum of each column, of shape (K,).
 
-    Of many rows at a time: a few columns are compared sooner than NumPy has begun with a row.
+    Many rows are compared at a time, because for a few columns NumPy's overhead per row dominates.
     """
     if table.shape[1] == 1 or not table.flags.c_contiguous:
         return np.asarray(table.min(axis=0))

@@ -13,7 +13,7 @@ from geodesic_toolkit.discretization.heat import Heat
 from geodesic_toolkit.geometry.along_edges import AlongEdges
 from geodesic_toolkit.sources.points import SourcePoints
 
-__all__ = ["ScaledGradient", "hold_to_edges", "instead_of_heat"]
+__all__ = ["ScaledGradient", "instead_of_heat", "limit_to_edges"]
 
 
 def instead_of_heat(
@@ -21,17 +21,17 @@ def instead_of_heat(
 ) -> None:
     """Write the shortest paths along the edges of a graph, or across them, (K, N)."""
     paths = metric.across_edges if across else metric.along_edges
-    assert paths is not None  # for the type checker; the heat method has asked
+    assert paths is not None  # for the type checker; the heat method has checked
     begins = np.cumsum([0, *(len(points.vertices) for points in block)])
     known = [points.distances + points.starts[points.rows] for points in block]
     vertices = np.concatenate([points.vertices for points in block])
     distances[:] = paths.distances(begins, vertices, np.concatenate(known))
 
 
-def hold_to_edges(
+def limit_to_edges(
     metric: Discretization, block: Sequence[SourcePoints], distances: FloatArray
 ) -> None:
-    """Lower distances (K, N) in place to the paths along edges, of all vertices at a place."""
+    """Limit distances (K, N) in place to paths along edges, also of merged vertices."""
     if len(metric.representatives):
         distances[:] = distances[:, metric.representatives]
     if metric.along_edges is not None:
@@ -41,15 +41,15 @@ def hold_to_edges(
 
 
 class ScaledGradient:
-    """The gradient of a metric, with the local scale that its potentials ask for.
+    """The gradient of a metric, with the local scale found from its potentials.
 
     Parameters
     ----------
     metric : Discretization
     diffuse : callable
-        From source sets to their heat.
+        Function of source sets that returns their heat.
     integrate : callable
-        Step 3, from a right-hand side (N, K) to potentials.
+        Step 3: function of a right-hand side (N, K) that returns potentials.
     """
 
     def __init__(
@@ -63,7 +63,7 @@ class ScaledGradient:
         self._lock = threading.Lock()
 
     def __call__(self) -> Gradient:
-        """Return the gradient; the scale is found the first time."""
+        """Return the gradient; the scale is computed at the first call."""
         if not self._metric.local_scale:
             return self._metric.gradient
         with self._lock:
@@ -87,12 +87,12 @@ class ScaledGradient:
         own = _dimensions_of_edges(gradient)
         dimension = max(1, round(own.sum() / gradient.measure.sum())) if own.any() else 1
         found = rises(graph, metric.components, dimension, potentials)
-        # Never less than one dimension: there the whole of a rise is along the edge.
+        # Never less than one dimension: in one dimension a potential rises entirely along the edge.
         measure = np.minimum(gradient.measure / found**2, own)
         return EdgeGradient(gradient.edges, gradient.edge_weights, measure, copy=False)
 
     def dimensions(self) -> FloatArray:
-        """Return the dimension about each vertex that the scale amounts to, (N,); NaN without."""
+        """Return the effective dimension at each vertex by the scale, (N,); NaN without edges."""
         gradient = self()
         assert isinstance(gradient, EdgeGradient)  # for the type checker
         own = _dimensions_of_edges(gradient)

@@ -1,12 +1,12 @@
-"""The scale of distance about each vertex of a graph, read off the graph.
+"""The local scale of distance at each vertex of a graph, estimated from the graph.
 
 A potential such as a distance from far away rises along an edge by at most the length of the edge,
-and by just that where the edge points its way. How much too steep potentials are is therefore the
-greatest rise for the path along edges, over pairs of vertices near by and potentials from many
-sides. On the axes of a square grid, or of a bar of voxels, paths along edges are straight, and the
-greatest rise is there; where paths along edges are straight in no direction, as among neighbours of
-random samples, the greatest rise is luck as well, and the mean rise along shortest paths, which
-would give back the path along edges, has a say.
+and by exactly that if the edge has the direction of its gradient. Potentials are therefore too
+steep by the greatest rise per length of path along edges, over pairs of vertices nearby and
+potentials from many sides. On the axes of a square grid, or of a bar of voxels, paths along edges
+are straight, and the greatest rise is found there. If paths along edges are not straight in any
+direction, as among neighbours of random samples, the greatest rise also depends on chance, and is
+averaged with the mean rise along shortest paths, which alone would reproduce the path along edges.
 """
 
 from __future__ import annotations
@@ -23,61 +23,64 @@ from geodesic_toolkit.geometry.along_edges import AlongEdges
 __all__ = ["rises"]
 
 N_POTENTIALS = 16
-"""Potentials, each from one vertex of every part; twice as many in solids with few directions.
+"""Number of potentials, each from one vertex of every component; twice as many in solids with few
+directions.
 
 The mean error on a cube of 12³ voxels is 7.5 % with 16 and 6.6 % with 32, of which 4.7 % are the
-method's own; in the plane 16 do.
+method's own; in the plane 16 are enough.
 """
 
 MIN_DIMENSION_OF_SOLIDS = 2.2
-"""Dimension from which on that is so; grids in the plane are found to have 1.7 to 2.1."""
+"""Minimum dimension of a solid; grids in the plane are estimated at 1.7 to 2.1."""
 
 N_NEIGHBOURHOODS_COMPARED = 3
-"""Neighbourhoods that are looked at together where directions are few."""
+"""Neighbourhoods that are compared if directions are few."""
 
 DEGREE_TOLERANCE = 0.1
-"""Part by which the mean degrees of neighbourhoods of one kind differ at most."""
+"""Maximum relative difference of the mean degrees of neighbourhoods of one kind."""
 
 QUANTILE_OF_RISE = 0.8
-"""Share of the neighbourhoods of one kind that rise less than is usual."""
+"""Quantile of the rises of neighbourhoods of one kind that is taken as usual."""
 
 N_TRACED_POTENTIALS = 8
-"""Fields whose own shortest paths are followed; their mean needs no more."""
+"""Potentials whose shortest paths are followed; more are not needed for their mean."""
 
 MAX_NEIGHBOURHOODS = 64
-"""Neighbourhoods in a part, at most; from 64 to 128 errors change by less than 0.5 %."""
+"""Maximum number of neighbourhoods in a component; from 64 to 128 errors change by less than
+0.5 %."""
 
 VERTICES_PER_NEIGHBOURHOOD = 20
-"""Vertices for each neighbourhood of a small part."""
+"""Vertices per neighbourhood in a small component."""
 
 VERTICES_OF_NEIGHBOURHOOD = 300
-"""Vertices of a neighbourhood: 150, 300 and 600 give the same to 1 %."""
+"""Number of vertices of a neighbourhood: 150, 300 and 600 give the same to 1 %."""
 
 MAX_RADIUS_IN_EDGES = 8
-"""Edges from its middle to its rim at most, where a graph is thin."""
+"""Maximum number of edges from the centre of a neighbourhood to its rim, in thin graphs."""
 
 N_MEMBERS_AVERAGED = 16
-"""Vertices of a neighbourhood from which its rises are taken and averaged."""
+"""Vertices of a neighbourhood from which rises are measured and averaged."""
 
 MIN_RATIO_OF_STRAIGHT_PATHS = 0.98
-"""Part of the way between two vertices by which a shortest path that leads past both differs."""
+"""Minimum ratio of the difference along a shortest path past two vertices to their distance."""
 
-TAXICAB, RANDOM = 0.82, 0.9
-"""Mean over greatest rise, below and above which paths along edges are straight in some directions
-only, or equally in all. Lattices with neighbours along their axes have 0.5 to 0.76, with a jitter
-of 0.3 up to 0.86; all neighbour graphs of two-dimensional samples 0.86 to 0.95.
+MAX_MEAN_OF_LATTICES, MIN_MEAN_OF_RANDOM_SAMPLES = 0.82, 0.9
+"""Ratio of the mean rise to the greatest one below which paths along edges are straight in some
+directions only, and above which equally in all. Lattices with neighbours along their axes have 0.5
+to 0.76, with a jitter of 0.3 up to 0.86; all neighbour graphs of two-dimensional samples 0.86 to
+0.95.
 """
 
 WEIGHT_OF_MEAN_RISE = 0.4
 """Weight of the mean rise where paths are equally straight in all directions."""
 
 MAX_COMPONENTS_EXAMINED = 256
-"""Parts of a graph that are looked at, the largest first; the others take the median."""
+"""Number of components that are measured, the largest first; the others take the median."""
 
 
 @dataclass(frozen=True)
 class _Ball:
-    """A neighbourhood: its vertices, some of its members, and the paths from those, (m, n)."""
+    """A neighbourhood: its vertices, some of its members, and the paths from these, (m, n)."""
 
     vertices: IntArray
     members: IntArray
@@ -91,18 +94,18 @@ def rises(
     dimension: int,
     potentials: Callable[[list[IntArray]], FloatArray],
 ) -> FloatArray:
-    """Return by how much potentials rise for each unit of length about each vertex.
+    """Return the rise of potentials per unit of length at each vertex.
 
     Parameters
     ----------
     graph : AlongEdges
         Lengths are positive.
     part : ndarray of shape (N,), int64
-        The connected part of every vertex.
+        The component of every vertex.
     dimension : int
-        The one for which potentials are meant to be right.
+        The dimension for which potentials are scaled.
     potentials : callable
-        From K sets of vertices to the potentials (K, N).
+        Function of K sets of vertices that returns the potentials (K, N).
 
     Returns
     -------
@@ -112,16 +115,18 @@ def rises(
     sizes = np.bincount(part)
     order = np.argsort(part, kind="stable")
     begins = np.concatenate([[0], np.cumsum(sizes)])[:-1]
-    some = np.flatnonzero(sizes > 1)
-    some = some[np.argsort(-sizes[some], kind="stable")][:MAX_COMPONENTS_EXAMINED]
-    if not len(some):
+    large = np.flatnonzero(sizes > 1)
+    large = large[np.argsort(-sizes[large], kind="stable")][:MAX_COMPONENTS_EXAMINED]
+    if not len(large):
         return np.ones(len(part))
     sides = np.random.default_rng(0).random(2 * N_POTENTIALS)
     sources = np.stack(
-        [order[begins[some] + (side * sizes[some]).astype(np.int64)] for side in sides]
+        [order[begins[large] + (side * sizes[large]).astype(np.int64)] for side in sides]
     )
     centres = np.unique(
-        np.concatenate([order[begins[one] + _spread(int(sizes[one]))] for one in some])
+        np.concatenate(
+            [order[begins[one] + _positions_of_centres(int(sizes[one]))] for one in large]
+        )
     )
     limit = np.clip(sizes[part[centres]] // 4, 12, VERTICES_OF_NEIGHBOURHOOD)
     balls = [_ball(graph.matrix, int(c), int(n)) for c, n in zip(centres, limit, strict=True)]
@@ -134,8 +139,10 @@ def rises(
     heights = np.zeros((0, len(used)))
     for fields in (sources[:N_POTENTIALS], sources[N_POTENTIALS:]):
         heights = np.concatenate([heights, potentials(list(fields))[:, used]])
-        asked = sources[: len(heights)]
-        greatest, mean = np.array([_rise(ball, used, heights, paths, asked) for ball in balls]).T
+        fields_used = sources[: len(heights)]
+        greatest, mean = np.array(
+            [_rise(ball, used, heights, paths, fields_used) for ball in balls]
+        ).T
         if not _solid(greatest, mean, dimension):
             break
     degrees = np.diff(graph.matrix.indptr)
@@ -143,24 +150,24 @@ def rises(
     alike = np.abs(edges - edges[:, None]) <= DEGREE_TOLERANCE * edges
     alike &= part[centres] == part[centres][:, None]
     values = _weighed(greatest, mean, near, alike)
-    return _spread_out(graph.matrix, cells, values)
+    return _smoothed_over_graph(graph.matrix, cells, values)
 
 
 def _solid(greatest: FloatArray, mean: FloatArray, dimension: int) -> bool:
-    """Return whether paths are straight in few directions, and there are more than two dimensions.
+    """Return True if paths are straight in few directions of more than two dimensions.
 
-    More potentials are then needed, because few come from those directions; a factor is expensive
-    anyway.
+    More potentials are then needed, because few come from those directions; their cost is small
+    beside that of a factor.
     """
     known = greatest > 0
-    crooked = known & (mean < TAXICAB * greatest)
+    crooked = known & (mean < MAX_MEAN_OF_LATTICES * greatest)
     return bool(
         np.any(crooked) and np.median(greatest[crooked]) ** 2 * dimension > MIN_DIMENSION_OF_SOLIDS
     )
 
 
-def _spread(size: int) -> IntArray:
-    """Return the places of neighbourhoods among so many vertices, one at random in each stretch."""
+def _positions_of_centres(size: int) -> IntArray:
+    """Return the indices of centres among so many vertices, one at random in each interval."""
     count = min(max(size // VERTICES_PER_NEIGHBOURHOOD, 1), MAX_NEIGHBOURHOODS)
     return np.asarray(
         (np.arange(count) + np.random.default_rng(0).random(count)) * size / count, dtype=np.int64
@@ -168,7 +175,7 @@ def _spread(size: int) -> IntArray:
 
 
 def _ball(matrix: Any, centre: int, limit: int) -> _Ball:
-    """Return the vertices nearest to one, about `limit` of them."""
+    """Return the neighbourhood of a vertex: the nearest vertices, about `limit` of them."""
     from scipy.sparse.csgraph import dijkstra
 
     vertices = np.array([centre])
@@ -190,8 +197,8 @@ def _ball(matrix: Any, centre: int, limit: int) -> _Ball:
     ]
     between = dijkstra(inner, directed=False, indices=members)
     pairs = np.isfinite(between) & (between >= half) & (between > 0)
-    some = pairs.any(axis=1)
-    return _Ball(vertices, members[some], between[some], pairs[some])
+    compared = pairs.any(axis=1)
+    return _Ball(vertices, members[compared], between[compared], pairs[compared])
 
 
 def _rise(
@@ -199,29 +206,30 @@ def _rise(
 ) -> tuple[float, float]:
     """Return the greatest rise of potentials in a neighbourhood, and the mean along shortest paths.
 
-    The greatest over fields of a mean over members; NaN where there is nothing to compare.
+    The greatest rise is the maximum over fields of a mean over members. Both are NaN if there are
+    no vertices to compare.
     """
     if not len(ball.members):
         return np.nan, np.nan
     here = np.searchsorted(used, ball.vertices)
-    outside = ~np.isin(sources, ball.vertices).any(axis=1)  # near its source a field has a kink
+    outside = ~np.isin(sources, ball.vertices).any(axis=1)  # a field has a kink near its source
     fields = np.flatnonzero(outside) if outside.any() else np.arange(len(sources))
     local = heights[np.ix_(fields, here)]
     length = np.where(ball.pairs, ball.paths, np.inf)
     rise = np.abs(local[:, None, :] - local[:, ball.members, None]) / length
     greatest = float(rise.max(axis=2).mean(axis=1).max())
     passed = paths[np.ix_(fields[fields < N_TRACED_POTENTIALS], here)]
-    gone = np.abs(passed[:, None, :] - passed[:, ball.members, None])
-    led = gone >= MIN_RATIO_OF_STRAIGHT_PATHS * length
-    if not led.any():
+    covered = np.abs(passed[:, None, :] - passed[:, ball.members, None])
+    on_path = covered >= MIN_RATIO_OF_STRAIGHT_PATHS * length
+    if not on_path.any():
         return greatest, greatest
-    return greatest, min(float(rise[: len(passed)][led].mean()), greatest)
+    return greatest, min(float(rise[: len(passed)][on_path].mean()), greatest)
 
 
 def _cells(graph: AlongEdges, centres: IntArray) -> tuple[IntArray, BoolArray]:
-    """Return the nearest of n centres to each vertex, or -1, and which cells are next, (n, n).
+    """Return the nearest of n centres to each vertex, or -1, and a mask of near cells, (n, n).
 
-    Of the cells that touch one, those with the nearest centres.
+    Near cells of a cell touch it, and have the nearest centres.
     """
     from scipy.sparse.csgraph import dijkstra
 
@@ -245,28 +253,32 @@ def _cells(graph: AlongEdges, centres: IntArray) -> tuple[IntArray, BoolArray]:
 def _weighed(
     greatest: FloatArray, mean: FloatArray, near: BoolArray, alike: BoolArray
 ) -> FloatArray:
-    """Return the rises that count, NaN for neighbourhoods with nothing to compare.
+    """Return the weighted rises, NaN for neighbourhoods without vertices to compare.
 
     If paths along edges are straight in some directions only, few potentials come from there, and
-    none in a vessel that runs askew. The greatest rise of the neighbours counts as well, and the rise
-    that most neighbourhoods with about as many edges reach.
+    in an oblique vessel potentials never do. Then the greatest rise of the neighbours is included,
+    and the rise that most neighbourhoods with about as many edges reach.
     """
     known = greatest > 0
     straight = np.divide(mean, greatest, out=np.ones_like(mean), where=known)
-    crooked = known & (straight < TAXICAB)
+    crooked = known & (straight < MAX_MEAN_OF_LATTICES)
     others = np.where(near & crooked[:, None] & crooked, greatest, 0.0)
-    some = crooked.any()
+    has_crooked = crooked.any()
     kind = np.where(alike & crooked[:, None] & crooked, greatest, np.nan)
     usual = np.zeros_like(greatest)
-    if some:
+    if has_crooked:
         usual[crooked] = np.nanquantile(kind[crooked], QUANTILE_OF_RISE, axis=1)
     greatest = np.where(known, np.maximum(np.maximum(greatest, others.max(axis=1)), usual), np.nan)
-    weight = WEIGHT_OF_MEAN_RISE * np.clip((straight - TAXICAB) / (RANDOM - TAXICAB), 0, 1)
+    weight = WEIGHT_OF_MEAN_RISE * np.clip(
+        (straight - MAX_MEAN_OF_LATTICES) / (MIN_MEAN_OF_RANDOM_SAMPLES - MAX_MEAN_OF_LATTICES),
+        0,
+        1,
+    )
     return np.asarray(greatest * (1 - weight) + mean * weight)
 
 
-def _spread_out(matrix: Any, cells: IntArray, found: FloatArray) -> FloatArray:
-    """Return what was found in cells for all vertices, smoothed along edges; 1 without edges."""
+def _smoothed_over_graph(matrix: Any, cells: IntArray, found: FloatArray) -> FloatArray:
+    """Return the values of cells at all vertices, smoothed along edges; 1 without edges."""
     known = np.isfinite(found)
     if not known.any():
         return np.ones(matrix.shape[0])

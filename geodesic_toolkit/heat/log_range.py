@@ -1,7 +1,7 @@
-"""The logarithm of a positive solution, over a range that floating point does not have.
+"""The logarithm of a positive solution, over a wider range than that of floating point.
 
-The heat of a short diffusion falls by a factor of about e per edge, so float64 ends some 700 edges
-from the source. Its logarithm need not.
+The heat of a short diffusion falls by a factor of about e per edge, so float64 underflows some 700
+edges from the source. Its logarithm does not.
 """
 
 import numpy as np
@@ -11,20 +11,21 @@ from geodesic_toolkit.core.rows import CompressedRows
 from geodesic_toolkit.core.types import BoolArray, FloatArray, IntArray
 from geodesic_toolkit.linear.base import Factor
 
-__all__ = ["fill_from_neighbours", "log_solve", "settled_above"]
+__all__ = ["fill_from_neighbours", "log_solve", "smallest_final_value"]
 
 MIN_FINAL_VALUE = 1e-260
-"""Smallest scaled value taken as it is; the 1e-48 below it still resolve what it is a sum of."""
+"""Scaled values above this threshold are final: the remaining range down to underflow, 1e-48,
+resolves every term of their sums."""
 
 ROWS_PER_BLOCK = 4096
-"""Rows worked on at once: what comes in between stays in cache, and takes no fresh memory."""
+"""Rows processed at once: intermediate results stay in cache, and do not need new memory."""
 
 
-def settled_above(diagonal: FloatArray) -> float:
-    """Return the smallest value that is taken as it is, of the solution with such a diagonal.
+def smallest_final_value(diagonal: FloatArray) -> float:
+    """Return the smallest value that is final in a solution of a matrix with this diagonal.
 
-    What a solve adds up are values times entries of the factor, as large as the roots of the
-    diagonal; where these are small, products are the first to underflow.
+    A solve sums products of values and entries of the factor, which are as large as the square
+    roots of the diagonal; if these are small, products underflow first.
     """
     return MIN_FINAL_VALUE / float(np.sqrt(diagonal.min(initial=1.0)))
 
@@ -38,15 +39,16 @@ def log_solve(
 ) -> tuple[FloatArray, int]:
     """Return ``log u`` for ``A u = b``, b >= 0, however small u becomes.
 
-    Once u sinks below a threshold, split the vertices into the near ones (above it, settled) and
-    the far ones. The part of u on the far side alone, w = (0, u_far), solves the same system with
-    a right-hand side that lives on the interface of the two,
+    Once u falls below a threshold, split the vertices into near ones (above it, with final values)
+    and far ones. The part of u on the far side alone, w = (0, u_far), solves the same system with a
+    right-hand side that is nonzero only at the interface,
 
         A w = (A_nf u_f, -A_fn u_n),
 
-    which can be scaled up before solving it with the same factor: the far values come out in
-    scaled arithmetic, settle in their turn, and so on until nothing is left. Every stage costs one
-    pair of back-substitutions and reaches some 600 edges further at the default time step.
+    which can be scaled up before it is solved with the same factor: the far values are found in
+    scaled arithmetic, the larger ones are final, and so on until all vertices have a value. Every
+    stage costs one pair of back-substitutions and reaches some 600 edges further at the default
+    time step.
 
     Parameters
     ----------
@@ -57,36 +59,37 @@ def log_solve(
     right_hand_side : ndarray of shape (N, K)
         Not negative.
     solution : ndarray of shape (N, K), optional
-        What the factor makes of it, where that is at hand.
+        Solution of the system by the factor, if it is already known.
 
     Returns
     -------
     log_solution : ndarray of shape (N, K)
-        ``-inf`` where the solution is zero (not connected to b) or negative (A is not an M-matrix).
+        ``-inf`` at vertices whose solution is zero (not connected to b) or negative (A is not an
+        M-matrix).
     stages : int
-        How many solves the furthest column took.
+        Number of solves for the column with the widest range.
     """
     n_vertices, n_columns = right_hand_side.shape
     log_solution = np.full((n_vertices, n_columns), -np.inf)
-    settled = np.zeros((n_vertices, n_columns), dtype=np.bool_)
+    final = np.zeros((n_vertices, n_columns), dtype=np.bool_)
     log_scale = np.zeros(n_columns)
-    columns = np.arange(n_columns)  # those that still have vertices to settle
-    least = settled_above(matrix.diagonal())
+    columns = np.arange(n_columns)  # those with values that are not final
+    least = smallest_final_value(matrix.diagonal())
     scaled_rhs = right_hand_side
-    for stage in range(1, n_vertices + 2):  # each stage settles a vertex at least
+    for stage in range(1, n_vertices + 2):  # each stage makes at least one value final
         scaled = solution if solution is not None and stage == 1 else factor.solve(scaled_rhs)
-        is_open = _settle(
+        is_open = _take_logarithms(
             scaled,
             least,
             log_scale=log_scale,
             columns=columns,
             log_solution=log_solution,
-            settled=settled,
+            final=final,
         )
         if not is_open.any():
             return log_solution, stage
         columns, scaled = columns[is_open], scaled[:, is_open]
-        rows, loads = _interface(matrix, scaled, settled[:, columns])
+        rows, loads = _interface(matrix, scaled, final[:, columns])
         largest = np.abs(loads).max(axis=0, initial=0.0)
         connected = largest > 0
         if not connected.any():
@@ -95,34 +98,34 @@ def log_solve(
         scaled_rhs = np.zeros((n_vertices, len(columns)))
         scaled_rhs[rows] = loads[:, connected] / largest
         log_scale[columns] += np.log(largest)
-    return log_solution, n_vertices + 1  # pragma: no cover - every stage settles a vertex
+    return log_solution, n_vertices + 1  # pragma: no cover - every stage makes a value final
 
 
-def _settle(
+def _take_logarithms(
     scaled: FloatArray,
     least: float,
     *,
     log_scale: FloatArray,
     columns: IntArray,
     log_solution: FloatArray,
-    settled: BoolArray,
+    final: BoolArray,
 ) -> BoolArray:
-    """Take the logarithms of what has not sunk to `least`, into some `columns` of (N, K).
+    """Write the logarithms of values above `least` into some `columns` of (N, K).
 
-    Returns which of these columns made progress and are not done yet.
+    Return a mask of the columns that made progress and are not complete.
     """
     progress = np.zeros(len(columns), dtype=np.bool_)
     done = np.ones(len(columns), dtype=np.bool_)
     for start in range(0, len(scaled), ROWS_PER_BLOCK):
         rows = slice(start, start + ROWS_PER_BLOCK)
-        part, before, logs = scaled[rows], settled[rows, columns], log_solution[rows, columns]
+        part, before, logs = scaled[rows], final[rows, columns], log_solution[rows, columns]
         new = ~before & (np.abs(part) > least)
         with np.errstate(divide="ignore", invalid="ignore"):
             log_solution[rows, columns] = np.where(
                 new & (part > 0), np.log(part) + log_scale[columns], logs
             )
         after = before | new
-        settled[rows, columns] = after
+        final[rows, columns] = after
         progress |= new.any(axis=0)
         done &= after.all(axis=0)
     return progress & ~done
@@ -131,14 +134,14 @@ def _settle(
 def _interface(
     matrix: CompressedRows, solution: FloatArray, near: BoolArray
 ) -> tuple[IntArray, FloatArray]:
-    """Return the rows where A w is not zero for w = (0, u_far), and what it is there, per column.
+    """Return the rows at which A w is not zero for w = (0, u_far), and its values, per column.
 
-    These are the rows on either side of the interface of near and far.
+    These rows are on either side of the interface of near and far.
     """
     mixed = np.zeros(len(near), dtype=np.bool_)
     for side in np.ascontiguousarray(np.packbits(near, axis=1).T):  # eight columns at once
         around = side[matrix.indices]
-        begins = matrix.indptr[:-1]  # no row is empty: its diagonal is there
+        begins = matrix.indptr[:-1]  # rows are not empty: they hold the diagonal
         mixed |= np.bitwise_or.reduceat(around, begins) != np.bitwise_and.reduceat(around, begins)
     rows = np.flatnonzero(mixed)
     i, entries = _entries_of(matrix, rows)
@@ -151,7 +154,7 @@ def _interface(
 
 
 def _entries_of(matrix: CompressedRows, rows: IntArray) -> tuple[IntArray, IntArray]:
-    """Return the places of all entries in some rows, and which of the rows each is in."""
+    """Return the row number of each entry in some rows, and the indices of these entries."""
     counts = matrix.indptr[rows + 1] - matrix.indptr[rows]
     row = np.repeat(np.arange(len(rows)), counts)
     begins = np.cumsum(counts) - counts
@@ -163,8 +166,8 @@ def fill_from_neighbours(
 ) -> None:
     """Fill the `missing` entries of u, or of log u, in place from neighbours that have a value.
 
-    The maximum principle made true: u_i becomes ``Σ |a_ij| u_j / (|Σ_j a_ij| + Σ |a_ij|)`` over the
-    neighbours j with a value, ring by ring.
+    This enforces the maximum principle: u_i becomes ``Σ |a_ij| u_j / (|Σ_j a_ij| + Σ |a_ij|)`` over
+    the neighbours j with a value, ring by ring.
 
     Parameters
     ----------
@@ -172,7 +175,7 @@ def fill_from_neighbours(
     solution : ndarray of shape (N,)
         u or, if `logarithmic`, log u.
     missing : ndarray of shape (N,), bool
-        Where to fill; vertices that no value reaches get 0, or ``-inf``.
+        Entries to fill; vertices that values do not reach get 0, or ``-inf``.
     logarithmic : bool
     """
     nothing = -np.inf if logarithmic else 0.0

@@ -17,7 +17,7 @@ from geodesic_toolkit.discretization.heat import Heat
 from geodesic_toolkit.errors import InvalidOptionError, UnsupportedDomainError
 from geodesic_toolkit.heat.blocks import in_blocks, side_by_side
 from geodesic_toolkit.heat.diffusion import Boundary, HeatReport
-from geodesic_toolkit.heat.graphs import ScaledGradient, hold_to_edges, instead_of_heat
+from geodesic_toolkit.heat.graphs import ScaledGradient, instead_of_heat, limit_to_edges
 from geodesic_toolkit.heat.poisson import PoissonStep
 from geodesic_toolkit.heat.positive import PositiveFlow, worse
 from geodesic_toolkit.heat.refined import RefinedStep
@@ -35,7 +35,7 @@ Progress: TypeAlias = Callable[[int, int], None]
 
 
 class HeatMethod:
-    """Geodesic distance by heat, for any discretization: it knows no domain and no Laplacian.
+    """Geodesic distance by heat, for any discretization, whatever the domain and Laplacian.
 
     1. Diffuse: ``(M + t L) u = δ`` with L = -Δ positive semidefinite, kept as ``log u`` so that u
        may be arbitrarily small.
@@ -43,40 +43,40 @@ class HeatMethod:
     3. Integrate: ``Δφ = ∇·X``, which is ``L φ = Gᵀ W X``; the right-hand side is *minus* the
        integrated divergence of X, as L is -Δ.
 
-    Both systems are factorised once and serve every source.
+    Both systems are factorised once and used for every source.
 
     Parameters
     ----------
     metric : Discretization
-        Where gradients are taken and integrated.
+        Discretization in which gradients are taken and integrated.
     diffusion : Discretization, optional
-        Where heat flows, on the same vertices; the metric by default.
+        Discretization in which heat flows, on the same vertices; the metric by default.
     time : float, optional
         Time step t, in squared length; ``time_factor * metric.scales**2`` by default, one value
         in each connected component.
     time_factor : float
         Time step in units of the squared mean edge length; 1 is the paper's choice. Larger values
-        smooth, smaller ones sharpen up to where the edges show through.
+        smooth; smaller ones sharpen, until distances follow edges.
     boundary : {"neumann", "dirichlet", "average"}
         Condition on the heat at the boundary: insulated, held at zero, or the mean of both heats.
     heat_solver, poisson_solver : LinearSolver
-        For steps 1 and 3. Step 1 needs a componentwise accurate one.
+        Solvers of steps 1 and 3. Step 1 needs a componentwise accurate one.
     refine : bool
         Instead of steps 2 and 3, sweep wavefronts over the triangles in the order of the heat
-        (``WavefrontSweeper``): several times more accurate, exact at the sources, and no
-        Poisson system is factorised. For metrics made of triangles. On a graph, whose metric knows
-        the paths along its edges, take the shortest of those instead, without any heat.
+        (``WavefrontSweeper``). This is several times more accurate, exact at the sources, and does
+        not factorise the Poisson system. The metric has to be made of triangles. On a graph whose
+        metric has paths along edges, take the shortest of these instead, without heat.
     across : bool
-        On a graph whose metric knows its corners: let fronts cross those, without any heat.
+        On a graph whose metric has corners: let fronts cross these, without heat.
     bounds : DistanceBounds, optional
-        What refined distances are held to.
+        Bounds that refined distances are limited to.
     small_parts : SmallParts, optional
-        Parts of a mesh on which exact distances take the place of refined ones.
+        Components of a mesh on which exact distances replace refined ones.
 
     Raises
     ------
     InvalidOptionError
-        A time step that is not positive and finite, or so long that nothing is left of the mass;
+        A time step that is not positive and finite, or so long that the mass is lost in rounding;
         both `time` and a `time_factor`; an unknown boundary condition; a heat solver that cannot
         resolve small values.
     UnsupportedDomainError
@@ -133,8 +133,8 @@ class HeatMethod:
         if not (heat_solver.componentwise or heat_solver.allow_heat):
             raise InvalidOptionError(
                 f"{type(heat_solver).__name__} cannot resolve the small values of heat, far from "
-                'the source; use it for the Poisson step only, solver={"poisson": ...}, or insist '
-                "with its option allow_heat=True"
+                'the source; use it for the Poisson step only, solver={"poisson": ...}, or accept '
+                "this with its option allow_heat=True"
             )
         self.heat_solver = heat_solver
         self.poisson_solver = poisson_solver
@@ -144,7 +144,7 @@ class HeatMethod:
         self.across = across
         if across and (self.refine or metric.across_edges is None):
             raise UnsupportedDomainError(
-                "fronts cross the corners of graphs, where distances are not refined otherwise"
+                "across=True needs a graph with corners for fronts to cross, and refine=False"
             )
         self.bounds, self.small_parts = bounds, small_parts
         paths = metric.along_edges
@@ -162,13 +162,13 @@ class HeatMethod:
         if self._refined is not None:
             heat, report = self._diffuse(block)
             self._refined.distances(heat, block, distances)
-            return None  # an order is all that fronts take from heat: negative values do no harm
+            return None  # fronts use only the order of heat: negative values are harmless
         heat, report = self._diffuse(block, self._workspace(block, distances))
         # (M + t L) u = δ is solved; now X = -∇u / |∇u|, and its divergence Gᵀ W X,
         load = self._gradient().descent_load(heat.squeezed())
         # and L φ = Gᵀ W X, with φ = 0 at the sources.
-        self._poisson.distances(load, heat, self._settled(block), distances)
-        hold_to_edges(self.metric, block, distances)
+        self._poisson.distances(load, heat, self._at_representatives(block), distances)
+        limit_to_edges(self.metric, block, distances)
         return report
 
     def distance(self, sources: ArrayLike | SourcePoints) -> FloatArray:
@@ -182,13 +182,14 @@ class HeatMethod:
         Returns
         -------
         ndarray of shape (N,), float64
-            In the unit of the domain; ``inf`` where no source connects. A source vertex reads
-            exactly 0, or the offset that it starts with, and nothing less than the least of them.
+            In the unit of the domain; ``inf`` at vertices that are not connected to a source. The
+            distance at a source vertex is exactly 0, or its offset, and distances are never below
+            the smallest of these.
 
         Raises
         ------
         InvalidSourceError
-            No source, an index out of range, something that is not an index.
+            An empty set, an index out of range, or a value that is not an index.
         """
         distances = empty((1, self.n_vertices), np.float64)
         self._warn_of(self._solve([self._source_points(sources)], distances))
@@ -204,19 +205,19 @@ class HeatMethod:
         source_sets : iterable of source sets
             A one-dimensional array of integers means that many single sources.
         progress : callable, optional
-            Called with the number of sets done and their total after each block.
+            Called with the number of finished sets and their total after each block.
 
         Returns
         -------
         ndarray of shape (K, N), float64
-            One row a set, as `distance` returns it.
+            One row for each set, as `distance` returns it.
 
         Raises
         ------
         InvalidSourceError
-            As for `distance`; the message says which set.
+            As for `distance`; the message names the set.
         NotEnoughMemoryError
-            The table would not fit.
+            The table would not fit in memory.
         """
         points = [self._source_points(sources, k) for k, sources in enumerate(source_sets)]
         require_memory(
@@ -225,8 +226,8 @@ class HeatMethod:
         )
         distances = empty((len(points), self.n_vertices), np.float64)
         done, worst = 0, None
-        alone = self._refined is not None  # sweeps share the processors themselves
-        for rows, report in in_blocks(points, distances, self._solve, threads=not alone):
+        is_refined = self._refined is not None  # sweeps share the processors themselves
+        for rows, report in in_blocks(points, distances, self._solve, threads=not is_refined):
             done += rows
             worst = worse(worst, report)
             if progress is not None:
@@ -239,38 +240,42 @@ class HeatMethod:
     ) -> FloatArray:
         """Return the logarithm of the heat u of step 1, of shape (N,), over an unlimited range.
 
-        ``-inf`` where no heat comes: in other components, and at a Dirichlet boundary.
-        Parameters and errors are those of `distance`; who needs no more than the order of the
-        values, to refine, asks for `only_order` and is not warned of heat that is not positive.
+        It is ``-inf`` at vertices without heat: in other components, and at a Dirichlet boundary.
+        Parameters and errors are those of `distance`. With `only_order`, for callers that use only
+        the order of the values, a warning of heat that is not positive is not given.
         """
         heat, worst = self._diffuse([self._source_points(sources)])
         self._warn_of(None if only_order else worst)
-        return self._read(heat.log()[:, 0])
+        return self._from_representatives(heat.log()[:, 0])
 
     def heat(self, sources: ArrayLike | SourcePoints) -> FloatArray:
         """Return the heat u of step 1 as the solver gives it, of shape (N,).
 
-        It underflows some 700 edges from the source, and shows what `log_heat` cures: zeros and
-        negative values. Parameters and errors are those of `distance`.
+        It underflows some 700 edges from the source, and shows the zeros and negative values that
+        `log_heat` removes. Parameters and errors are those of `distance`.
         """
-        return self._read(self._flow.own.heat(self._settled([self._source_points(sources)]))[:, 0])
+        return self._from_representatives(
+            self._flow.own.heat(self._at_representatives([self._source_points(sources)]))[:, 0]
+        )
 
     def heat_report(self, sources: ArrayLike | SourcePoints) -> HeatReport:
-        """Return how far the heat of one source set reaches and where it is not positive.
+        """Return a report on the heat of one source set: its reach and non-positive values.
 
         Parameters and errors are those of `distance`.
         """
-        _, reports = self._flow.own.diffuse(self._settled([self._source_points(sources)]))
+        _, reports = self._flow.own.diffuse(
+            self._at_representatives([self._source_points(sources)])
+        )
         return reports[0]
 
     def integrate(self, field: FloatArray) -> FloatArray:
-        """Return φ with ``L φ = Gᵀ W X``: step 3 for any field X, φ = 0 at one vertex a component.
+        """Return φ with ``L φ = Gᵀ W X`` for any field X, and φ = 0 at one vertex per component.
 
         Parameters
         ----------
         field : ndarray
-            In the rows of ``metric.gradient.matrix``: (E, dim) on elements, (E,) on edges, with
-            one more axis for K fields at once.
+            A value for each row of ``metric.gradient.matrix``: (E, dim) on elements, (E,) on edges,
+            with one more axis for K fields at once.
 
         Returns
         -------
@@ -283,7 +288,7 @@ class HeatMethod:
     def log_diffuse(self, loads: FloatArray) -> FloatArray:
         """Return log u with ``(M + t L) u = b`` for any loads b, insulated at boundaries.
 
-        Where u would not be positive everywhere, it is that of the positive part of the diffusion.
+        If u would not be positive everywhere, it is the heat of the positive part of the diffusion.
 
         Parameters
         ----------
@@ -293,12 +298,12 @@ class HeatMethod:
         Returns
         -------
         ndarray of shape (N, K), float64
-            ``-inf`` where no heat comes.
+            ``-inf`` at vertices without heat.
         """
         return self._flow.log_solve(loads)[0]
 
     def stays_positive(self, load: FloatArray) -> bool:
-        """Return whether the heat of a load is positive at every vertex that it reaches.
+        """Return True if the heat of a load is positive at every vertex that it reaches.
 
         Parameters
         ----------
@@ -314,13 +319,13 @@ class HeatMethod:
     def _diffuse(
         self, block: Sequence[SourcePoints], workspace: FloatArray | None = None
     ) -> tuple[Heat, HeatReport | None]:
-        return self._flow.diffuse(self._settled(block), workspace)
+        return self._flow.diffuse(self._at_representatives(block), workspace)
 
     def _workspace(self, block: Sequence[SourcePoints], distances: FloatArray) -> FloatArray | None:
         """Return the memory of the distances, for the heat to be written to.
 
-        Memory is slow the first time that it is written to. But of points with an offset the heat
-        is needed after the distances, to tell which of them have been overtaken.
+        Memory is slow the first time that it is written to. Heat of points with an offset is
+        needed after the distances, to find the overtaken points, and so needs its own memory.
         """
         if any(points.delayed for points in block):
             return None
@@ -336,21 +341,21 @@ class HeatMethod:
         """True if distances come from heat, or from the order in which heat decreases."""
         return not (self.across or (self.refine and self.metric.along_edges is not None))
 
-    def _settled(self, block: Sequence[SourcePoints]) -> Sequence[SourcePoints]:
-        """Return sources at vertices that the stiffness connects."""
+    def _at_representatives(self, block: Sequence[SourcePoints]) -> Sequence[SourcePoints]:
+        """Return sources moved to the representatives of their vertices."""
         others = self.metric.representatives
         return [points.moved_to(others) for points in block] if len(others) else block
 
-    def _read(self, values: FloatArray) -> FloatArray:
-        """Return values (..., N) with what each vertex reads at its representative."""
+    def _from_representatives(self, values: FloatArray) -> FloatArray:
+        """Return values (..., N) with that of its representative at each vertex."""
         others = self.metric.representatives
         return np.asarray(values[..., others]) if len(others) else values
 
     @property
     def local_dimensions(self) -> FloatArray | None:
-        """The dimension about each vertex that the local scale of a graph amounts to, (N,).
+        """The effective dimension at each vertex by the local scale of a graph, (N,).
 
-        NaN at vertices without edges; None where no local scale is taken.
+        NaN at vertices without edges; None without a local scale.
         """
         if not self.flows or not self.metric.local_scale:
             return None
@@ -369,8 +374,8 @@ class HeatMethod:
     # -- the object ----------------------------------------------------------------------------
 
     def _set_up(self) -> None:
-        """Set what is not part of the recipe: factors to come, and what is made of them."""
-        # Both systems have one pattern, where metric and diffusion do.
+        """Create the state that is not part of the recipe: the steps and their analyses."""
+        # Both systems have one pattern if metric and diffusion do.
         self._shares_analysis = self.poisson_solver == self.heat_solver and not self.refine
         self._heat_analysis = SharedAnalysis(self.heat_solver, 2 if self._shares_analysis else 1)
         self._poisson_analysis = (
@@ -407,12 +412,12 @@ class HeatMethod:
     def prepare(self) -> "HeatMethod":
         """Factorise now rather than on first use, and return the method.
 
-        The Poisson system is left out where distances are refined: they do not need it.
+        Refined distances do not need the Poisson system, which is then not factorised.
         """
         if not self.flows:
             return self
-        beside = self._poisson.factor if self._refined is None else self._refined.prepare
-        side_by_side(self._flow.own.systems, beside, self.n_vertices)
+        second = self._poisson.factor if self._refined is None else self._refined.prepare
+        side_by_side(self._flow.own.systems, second, self.n_vertices)
         self._gradient()
         return self
 
@@ -423,11 +428,11 @@ class HeatMethod:
 
     @property
     def expected_bytes(self) -> float:
-        """Bytes that building was expected to take, before a number of a factor was computed.
+        """Bytes that building was expected to take, estimated before factors were computed.
 
-        What stands when the factors are begun (the discretization and both systems), and what they
-        take; 0 where the linear solver does not foresee that. At least what the operator has needed
-        itself, if it says so (`assembly_bytes` in the notes): making stars takes more than factors.
+        They include the discretization, both systems and their factors; 0 if the linear solver
+        does not predict that. They are at least the memory of assembly, if the notes of the
+        operator give it (`assembly_bytes`): making stars takes more than factors.
         """
         if not self.flows:
             return array_bytes(self.metric, self.diffusion)
@@ -440,7 +445,7 @@ class HeatMethod:
         return float(max(needed, self.metric.notes.get("assembly_bytes", 0.0)))
 
     def __getstate__(self) -> dict[str, Any]:
-        """Recipes and matrices travel; factors are made again where they arrive."""
+        """Return recipes and matrices without factors, which are made again after unpickling."""
         return {name: value for name, value in self.__dict__.items() if not name.startswith("_")}
 
     def __setstate__(self, state: dict[str, Any]) -> None:

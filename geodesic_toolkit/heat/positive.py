@@ -1,4 +1,4 @@
-"""Heat that is positive: where it is not, that of a diffusion which cannot turn it negative."""
+"""Positive heat: a diffusion with positive weights replaces one whose heat is not positive."""
 
 import threading
 from collections.abc import Sequence
@@ -19,7 +19,7 @@ __all__ = ["PositiveFlow", "worse"]
 
 
 class PositiveFlow:
-    """Step 1 of the heat method, and what takes its place where heat is not positive.
+    """Step 1 of the heat method, and its substitute if heat is not positive.
 
     Parameters
     ----------
@@ -29,7 +29,7 @@ class PositiveFlow:
     boundary : {"neumann", "dirichlet", "average"}
     solver : LinearSolver
     analysis : Analysis
-        That of the solver, which other systems share.
+        Analysis of the solver, which other systems share.
     """
 
     def __init__(
@@ -51,23 +51,23 @@ class PositiveFlow:
     def diffuse(
         self, block: Sequence[SourcePoints], workspace: FloatArray | None = None
     ) -> tuple[Heat, HeatReport | None]:
-        """Return the heat of source sets, and the worst report on it if it does harm.
+        """Return the heat of source sets, and the worst report if one is harmful.
 
         Parameters
         ----------
         block : sequence of SourcePoints
         workspace : ndarray of shape (N, K), optional
-            Where the heat may be written.
+            Memory to which the heat may be written.
         """
         heat, reports = self.own.diffuse(block, workspace=workspace)
-        harmed = [k for k, report in enumerate(reports) if report.harmful]
+        harmful = [k for k, report in enumerate(reports) if report.harmful]
         worst = None
-        for k in harmed:
+        for k in harmful:
             worst = worse(worst, reports[k])
-        if not harmed or not self._solver.componentwise:
+        if not harmful or not self._solver.componentwise:
             return heat, worst
-        cured, _ = self._positive().diffuse([block[k] for k in harmed])
-        return heat.replaced(harmed, cured), worst
+        positive, _ = self._positive().diffuse([block[k] for k in harmful])
+        return heat.replaced(harmful, positive), worst
 
     def _positive(self) -> HeatFlow:
         """Return the flow with the positive part of the weights, on the same edges."""
@@ -77,9 +77,9 @@ class PositiveFlow:
             return self._substitute
 
     def log_solve(self, loads: FloatArray) -> tuple[FloatArray, bool]:
-        """Return log u for any loads on vertices, and whether all of the heat is positive.
+        """Return log u for any loads at vertices, and True if all heat is positive.
 
-        Where it is not, log u is that of the substitute. Boundaries are insulated.
+        If it is not, log u is that of the substitute. Boundaries are insulated.
 
         Parameters
         ----------
@@ -89,7 +89,7 @@ class PositiveFlow:
         Returns
         -------
         log_heat : ndarray of shape (N, K), float64
-            ``-inf`` where no heat comes.
+            ``-inf`` at vertices without heat.
         is_positive : bool
         """
         log_heat = self.own.log_solve(loads)
@@ -99,7 +99,7 @@ class PositiveFlow:
 
     @cached_property
     def has_wrong_signs(self) -> bool:
-        """Whether the diffusion has weights that can turn heat negative."""
+        """True if the diffusion has weights that can make heat negative."""
         return has_wrong_signs(self._diffusion.rows)
 
     @property
@@ -108,31 +108,31 @@ class PositiveFlow:
         return sum(flow.nbytes for flow in (self.own, self._substitute) if flow is not None)
 
     def warn_of(self, report: HeatReport | None, metric: Discretization) -> None:
-        """Warn of heat that is not positive and harms distances, and say what is better."""
+        """Warn of heat that is not positive and makes distances wrong, and say what is better."""
         if report is not None:
             warn(self._complaint(report, metric), NonPositiveHeatWarning)
 
     def _complaint(self, report: HeatReport, metric: Discretization) -> str:
         found = (
             f"the heat is not positive at {report.non_positive} of {report.reached} vertices, and "
-            "distances are not to be trusted; "
+            "distances are not reliable; "
         )
         if not self._solver.componentwise:
             return found + "an iterative solver cannot resolve it, a direct one can"
         if self._boundary == "dirichlet" and not has_wrong_signs(self._diffusion.rows):
-            return found + 'a boundary held at zero lets none through: use boundary="average"'
+            return found + 'a boundary held at zero blocks the heat: use boundary="average"'
         found += (
             "the diffusion has weights of the wrong sign, and was replaced by its positive part: "
         )
         if self._diffusion.triangulation not in {"", "intrinsic Delaunay"}:
             return found + "on a triangle mesh CotanLaplacian(intrinsic_delaunay=True) is better"
         if made_of_triangles(metric):
-            return found + "refine=True is better, which takes no more than an order from heat"
-        return found + "elements with fewer obtuse angles are better: make the shape anew of such"
+            return found + "refine=True is better, as it uses only the order of the heat"
+        return found + "elements with fewer obtuse angles are better: remesh the shape"
 
 
 def worse(one: HeatReport | None, other: HeatReport | None) -> HeatReport | None:
-    """Return the report with the larger share of vertices where heat is not positive."""
+    """Return the report with the larger share of vertices with heat that is not positive."""
     if one is None or other is None:
         return other if one is None else one
     return max(one, other, key=lambda report: report.non_positive / report.reached)

@@ -1,11 +1,11 @@
-"""Instead of steps 2 and 3: fronts in the order of the heat, and what they are held to."""
+"""The refined step, in place of steps 2 and 3: fronts in the order of the heat, and bounds."""
 
 from collections.abc import Sequence
 
 from geodesic_toolkit.core.types import FloatArray
 from geodesic_toolkit.discretization.data import Discretization
 from geodesic_toolkit.discretization.heat import Heat
-from geodesic_toolkit.heat.blocks import PROCESSORS, WORTH_A_THREAD
+from geodesic_toolkit.heat.blocks import MIN_VERTICES_PER_THREAD, PROCESSORS
 from geodesic_toolkit.refinement.bounds import DistanceBounds
 from geodesic_toolkit.refinement.polyhedra import SmallParts
 from geodesic_toolkit.refinement.wavefronts import WavefrontSweeper
@@ -20,11 +20,11 @@ class RefinedStep:
     Parameters
     ----------
     metric : Discretization
-        Made of triangles.
+        A metric made of triangles.
     small_parts : SmallParts, optional
-        Where exact distances take the place of refined ones.
+        Components whose refined distances are replaced by exact ones.
     bounds : DistanceBounds, optional
-        What distances are held to.
+        Bounds that distances are limited to.
     """
 
     def __init__(
@@ -38,7 +38,7 @@ class RefinedStep:
 
     def distances(self, heat: Heat, block: Sequence[SourcePoints], distances: FloatArray) -> None:
         """Write refined distances, (K, N); the sweeps of a block share the processors."""
-        large = distances.size >= WORTH_A_THREAD
+        large = distances.size >= MIN_VERTICES_PER_THREAD
         n_threads = min(len(block), PROCESSORS) if large else 1
         self._sweeper.fill(distances, heat, block, n_threads=n_threads)
         if self._small_parts is not None:
@@ -47,7 +47,7 @@ class RefinedStep:
             self._bounds.hold(distances, block, n_threads=n_threads)
 
     def prepare(self) -> None:
-        """Make ready what all sources share."""
+        """Prepare the data that all sources share."""
         self._sweeper.prepare()
         if self._bounds is not None:
             self._bounds.prepare()

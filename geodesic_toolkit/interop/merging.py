@@ -9,7 +9,7 @@ import numpy as np
 from geodesic_toolkit.core.types import IntArray
 from geodesic_toolkit.domains import TriangleMesh
 from geodesic_toolkit.errors import InvalidOptionError, UnsupportedDomainError
-from geodesic_toolkit.geometry.welding import merged_places, movable_by, rounding_of
+from geodesic_toolkit.geometry.welding import merged_positions, movable_by, rounding_of
 from geodesic_toolkit.interop.conversion import as_domain
 
 __all__ = ["merge_vertices"]
@@ -80,6 +80,6 @@ def merge_vertices(mesh: Any, tolerance: float = 0.0) -> tuple[TriangleMesh, Int
         )
     edges = faces[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2)
     limit = movable_by(vertices, edges, rounding_of(used))
-    owner = merged_places(vertices, np.minimum(limit, float(tolerance)))
+    owner = merged_positions(vertices, np.minimum(limit, float(tolerance)))
     kept, new = np.unique(owner, return_inverse=True)
     return TriangleMesh(vertices[kept], new[faces]), np.asarray(new, dtype=np.int64)

@@ -1,4 +1,4 @@
-"""Laplace operators: one back end a file, all behind one contract."""
+"""Laplace operators: one file for each back end, all with one interface."""
 
 from geodesic_toolkit.laplacians.base import LaplaceOperator
 

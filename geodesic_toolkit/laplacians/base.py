@@ -17,15 +17,15 @@ class LaplaceOperator(abc.ABC):
     """Recipe for discretizing -Δ on a domain; the base class of back ends and plugins.
 
     Subclasses are final frozen dataclasses of keyword-only options, each with a default, so that
-    ``Operator()`` works and two equal recipes are equal objects. The one method turns a domain
-    into data; everything after it is shared.
+    ``Operator()`` works and two equal recipes are equal objects. `assemble` turns a domain into
+    data; everything after it is shared.
 
     Attributes
     ----------
     domains : tuple of types
         The kinds of domain that `assemble` takes.
     references : tuple of str
-        DOIs of what it implements, shown by listings and documentation.
+        DOIs of the implemented methods, shown by listings and documentation.
     known_failures : mapping of str to str
         Laws of the conformance kit that it breaks by design, each with the reason.
 
@@ -60,15 +60,15 @@ class LaplaceOperator(abc.ABC):
         """
 
     def diffusion(self, metric: Discretization) -> Discretization:
-        """Return where the heat flows that goes with `metric`: there, unless overridden.
+        """Return the discretization for the heat flow: `metric` itself, unless overridden.
 
         An operator whose stiffness may have positive off-diagonal entries can return a Laplacian
-        on the same vertices that has none, so that heat is positive.
+        on the same vertices without such entries, so that heat is positive.
 
         Parameters
         ----------
         metric : Discretization
-            What `assemble` returned.
+            The result of `assemble`.
 
         Returns
         -------
@@ -88,7 +88,7 @@ class LaplaceOperator(abc.ABC):
         ----------
         domain : Domain
         metric : Discretization
-            What `assemble` returned for it.
+            The result of `assemble` for the domain.
 
         Returns
         -------
@@ -97,8 +97,8 @@ class LaplaceOperator(abc.ABC):
         Raises
         ------
         UnsupportedDomainError
-            A graph, as an edge has no angle; a surface with one side; elements that are neither
-            triangles nor edges.
+            A graph, whose edges do not have angles; a surface with one side; elements that are
+            neither triangles nor edges.
         """
         from geodesic_toolkit.laplacians.tangents import default_frames
 
@@ -115,7 +115,7 @@ class LaplaceOperator(abc.ABC):
         Raises
         ------
         UnsupportedDomainError
-            It is not one of them; the message says which they are.
+            It is of another kind; the message names the accepted kinds.
         """
         if not isinstance(domain, self.domains):
             accepted = " or ".join(kind.__name__ for kind in self.domains)

@@ -37,28 +37,29 @@ if TYPE_CHECKING:
 
 __all__ = ["CotanLaplacian"]
 
-DELAUNAY_LIMIT = 0.13
-"""The `obtuse_excess` above which ``intrinsic_delaunay="auto"`` flips edges.
+MAX_OBTUSE_EXCESS = 0.13
+"""Value of `obtuse_excess` above which ``intrinsic_delaunay="auto"`` flips edges.
 
 Measured: sheared grids (0.13 and more) have errors of 7-60 % without flips; scans and models below
 (bunny 0.09, armadillo 0.11, horse 0.13) lose at most 0.3 points; of those above, camelhead (0.15)
-halves its error and a CAD model (0.15) goes from 15 % to 3 %.
+has half the error with flips, and a CAD model (0.15) has 3 % instead of 15 %.
 """
 
 MIN_WIDTH_OF_MESH = 1e-75
-"""Width of a mesh from which on the fourth power of a length is a number."""
+"""Minimum width of a mesh, so that fourth powers of lengths do not underflow."""
 
 MIN_OBTUSE_EXCESS = 1e-9
-"""The `obtuse_excess` below which there is none."""
+"""Value of `obtuse_excess` below which it is rounding."""
 
 MIN_COTANGENT_OF_SLIVERS = 1.0
-"""Cotangent below zero, of an angle opposite an edge of one face, from which on
-``intrinsic_delaunay="auto"`` flips edges: 135 degrees. Such angles leave `obtuse_excess` small, as
-their triangles are, and yet let heat run along the rim.
+"""Negative cotangent of an angle opposite a boundary edge above which ``intrinsic_delaunay="auto"``
+flips edges: 135 degrees. Such angles leave `obtuse_excess` small, because their triangles are
+small, but heat spreads too far along the rim.
 
-Measured on 15 meshes with rims: any limit from 0.25 to 4 gives the same mean errors but for 0.02
-points on one scan (Stanford bunny, whose worst is 0.75). Without one scattered points are 2 to 53 %
-off instead of 1 to 4, and a scan with slivers (Laurana) 1.5 instead of 0.7.
+Measured on 15 meshes with rims: any limit from 0.25 to 4 gives the same mean errors, except a
+difference of 0.02 points on one scan (Stanford bunny, whose worst is 0.75). Without a limit
+scattered points are 2 to 53 % off instead of 1 to 4, and a scan with slivers (Laurana) 1.5 instead
+of 0.7.
 """
 
 _TRIANGULATION = {
@@ -68,9 +69,9 @@ _TRIANGULATION = {
 }
 
 MAX_FACES_OF_SMALL_COMPONENTS = 500
-"""Faces of a component up to which ``intrinsic_delaunay="auto"`` flips edges wherever one can be
-flipped: it costs nothing there. Measured on 24 parts of a truck, of 10 to 152 vertices: mean error
-18.2 without, 9.1 % with flips; of the worst part 64 and 7 %.
+"""Faces of a component up to which ``intrinsic_delaunay="auto"`` flips edges wherever possible,
+because it is cheap there. Measured on 24 components of a truck, of 10 to 152 vertices: mean error
+18.2 % without, 9.1 % with flips; of the worst component 64 and 7 %.
 """
 
 
@@ -91,11 +92,11 @@ class CotanLaplacian(LaplaceOperator):
         A third of the area of the faces around a vertex, its mixed Voronoi area, or 1.
     intrinsic_delaunay : bool or "auto"
         Assemble on the intrinsic Delaunay triangulation of the same surface, glued to its mirror
-        image where it ends: same vertices, but not one weight of the wrong sign, so that heat is
-        positive. Worth its cost (that of the rest of the assembly) on meshes with many obtuse
-        angles, or a few next to the boundary.
-        "auto" decides by how much of the stiffness has the wrong sign, and by the slivers at the
-        boundary. Refined distances are measured on flipped triangles whatever is said here.
+        image at the boundary: the vertices are the same, but all weights have the right sign, so
+        that heat is positive. It is worth its cost (that of the rest of the assembly) on meshes
+        with many obtuse angles, or a few at the boundary. "auto" decides by the share of the
+        stiffness that has the wrong sign, and by the slivers at the boundary. Refined distances are
+        measured on flipped triangles with any value.
 
     Raises
     ------
@@ -145,28 +146,28 @@ class CotanLaplacian(LaplaceOperator):
         Parameters
         ----------
         domain : TriangleMesh
-            Faces with a repeated vertex are left out, and those with the three of an earlier one;
-            zero-area ones are mollified.
+            Faces with a repeated vertex, and repeated faces, are dropped; faces of zero area are
+            mollified.
 
         Returns
         -------
         Discretization
-            Where the boundary was mirrored its gradient has elements (i, j, j), on which functions
-            change along the boundary alone, in the place of obtuse triangles; ``surface`` has
-            those. Its notes hold ``dropped_faces``, ``mollified_by`` (a length),
+            If the boundary was mirrored, the gradient has elements (i, j, j), on which functions
+            change along the boundary alone, instead of obtuse triangles; ``surface`` keeps these
+            triangles. The notes hold ``dropped_faces``, ``mollified_by`` (a length),
             ``obtuse_excess`` and ``triangulation`` ("given", "intrinsic Delaunay", or "partly
             intrinsic Delaunay").
 
         Raises
         ------
         UnsupportedDomainError
-            Another kind of domain, a mesh without a single face of three different places, or one
-            so large or small that its measures are not numbers.
+            Another kind of domain, a mesh without a face of three different positions, or one so
+            large or small that its measures overflow or underflow.
         """
-        its = self._measured(domain)
-        gradient, sums, flip, surface = its.gradient, its.sums, its.flip, None
+        measured = self._measured(domain)
+        gradient, sums, flip, surface = measured.gradient, measured.sums, measured.flip, None
         if flip.any():
-            faces, lengths, twin = _flipped(gradient.elements, its.lengths, flip, sums.sides)
+            faces, lengths, twin = _flipped(gradient.elements, measured.lengths, flip, sums.sides)
             gradient = ElementGradient.of_triangles(
                 faces, *measured_by_lengths(lengths), gradient.n_vertices, copy=False
             )
@@ -176,30 +177,30 @@ class CotanLaplacian(LaplaceOperator):
             sums = gradient.sums()
         triangulation = _TRIANGULATION[bool(flip.any()), bool(flip.all())]
         notes: dict[str, Any] = {
-            "dropped_faces": its.dropped,
-            "mollified_by": its.added,
-            "obtuse_excess": float(its.excess.max()),
+            "dropped_faces": measured.dropped,
+            "mollified_by": measured.added,
+            "obtuse_excess": float(measured.excess.max()),
             "triangulation": triangulation,
         }
         return Discretization(
             mass=self._mass(gradient, sums.lumped_mass),
-            stiffness=cast("csr_array", sums.stiffness()),  # what it makes of it
+            stiffness=cast("csr_array", sums.stiffness()),  # the class of the result
             gradient=gradient,
-            spacing=its.spacing,
-            boundary=its.sums.boundary,
-            scales=its.scales[its.parts],
+            spacing=measured.spacing,
+            boundary=measured.sums.boundary,
+            scales=measured.scales[measured.parts],
             surface=surface,
             triangulation=triangulation,
-            known_components=its.parts,  # flips join and part nothing
+            known_components=measured.parts,  # flips do not change components
             notes=notes,
             copy=False,
         )
 
     def frames(self, domain: Domain, metric: Discretization) -> Frames:
-        """Return tangent frames by the angles about each vertex, and the turns into the triangles.
+        """Return tangent frames by the angles around each vertex, and the turns into the triangles.
 
-        Directions of edges are carried through flips, so that turns know the surface, however the
-        triangles of the metric lie across it.
+        Directions of edges are updated by flips, so that turns are those of the surface, whatever
+        triangulation the metric has.
         """
         self.check_domain(domain)
         assert isinstance(domain, TriangleMesh)  # for the type checker; check_domain has raised
@@ -220,26 +221,28 @@ class CotanLaplacian(LaplaceOperator):
         return Frames(normals, axes, own, np.append(mirrored[kept], none), turns, mirrored)
 
     def _triangles_of(self, mesh: TriangleMesh, metric: Discretization) -> tuple[_Parts, _Parts]:
-        """Return the triangles that a metric has as they are, and those it has flipped, as lists.
+        """Return the triangles that a metric keeps, and those that it flips, as lists.
 
-        Each list has one entry, faces with their edge lengths, or none.
+        Each list is empty, or has one entry: faces with their edge lengths.
         """
         gradient = metric.gradient
         if metric.triangulation == "given" and isinstance(gradient, ElementGradient):
             return [(gradient.elements, lengths_from_inverse(gradient.inverse_frames))], []
-        its = self._measured(mesh)
-        faces, lengths, flip = its.gradient.elements, its.lengths, its.flip
+        measured = self._measured(mesh)
+        faces, lengths, flip = measured.gradient.elements, measured.lengths, measured.flip
         given = [] if flip.all() else [(faces[~flip], lengths[~flip])]
         return given, [(faces[flip], lengths[flip])]
 
     def _measured(self, domain: Domain) -> "_Measured":
-        """Return the triangles of a mesh, and which of them are to be flipped."""
+        """Return the measured triangles of a mesh, and a mask of those to be flipped."""
         self.check_domain(domain)
         assert isinstance(domain, TriangleMesh)  # for the type checker; check_domain has raised
         _check_extent(domain)
         faces, inverse, areas, added = measured_triangles(domain.vertices, domain.faces)
         if not len(faces):
-            raise UnsupportedDomainError("every face of the mesh is a single place; it has no area")
+            raise UnsupportedDomainError(
+                "all corners of every face are at one position; the mesh has zero area"
+            )
         gradient = ElementGradient.of_triangles(
             faces, inverse, areas, domain.n_vertices, copy=False
         )
@@ -257,7 +260,7 @@ class CotanLaplacian(LaplaceOperator):
         )
         excess = obtuse_excess(sums.edges, sums.lumped_mass)
         rims = rim_edges(faces, sums.boundary)
-        slivers = rims[_does_harm(lengths, rims)]
+        slivers = rims[_are_too_obtuse(lengths, rims)]
         return _Measured(
             gradient=gradient,
             sums=sums,
@@ -276,13 +279,15 @@ class CotanLaplacian(LaplaceOperator):
     ) -> BoolArray:
         """Return the faces of the components that are to be made intrinsically Delaunay.
 
-        `slivers` are half-edges of rims that make it so wherever they are.
+        `slivers` are half-edges of rims; a component that has one is flipped.
         """
         if self.intrinsic_delaunay != "auto":
             return np.full(len(faces), bool(self.intrinsic_delaunay))
-        if not labels.any():  # one component, as most meshes are
+        if not labels.any():  # one component, as in most meshes
             limit = (
-                MIN_OBTUSE_EXCESS if len(faces) <= MAX_FACES_OF_SMALL_COMPONENTS else DELAUNAY_LIMIT
+                MIN_OBTUSE_EXCESS
+                if len(faces) <= MAX_FACES_OF_SMALL_COMPONENTS
+                else MAX_OBTUSE_EXCESS
             )
             return np.full(len(faces), len(slivers) > 0 or excess.max() > limit)
         worst = np.zeros(labels.max() + 1)
@@ -290,8 +295,8 @@ class CotanLaplacian(LaplaceOperator):
         worst[labels[faces[slivers // 3, 0]]] = np.inf
         component = labels[faces[:, 0]]
         small = np.bincount(component, minlength=len(worst)) <= MAX_FACES_OF_SMALL_COMPONENTS
-        wanted = worst > np.where(small, MIN_OBTUSE_EXCESS, DELAUNAY_LIMIT)
-        return np.asarray(wanted[component])
+        chosen = worst > np.where(small, MIN_OBTUSE_EXCESS, MAX_OBTUSE_EXCESS)
+        return np.asarray(chosen[component])
 
     def _mass(self, gradient: ElementGradient, lumped_mass: FloatArray) -> FloatArray:
         faces, count = gradient.elements, gradient.n_vertices
@@ -304,7 +309,7 @@ class CotanLaplacian(LaplaceOperator):
 
 @dataclass(frozen=True)
 class _Measured:
-    """The triangles of a mesh as they are given, and which are to be flipped."""
+    """The given triangles of a mesh, and a mask of those to be flipped."""
 
     gradient: ElementGradient
     sums: TriangleSums
@@ -319,34 +324,34 @@ class _Measured:
 
 
 def _check_extent(mesh: TriangleMesh) -> None:
-    """Raise where squares of the lengths in a mesh are not numbers."""
+    """Raise if squares of the lengths in a mesh overflow or underflow."""
     extent = _widest(mesh.vertices)
-    if not extent <= 1 / MIN_WIDTH_OF_MESH:  # NaN too: vertices that no face uses may be anything
+    if not extent <= 1 / MIN_WIDTH_OF_MESH:  # also for NaN: unused vertices may have any value
         extent = _widest(mesh.vertices[mesh.used])
     if extent and not MIN_WIDTH_OF_MESH <= extent <= 1 / MIN_WIDTH_OF_MESH:
         raise UnsupportedDomainError(
-            f"the mesh is {extent:.3g} wide: squares of such lengths leave double precision; "
-            "take another unit of length"
+            f"the mesh is {extent:.3g} wide: squares of such lengths are out of the range of "
+            "double precision; use another unit of length"
         )
 
 
 def _widest(points: FloatArray) -> float:
     with np.errstate(over="ignore", invalid="ignore"):
-        # NumPy takes twenty times as long over all columns at once.
+        # NumPy takes twenty times as long for all columns at once.
         return max(float(np.ptp(column)) for column in points.T)
 
 
-def _does_harm(lengths: FloatArray, rims: IntArray) -> BoolArray:
-    """Return whether the angles opposite half-edges of rims are too obtuse to be left so."""
+def _are_too_obtuse(lengths: FloatArray, rims: IntArray) -> BoolArray:
+    """Return a mask of the half-edges of rims whose opposite angles are too obtuse."""
     return np.asarray(rim_cotangents(lengths, rims) < -MIN_COTANGENT_OF_SLIVERS)
 
 
 def _flipped(
     faces: IntArray, lengths: FloatArray, flip: BoolArray, sides: _native.HalfEdges
 ) -> tuple[IntArray, FloatArray, IntArray]:
-    """Return the triangles, the chosen ones of them made intrinsically Delaunay, and their twins.
+    """Make the chosen triangles intrinsically Delaunay; return all triangles and their twins.
 
-    Those that are not chosen come first, and are twins of themselves.
+    Triangles that are not chosen come first, and are their own twins.
     """
     if flip.all():
         return delaunay_triangles(faces, lengths, sides)
@@ -362,13 +367,13 @@ def _flipped(
 def _mirrored(surface: ElementGradient, kept: BoolArray, beside: Trapezoids) -> ElementGradient:
     """Return the gradient on triangles and on trapezoids between them and a mirror.
 
-    On these a function changes along the mirror alone. That is what it does on a right triangle
-    with the one leg along it and two corners of one value: (i, j, j). Its area is that of the
-    trapezoid where the other leg is as long as both parallel sides together.
+    On trapezoids a function changes along the mirror alone, as on a right triangle (i, j, j) with
+    one leg along the mirror and two corners of one value. Its area is that of the trapezoid if the
+    other leg is as long as both parallel sides together.
     """
     legs = beside.tail_sides + beside.head_sides
     first = np.where(beside.tail_sides <= beside.head_sides, beside.tails, beside.heads)
-    second = beside.tails + beside.heads - first  # has more of the area
+    second = beside.tails + beside.heads - first  # it has the larger area
     inverse = np.column_stack([1 / beside.widths, -1 / legs, 1 / legs])
     return ElementGradient.of_triangles(
         np.concatenate([surface.elements[kept], np.column_stack([first, second, second])]),
@@ -380,15 +385,15 @@ def _mirrored(surface: ElementGradient, kept: BoolArray, beside: Trapezoids) -> 
 
 
 def _turns_of_trapezoids(fans: Fans, beside: Trapezoids) -> ComplexArray:
-    """Return the turns (T, 3) into the elements that :func:`_mirrored` makes of trapezoids.
+    """Return the turns (T, 3) into the elements that :func:`_mirrored` makes from trapezoids.
 
-    Their first axis lies along the mirror, and leads from the vertex that is nearer to it.
+    The first axis of an element is along the mirror, from the vertex that is nearer to it.
     """
-    into = beside.within  # runs from head to tail, along a triangle that is no more
+    into = beside.within  # from head to tail, along a removed triangle
     at_tail = into - into % 3 + (into + 1) % 3  # leaves the tail
     corner = into - into % 3 + (into + 2) % 3  # of that triangle, at the tail
-    halves = _native.bisectors(fans.lengths, fans.angles, fans.scales).ravel()
-    to_head = 2 * halves[corner] - fans.angles[at_tail]  # the other side of that corner
+    bisectors = _native.bisectors(fans.lengths, fans.angles, fans.scales).ravel()
+    to_head = 2 * bisectors[corner] - fans.angles[at_tail]  # the other side of that corner
     slope = np.arctan2(beside.head_sides - beside.tail_sides, beside.widths)
     tail = to_head - fans.scales[at_tail] * slope
     head = fans.angles[into] - fans.scales[into] * slope - np.pi

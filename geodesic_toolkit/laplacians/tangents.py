@@ -1,4 +1,4 @@
-"""Tangent frames of any discretization whose vertices lie in space."""
+"""Tangent frames of any discretization with vertices in space."""
 
 import numpy as np
 
@@ -14,8 +14,8 @@ from geodesic_toolkit.geometry.triangles import proper_faces
 
 __all__ = ["default_frames", "frames_of_stars"]
 
-UPWARDS = (0.0, 0.0, 1.0)
-"""The normal of a vertex that is connected to nothing."""
+NORMAL_OF_ISOLATED_VERTICES = (0.0, 0.0, 1.0)
+"""The normal of a vertex without connections."""
 
 
 def default_frames(domain: Domain, metric: Discretization) -> Frames:
@@ -31,17 +31,17 @@ def default_frames(domain: Domain, metric: Discretization) -> Frames:
         triangles = domain.triangles[proper_faces(domain.triangles)]
         return _frames(positions, metric, elements, normals_of_faces(positions, triangles))
     if domain.normals is not None:
-        normals = np.where(domain.present[:, None], domain.normals, UPWARDS)
+        normals = np.where(domain.present[:, None], domain.normals, NORMAL_OF_ISOLATED_VERTICES)
         return _frames(positions, metric, elements, normals)
     edges, gradient = _edges_of(elements), metric.gradient
-    # Edges of tiny weight appear and vanish as the cloud is turned.
+    # Weights matter, because edges of tiny weight appear and vanish as the cloud is rotated.
     weights = gradient.edge_weights if isinstance(gradient, EdgeGradient) else None
     normals = oriented_normals(positions, normals_from_edges(positions, edges, weights), edges)
     return _frames(positions, metric, elements, normals)
 
 
 def frames_of_stars(cloud: Domain, metric: Discretization) -> Frames:
-    """Return frames in the tangent planes that the stars of a cloud were made in."""
+    """Return frames in the tangent planes of the stars of a cloud."""
     positions, normals, elements = _finite(cloud), metric.normals, _elements(cloud, metric)
     if cloud.normals is None:
         normals = oriented_normals(positions, normals, _edges_of(elements))
@@ -49,12 +49,12 @@ def frames_of_stars(cloud: Domain, metric: Discretization) -> Frames:
 
 
 def _frames(
-    places: FloatArray, metric: Discretization, elements: IntArray, normals: FloatArray
+    positions: FloatArray, metric: Discretization, elements: IntArray, normals: FloatArray
 ) -> Frames:
-    frames = frames_in_space(places, elements, normals, stars=False)
+    frames = frames_in_space(positions, elements, normals, stars=False)
     if metric.surface is None:
         return frames
-    surface = frames_in_space(places, metric.surface.elements, normals, stars=False)
+    surface = frames_in_space(positions, metric.surface.elements, normals, stars=False)
     return Frames(
         frames.normals,
         frames.x_axes,
@@ -66,11 +66,11 @@ def _frames(
 
 
 def _elements(domain: Domain, metric: Discretization) -> IntArray:
-    """Return the elements (E, 3), or the edges (E, 2), that tangent planes are turned into."""
+    """Return the elements (E, 3), or the edges (E, 2), of the gradient."""
     if not domain.has("positions"):
         raise UnsupportedDomainError(
             f"a {type(domain).__name__} has no directions: an edge has no angle; directions need a "
-            "shape in space, as a mesh or a point cloud"
+            "shape in space, such as a mesh or a point cloud"
         )
     gradient = metric.gradient
     if isinstance(gradient, EdgeGradient):
@@ -83,12 +83,12 @@ def _elements(domain: Domain, metric: Discretization) -> IntArray:
 
 
 def _edges_of(elements: IntArray) -> IntArray:
-    """Return the edges (E, 2) of triangles from their first corners, or those that are given."""
+    """Return the edges (E, 2) of triangles at their first corners, or given edges."""
     return np.concatenate([elements[:, [0, other]] for other in range(1, elements.shape[1])])
 
 
 def _finite(domain: Domain) -> FloatArray:
-    """Return the positions of the vertices, with those that are missing anywhere."""
+    """Return the positions of the vertices, with 0 for missing ones."""
     positions = domain.positions
-    somewhere = np.isfinite(positions).all(axis=1, keepdims=True)
-    return np.where(somewhere, positions, 0.0)
+    finite = np.isfinite(positions).all(axis=1, keepdims=True)
+    return np.where(finite, positions, 0.0)

@@ -15,20 +15,20 @@ from geodesic_toolkit.errors import InvalidOptionError, UnsupportedDomainError
 from geodesic_toolkit.geometry.across_edges import AcrossEdges
 from geodesic_toolkit.geometry.along_edges import AlongEdges, shortest_parallel_edges
 from geodesic_toolkit.geometry.components import connected_by_edges
-from geodesic_toolkit.geometry.lines import NEARLY_EVERYWHERE, share_of_meshes
+from geodesic_toolkit.geometry.lines import MAX_SHARE_OF_MESHES, share_of_meshes
 from geodesic_toolkit.geometry.triangles import edges_of_faces, proper_faces
 from geodesic_toolkit.laplacians.base import LaplaceOperator
 
 __all__ = ["UniformLaplacian"]
 
 MAX_RATIO_OF_LENGTHS = 1e6
-"""Ratio of two edge lengths in a connected part up to which weights ``1/ℓ²`` leave the factors
-digits. Measured on paths, trees and random graphs with edges of two lengths: the error does not
+"""Maximum ratio of two edge lengths in a component for which factors with weights ``1/ℓ²`` are
+accurate. Measured on paths, trees and random graphs with edges of two lengths: the error does not
 depend on the ratio up to 1e6, reaches 800 % at 1e7, and from 1e8 on factors are noise or singular.
 """
 
 MAX_LENGTH = 1e100
-"""Length whose square, and its inverse, are well within double precision."""
+"""Maximum length whose square, and its inverse, are well within double precision."""
 
 
 @final
@@ -43,12 +43,13 @@ class UniformLaplacian(LaplaceOperator):
     Parameters
     ----------
     dim : int or "auto"
-        Dimension of what the graph samples: 1 for a path, 2 for a surface, 3 for a solid. "auto"
-        takes 2 on a mesh. On a graph it leaves the scale to the neighbourhood of each vertex, about
-        which potentials are made to rise by the length of the path along edges in some direction.
+        Dimension of the space that the graph samples: 1 for a path, 2 for a surface, 3 for a solid.
+        "auto" takes 2 on a mesh. On a graph it takes the scale from the neighbourhood of each
+        vertex, such that potentials around it rise by the length of the path along edges in some
+        direction.
     mass : {"metric", "identity"}
         "metric" as above; "identity" is ``w = 1`` and ``m = 1``, for use as the *diffusion* of
-        another discretization: it knows nothing of lengths.
+        another discretization: it ignores lengths.
 
     Raises
     ------
@@ -76,7 +77,7 @@ class UniformLaplacian(LaplaceOperator):
     domains: ClassVar[tuple[type[Domain], ...]] = (Graph, TriangleMesh)
     references: ClassVar[tuple[str, ...]] = ("10.1007/978-3-319-00227-9", "10.1090/cbms/092")
     known_failures: ClassVar[Mapping[str, str]] = MappingProxyType(
-        {"error_decreases_under_refinement": "the scale of a graph is known to a few per cent only"}
+        {"error_decreases_under_refinement": "the scale of a graph is known only to a few per cent"}
     )
 
     def __post_init__(self) -> None:
@@ -96,14 +97,15 @@ class UniformLaplacian(LaplaceOperator):
         Returns
         -------
         Discretization
-            Its notes hold ``dim``, "local" where the scale is. Vertices at one place, connected by
-            edges of less than a millionth of the usual length, have one representative.
+            The notes hold ``dim``, which is "local" if the scale is local. Vertices at one
+            position, connected by edges of less than a millionth of the usual length, have one
+            representative.
 
         Raises
         ------
         UnsupportedDomainError
             Another kind of domain; lengths beyond 1e100 or below its inverse; on a mesh, an edge
-            more than a million times as long as another that it is connected to.
+            more than a million times as long as another one of its component.
         """
         self.check_domain(domain)
         edges, lengths, boundary = _metric_graph(domain)
@@ -118,9 +120,7 @@ class UniformLaplacian(LaplaceOperator):
         part = connected_by_edges(edges, count)
         fault = _instead_of_heat(edges, lengths, part[edges[:, 0]])
         if fault and paths is None:
-            raise UnsupportedDomainError(
-                f"{fault}; merge vertices that are as good as at one place"
-            )
+            raise UnsupportedDomainError(f"{fault}; merge vertices that are almost at one position")
         dim = self._dimension(domain, edges)
         measure = np.bincount(edges.ravel(), minlength=count) / (2.0 * dim)
         local = self.dim == "auto" and isinstance(domain, Graph)
@@ -143,8 +143,8 @@ class UniformLaplacian(LaplaceOperator):
             return self.dim
         if isinstance(domain, TriangleMesh):
             return 2
-        # To begin with: the local scale corrects it.
-        return 1 if share_of_meshes(domain.n_vertices, edges) <= NEARLY_EVERYWHERE else 2
+        # An initial value, which the local scale corrects.
+        return 1 if share_of_meshes(domain.n_vertices, edges) <= MAX_SHARE_OF_MESHES else 2
 
 
 def _discretization(
@@ -169,9 +169,10 @@ def _discretization(
 
 
 def _scales(edges: IntArray, lengths: FloatArray, part: IntArray, spacing: float) -> FloatArray:
-    """Return the mean edge length of the part of each vertex, of shape (N,).
+    """Return the mean edge length of the component of each vertex, of shape (N,).
 
-    A part has the distances that it has alone. Where there is but one the mean is that of all.
+    So the distances of a component do not depend on other components. With a single component the
+    mean is that of all edges.
     """
     number = np.bincount(part[edges[:, 0]])
     if np.count_nonzero(number) <= 1:
@@ -183,23 +184,23 @@ def _scales(edges: IntArray, lengths: FloatArray, part: IntArray, spacing: float
 
 
 def _check_lengths(lengths: FloatArray) -> None:
-    """Raise where lengths are so large or so small that their squares are not numbers."""
+    """Raise if lengths are so large or so small that their squares overflow or underflow."""
     for length in (lengths.min(initial=1.0), lengths.max(initial=1.0)):
         if not 1 / MAX_LENGTH <= length <= MAX_LENGTH:
             raise UnsupportedDomainError(
-                f"an edge is {length:.4g} long, and its square leaves double precision; take "
-                "another unit of length"
+                f"an edge is {length:.4g} long, and its square is out of the range of double "
+                "precision; use another unit of length"
             )
 
 
 def _instead_of_heat(edges: IntArray, lengths: FloatArray, part: IntArray) -> str:
-    """Return what is wrong where lengths are so far apart that plain heat would be noise, or "".
+    """Describe lengths of such different size that plain heat would be noise; "" if there are none.
 
-    `part` is the connected part of each edge.
+    `part` is the component of each edge.
     """
     if not len(edges) or lengths.max() <= MAX_RATIO_OF_LENGTHS * lengths.min():
         return ""
-    order = np.lexsort((lengths, part))  # part by part, from the shortest to the longest
+    order = np.lexsort((lengths, part))  # by component, the shortest first
     first = np.flatnonzero(np.concatenate([[True], part[order][1:] != part[order][:-1]]))
     last = np.append(first[1:], len(order)) - 1
     ratios = lengths[order[last]] / lengths[order[first]]
@@ -209,18 +210,19 @@ def _instead_of_heat(edges: IntArray, lengths: FloatArray, part: IntArray) -> st
     short, long = order[first[worst]], order[last[worst]]
     return (
         f"the edge from vertex {edges[short, 0]} to {edges[short, 1]} is {lengths[short]:.4g} "
-        f"long, and that from {edges[long, 0]} to {edges[long, 1]}, connected to it, "
-        f"{lengths[long]:.4g}: more than {MAX_RATIO_OF_LENGTHS:.0e} times as long, "
-        "too far apart for double precision"
+        f"long, and the edge from {edges[long, 0]} to {edges[long, 1]} of the same component "
+        f"{lengths[long]:.4g}: a ratio of more than {MAX_RATIO_OF_LENGTHS:.0e}, too large for "
+        "double precision"
     )
 
 
 def _contracted(
     edges: IntArray, lengths: FloatArray, n_vertices: int
 ) -> tuple[IntArray, FloatArray, IntArray]:
-    """Return the edges between groups of vertices at one place, and each vertex's representative.
+    """Merge vertices at one position; return the edges between groups, and the representatives.
 
-    At one place are those that edges connect of no length to speak of beside the others there.
+    Vertices are at one position if edges connect them that are negligible relative to the other
+    edges of the component.
     """
     positive = lengths > 0
     part = connected_by_edges(edges, n_vertices)[edges[:, 0]]
@@ -237,7 +239,7 @@ def _contracted(
 
 
 def _medians(lengths: FloatArray, part: IntArray, n_parts: int) -> FloatArray:
-    """Return the median length in each part, 0 where a part has none."""
+    """Return the median length in each component, 0 for components without lengths."""
     order = np.lexsort((lengths, part))
     number = np.bincount(part, minlength=n_parts)
     ends = np.cumsum(number)
@@ -248,7 +250,7 @@ def _medians(lengths: FloatArray, part: IntArray, n_parts: int) -> FloatArray:
 
 
 def _metric_graph(domain: Domain) -> tuple[IntArray, FloatArray, BoolArray]:
-    """Return different edges with their lengths, and the boundary vertices."""
+    """Return the distinct edges with their lengths, and the boundary vertices."""
     boundary = np.zeros(domain.n_vertices, dtype=np.bool_)
     if isinstance(domain, TriangleMesh):
         faces = domain.faces[proper_faces(domain.faces)]

@@ -1,4 +1,4 @@
-"""Linear solvers: one a file, all behind one contract."""
+"""Linear solvers: one file for each, all with one interface."""
 
 from geodesic_toolkit.linear.base import Factor, LinearSolver
 

@@ -16,7 +16,7 @@ __all__ = ["Analysis", "Factor", "LinearSolver"]
 
 
 class Factor(abc.ABC):
-    """A matrix made ready for solving; safe to use from several threads at once."""
+    """A factorised matrix, ready for solves; safe to use from several threads at once."""
 
     @abc.abstractmethod
     def solve(self, right_hand_side: FloatArray) -> FloatArray:
@@ -35,19 +35,19 @@ class Factor(abc.ABC):
         Raises
         ------
         SolverError
-            No solution was found, or it is not finite.
+            A solution was not found, or it is not finite.
         """
 
     def solve_over(self, right_hand_side: FloatArray) -> FloatArray:
-        """Return x as `solve` does, in the memory of the right-hand side where that can be.
+        """Return x as `solve` does, in the memory of the right-hand side if possible.
 
-        For right-hand sides that are not needed afterwards, because allocating large arrays is slow. A
-        solver that has nothing to gain need not override it.
+        Use it for right-hand sides that are not needed afterwards, because allocating large arrays
+        is slow. Solvers that cannot reuse memory need not override it.
 
         Parameters
         ----------
         right_hand_side : ndarray of shape (N,) or (N, K)
-            Holds anything afterwards.
+            Its values are undefined afterwards.
 
         Returns
         -------
@@ -63,24 +63,24 @@ class Factor(abc.ABC):
     @property
     @abc.abstractmethod
     def nbytes(self) -> int:
-        """Bytes that they take."""
+        """Bytes that these entries take."""
 
 
 class Analysis(abc.ABC):
-    """What a solver knows of all matrices of one pattern; safe to use from several threads at once.
+    """The analysis of a sparsity pattern, shared by all matrices that have it; thread-safe.
 
     The heat and the Poisson system of one discretization are such matrices.
     """
 
     @abc.abstractmethod
     def factorize(self, matrix: Any) -> Factor:
-        """Return `matrix` made ready for solving.
+        """Return the factor of `matrix`.
 
         Parameters
         ----------
         matrix : csr_array of shape (N, N), float64
-            Symmetric positive definite. One of another pattern is factorised all the same, without
-            the work that would have been shared.
+            Symmetric positive definite. A matrix with another pattern is factorised too, but does
+            not share the analysis.
 
         Returns
         -------
@@ -91,11 +91,11 @@ class Analysis(abc.ABC):
         SolverError
             The matrix is singular or not positive definite.
         NotEnoughMemoryError
-            The factor does not fit.
+            The factor does not fit in memory.
         """
 
     def expected_bytes(self, n_factors: int) -> float:  # noqa: ARG002 - not known
-        """Return the bytes that making so many factors at once takes.
+        """Return the bytes that this many factors take at once.
 
         Parameters
         ----------
@@ -104,7 +104,7 @@ class Analysis(abc.ABC):
         Returns
         -------
         float
-            The analysis itself included; 0 where not known.
+            Bytes of the factors and the analysis itself; 0 if unknown.
         """
         return 0.0
 
@@ -117,18 +117,18 @@ class LinearSolver(abc.ABC):
     Attributes
     ----------
     componentwise : bool
-        Whether each entry of a solution is accurate relative to itself when the matrix is an
+        True if each entry of a solution is accurate relative to itself when the matrix is an
         M-matrix and the right-hand side is not negative. Heat falls by a factor of about e per
-        edge, so its solver must be; sparse Cholesky and LU without pivoting are, an iteration
-        that stops on the norm of the residual is not.
+        edge, so its solver must be componentwise; sparse Cholesky and LU without pivoting are, an
+        iteration that stops at the norm of the residual is not.
     allow_heat : bool
-        Whether it may solve the heat step although it is not componentwise accurate: an option,
-        where a solver has it.
+        True if it may solve the heat step although it is not componentwise accurate: an option of
+        some solvers.
     takes_rows : bool
-        Whether it also takes matrices as ``CompressedRows`` of ``geodesic_toolkit.core.rows``, and
-        so does without SciPy.
+        True if it also takes matrices as ``CompressedRows`` of ``geodesic_toolkit.core.rows``, and
+        so does not need SciPy.
     references : tuple of str
-        DOIs of what it implements.
+        DOIs of the implemented methods.
     known_failures : mapping of str to str
         Laws of the conformance kit that it breaks by design, each with the reason.
 
@@ -166,14 +166,14 @@ class LinearSolver(abc.ABC):
         SolverError
             The matrix is singular or not positive definite.
         NotEnoughMemoryError
-            The factor does not fit.
+            The factor does not fit in memory.
         """
 
     def analyse(self, pattern: Any) -> Analysis:  # noqa: ARG002 - a hook
-        """Return what this solver knows of all matrices with the pattern of one.
+        """Return the analysis of all matrices with the pattern of a given one.
 
-        Nothing, unless a solver overrides it that can share work between them; such a one has
-        ``return self.analyse(matrix).factorize(matrix)`` for its `factorize`.
+        The default analysis is empty. Solvers that share work between matrices override this
+        method, and their `factorize` is ``return self.analyse(matrix).factorize(matrix)``.
 
         Parameters
         ----------
@@ -187,13 +187,13 @@ class LinearSolver(abc.ABC):
         Raises
         ------
         NotEnoughMemoryError
-            A factor will not fit.
+            A factor would not fit in memory.
         """
         return _NothingShared(self)
 
 
 class _NothingShared(Analysis):
-    """The analysis of solvers that begin with each matrix anew."""
+    """The analysis of solvers that do not share work between matrices."""
 
     def __init__(self, solver: LinearSolver) -> None:
         self._solver = solver

@@ -22,19 +22,19 @@ __all__ = ["CG"]
 class CG(LinearSolver):
     """Conjugate gradients without a preconditioner, stopped at a relative residual.
 
-    For the Poisson step. **Not for heat**: an iterate knows nothing beyond the ring of neighbours
-    that it has reached, one ring a step, and the residual says so little about small values that
-    the far half of a mesh may be left at exactly 0. The heat method refuses it there unless
-    `allow_heat` insists.
+    It is for the Poisson step, **not for heat**: an iterate is zero beyond the neighbours that it
+    has reached, one ring per step, and the residual depends so little on small values that the far
+    half of a mesh may stay at exactly 0. The heat method rejects it for heat unless `allow_heat` is
+    set.
 
     Parameters
     ----------
     rtol : float
         Residual norm, relative to that of the right-hand side, at which the iteration stops.
     max_iterations : int, optional
-        Steps after which it gives up; 10 N by default.
+        Maximum number of steps; 10 N by default.
     allow_heat : bool
-        Let the heat step use it all the same, to study what goes wrong.
+        Allow the heat step to use it, to study its errors.
 
     Raises
     ------
@@ -77,7 +77,7 @@ class CG(LinearSolver):
 
 
 class CGFactor(Factor):
-    """A matrix that every solve iterates on anew."""
+    """A matrix on which every solve iterates from the start."""
 
     def __init__(self, matrix: csr_array, options: CG) -> None:
         self._matrix = matrix
@@ -90,10 +90,10 @@ class CGFactor(Factor):
         return solution.reshape(right_hand_side.shape)
 
     def _solve_column(self, column: FloatArray) -> FloatArray:
-        from scipy.sparse.linalg import cg  # half a second: not before it is needed
+        from scipy.sparse.linalg import cg  # takes half a second: import it when needed
 
         options = self._options
-        with np.errstate(divide="ignore", invalid="ignore"):  # of singular matrices: told below
+        with np.errstate(divide="ignore", invalid="ignore"):  # a singular matrix is reported below
             solution, status = cg(
                 self._matrix, column, rtol=options.rtol, atol=0.0, maxiter=options.max_iterations
             )
@@ -107,7 +107,7 @@ class CGFactor(Factor):
 
     @property
     def nnz(self) -> int:
-        """Entries of the matrix: nothing is factorised."""
+        """Entries of the matrix, which is not factorised."""
         return int(self._matrix.nnz)
 
     @property

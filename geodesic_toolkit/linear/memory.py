@@ -16,25 +16,25 @@ FILL_PER_UNKNOWN = 2.0
 """Entries of L and U for one unknown and each power of two of their number, on surfaces.
 
 Measured with a minimum-degree ordering: 2.8 to 3.4 on square grids of 2,500 to 160,000 vertices, 3
-to 12 on scans of 3,000 to 134,000, 2.8 to 4.8 on clouds. An estimate must refuse nothing that fits,
-so it takes less than the least.
+to 12 on scans of 3,000 to 134,000, 2.8 to 4.8 on clouds. An estimate must not reject work that
+fits, so it is below the smallest of these.
 """
 
 MAX_ENTRIES_PER_ROW_OF_TREES = 4
-"""Entries a row up to which a matrix is that of a path or a tree, which fill in hardly at all."""
+"""Maximum entries per row in matrices of paths and trees, whose factors have almost no fill-in."""
 
 MIN_BYTES_CHECKED = 1e8
-"""Bytes below which nobody asks whether they are there."""
+"""Requests below this size are not compared with the available memory."""
 
 BYTES_PER_ENTRY = 12
-"""Of an entry: its value and a row index."""
+"""Bytes of an entry: its value and a row index."""
 
 
 def factor_bytes(unknowns: int, entries: int) -> float:
-    """Return how many bytes the factors of a sparse symmetric matrix take at the least.
+    """Return a lower estimate of the bytes of the factors of a sparse symmetric matrix.
 
-    Nested dissection proves O(n log n) entries for planar graphs, and no ordering does better (A.
-    George, 1973, https://doi.org/10.1137/0710032).
+    Nested dissection needs O(n log n) entries for planar graphs, and an ordering cannot do better
+    (A. George, 1973, https://doi.org/10.1137/0710032).
 
     Examples
     --------
@@ -48,17 +48,17 @@ def factor_bytes(unknowns: int, entries: int) -> float:
 
 
 def available_memory() -> float:
-    """Return how many bytes a process may still take, or infinity where the system does not say."""
+    """Return the bytes that a process may still allocate, or infinity if they are not known."""
     try:
         for line in MEMINFO.read_text(encoding="ascii").splitlines():
             name, _, value = line.partition(":")
             if name == "MemAvailable":
                 return 1024.0 * float(value.split()[0])
-    except (OSError, ValueError, IndexError):  # not Linux: ask in another way
+    except (OSError, ValueError, IndexError):  # not Linux: use sysconf
         pass
     try:
         return float(os.sysconf("SC_AVPHYS_PAGES")) * os.sysconf("SC_PAGE_SIZE")
-    except (AttributeError, ValueError, OSError):  # not a system that counts pages
+    except (AttributeError, ValueError, OSError):  # the system does not count pages
         return math.inf
 
 
@@ -87,16 +87,16 @@ def array_bytes(*things: object) -> int:
 
 
 def require_memory(needed: float, work: str) -> None:
-    """Raise if `work` needs more bytes than there are.
+    """Raise if `work` needs more memory than is available.
 
     Raises
     ------
     NotEnoughMemoryError
-        The message says how much it needs, and how much there is.
+        The message gives the needed and the available memory.
     """
-    there = math.inf if needed < MIN_BYTES_CHECKED else available_memory()
-    if needed > there:
+    available = math.inf if needed < MIN_BYTES_CHECKED else available_memory()
+    if needed > available:
         raise NotEnoughMemoryError(
-            f"{work} needs about {needed / 1e9:.3g} GB of memory, and {there / 1e9:.3g} GB are "
+            f"{work} needs about {needed / 1e9:.3g} GB of memory, and {available / 1e9:.3g} GB are "
             "available"
         )

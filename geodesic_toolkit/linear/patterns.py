@@ -1,4 +1,4 @@
-"""Matrices that differ in their values only."""
+"""Matrices of one pattern, which differ only in their values."""
 
 import threading
 
@@ -16,9 +16,9 @@ __all__ = ["SharedAnalysis", "plus_diagonal"]
 def plus_diagonal(
     matrix: CompressedRows, diagonal: FloatArray, scale: float | FloatArray = 1.0
 ) -> CompressedRows:
-    """Return ``diag(diagonal) + diag(scale) A`` on the pattern of A, if that has a diagonal.
+    """Return ``diag(diagonal) + diag(scale) A`` on the pattern of A, if it has a diagonal.
 
-    Sums of sparse matrices lose entries that happen to be zero, and with them the pattern.
+    Sums of sparse matrices drop entries that happen to be zero, which changes the pattern.
 
     Parameters
     ----------
@@ -37,28 +37,30 @@ def plus_diagonal(
     array([[ 7., -2.],
            [-2.,  8.]])
     """
-    places = matrix.diagonal_places  # first, so that the other matrix has them too
+    diagonal_indices = matrix.diagonal_places  # the result shares this cached value
     scales = np.ascontiguousarray(scale, dtype=np.float64).reshape(-1)
-    if len(places) != len(diagonal):
+    if len(diagonal_indices) != len(diagonal):
         from scipy.sparse import csr_array, diags_array
 
         rows = np.repeat(np.broadcast_to(scales, len(diagonal)), np.diff(matrix.indptr))
         scaled = matrix.with_data(matrix.data * rows)
         return CompressedRows.of(csr_array(scaled.scipy + diags_array(diagonal)))
     diagonal = np.ascontiguousarray(diagonal, dtype=np.float64)
-    return matrix.with_data(_native.plus_diagonal(*matrix.arrays, places, scales, diagonal))
+    return matrix.with_data(
+        _native.plus_diagonal(*matrix.arrays, diagonal_indices, scales, diagonal)
+    )
 
 
 class SharedAnalysis(Analysis):
-    """The analysis of the first matrix that is factorised, for all that follow.
+    """The analysis of the first factorised matrix, shared by all later ones.
 
-    Several threads may use it: they wait for the analysis, not for one another's factor.
+    Several threads may use it: they wait for the analysis, not for each other's factors.
 
     Parameters
     ----------
     solver : LinearSolver
     n_factors : int
-        How many factors are to come, at the same time perhaps.
+        Number of expected factors, which may be made at the same time.
     """
 
     def __init__(self, solver: LinearSolver, n_factors: int = 1) -> None:
@@ -73,9 +75,9 @@ class SharedAnalysis(Analysis):
         Raises
         ------
         SolverError
-            It has none.
+            The matrix is singular or not positive definite.
         NotEnoughMemoryError
-            All that are to come would not fit together.
+            All expected factors would not fit together.
         """
         given = matrix if self._solver.takes_rows else matrix.scipy
         with self._lock:
@@ -84,14 +86,14 @@ class SharedAnalysis(Analysis):
                 size = f"{matrix.shape[0]} unknowns with {matrix.nnz} entries"
                 needed = analysis.expected_bytes(self._n_factors)
                 require_memory(needed, f"{self._n_factors} x factorising {size}")
-                self._analysis = analysis  # not before: the next call is to ask again
+                self._analysis = analysis  # set last, so that a call after an error checks again
         return self._analysis.factorize(given)
 
     def expected_bytes(self, n_factors: int | None = None) -> float:
-        """Return the bytes that making the factors takes, all of them unless given how many.
+        """Return the bytes that factors take: all expected ones, unless `n_factors` is given.
 
-        Known from their pattern alone, once that is analysed; 0 before, and where the solver does
-        not foresee it.
+        They are known from the pattern, once that is analysed; the result is 0 before, and if the
+        solver does not predict them.
         """
         if self._analysis is None:
             return 0.0

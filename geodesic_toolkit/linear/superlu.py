@@ -24,7 +24,8 @@ class SuperLU(LinearSolver):
     """Sparse LU without pivoting, by SciPy's SuperLU with a minimum-degree ordering.
 
     On a symmetric positive definite matrix the pivots stay on the diagonal, and on an M-matrix
-    every step adds numbers of one sign: each entry of the solution is accurate relative to itself.
+    every step adds numbers of equal sign: each entry of the solution is accurate relative to
+    itself.
 
     References
     ----------
@@ -51,7 +52,7 @@ class SuperLU(LinearSolver):
             factor_bytes(matrix.shape[0], matrix.nnz),
             f"factorising {matrix.shape[0]} unknowns with {matrix.nnz} entries",
         )
-        from scipy.sparse.linalg import splu  # half a second: not before it is needed
+        from scipy.sparse.linalg import splu  # takes half a second: import it when needed
 
         try:
             factors = splu(
@@ -94,5 +95,5 @@ class SuperLUFactor(Factor):
 
     @property
     def nbytes(self) -> int:
-        """Bytes of their values and row indices (8 + 4 an entry)."""
+        """Bytes of their values and row indices (8 + 4 per entry)."""
         return 12 * self.nnz

@@ -1,9 +1,9 @@
 """Supernodal sparse Cholesky as a linear solver, over the kernels of ``native/linear``.
 
-The road from a matrix to a solution: a permutation that keeps the factor sparse (approximate
-minimum degree), what the factor will look like (supernodes), both for all matrices of one pattern;
-then the factor (multifrontal, dense Cholesky on each supernode), and forward and back substitution,
-one column or a block.
+Steps from a matrix to a solution: a permutation that keeps the factor sparse (approximate minimum
+degree) and the structure of the factor (supernodes), both for all matrices of one pattern; then the
+factor (multifrontal, dense Cholesky on each supernode), and forward and back substitution, for one
+column or a block.
 
 References
 ----------
@@ -31,14 +31,14 @@ if TYPE_CHECKING:
 
 __all__ = ["Supernodal", "SupernodalAnalysis", "SupernodalFactor"]
 
-OF_LU = 1 / 3
-"""Share of the bytes of L and U that L takes, one row index serving a whole row of a supernode.
+SHARE_OF_L_IN_LU = 1 / 3
+"""Share of the bytes of L and U that L takes, with one row index per row of a supernode.
 
-The analysis knows how many there are; this is to refuse at once what is hopeless.
+The analysis gives the exact number; this estimate rejects hopeless requests before it.
 """
 
 MAX_ERROR_OF_COMPACT_FACTOR = 1e-4
-"""Error from which on a compact factor is not used. Measured on meshes and grids of up to 560,000
+"""Maximum error of a compact factor that is used. Measured on meshes and grids of up to 560,000
 vertices: 1e-6 to 7e-6."""
 
 
@@ -47,22 +47,22 @@ vertices: 1e-6 to 7e-6."""
 class Supernodal(LinearSolver):
     """Supernodal sparse Cholesky: minimum-degree ordering, multifrontal, dense kernels of its own.
 
-    The pattern is analysed once for all matrices that share it, and no step holds Python's lock.
-    On an M-matrix every step adds numbers of one sign: each entry of the solution is accurate
-    relative to itself.
+    The pattern is analysed once for all matrices that share it, and all steps release Python's
+    lock. On an M-matrix every step adds numbers of equal sign: each entry of the solution is
+    accurate relative to itself.
 
     Parameters
     ----------
     compact : bool
         Keep the upper half of each number of a factor: its sign, its whole range and six digits.
-        Half the memory, and solves that wait for memory are up to twice as fast; a solution is off
-        by about 1e-6 of its largest value, and each value of heat by about 1e-6 of itself. A factor
-        is tried before it is used, and kept in full where that does not hold.
+        It takes half the memory, and solves limited by memory bandwidth are up to twice as fast; a
+        solution is off by about 1e-6 of its largest value, and each value of heat by about 1e-6 of
+        itself. A factor is tested before it is used, and kept in full if it is less accurate.
 
     Raises
     ------
     InvalidOptionError
-        `compact` is neither.
+        `compact` is neither True nor False.
 
     References
     ----------
@@ -95,7 +95,7 @@ class Supernodal(LinearSolver):
     def analyse(self, pattern: csr_array | CompressedRows) -> SupernodalAnalysis:
         """Return the ordering and the supernodes of all matrices with the pattern of one."""
         require_memory(
-            OF_LU * factor_bytes(pattern.shape[0], pattern.nnz),
+            SHARE_OF_L_IN_LU * factor_bytes(pattern.shape[0], pattern.nnz),
             f"factorising {pattern.shape[0]} unknowns with {pattern.nnz} entries",
         )
         return SupernodalAnalysis(_rows_of(pattern), compact=bool(self.compact))
@@ -113,12 +113,12 @@ class SupernodalAnalysis(Analysis):
     pattern : CompressedRows of shape (N, N)
         Its values are not used.
     compact : bool
-        Keep the upper half of each number only, where that will do.
+        Keep only the upper half of each number, if that is accurate enough.
 
     Raises
     ------
     SolverError
-        It has entries without a mirror image.
+        The pattern has entries without a mirror image.
     """
 
     def __init__(self, pattern: CompressedRows, *, compact: bool = False) -> None:
@@ -127,23 +127,23 @@ class SupernodalAnalysis(Analysis):
         self._analysis = _analysis_of(pattern)
 
     def expected_bytes(self, n_factors: int) -> float:
-        """Return what so many factors take, with their stacks of update matrices: exactly that."""
+        """Return the exact bytes of this many factors with their stacks of update matrices."""
         one = self._analysis.factor_bytes(self.compact) + 24.0 * len(self._analysis.order)
         return self._analysis.nbytes + n_factors * one
 
     def factorize(self, matrix: csr_array | CompressedRows) -> SupernodalFactor:
-        """Return the Cholesky factor of `matrix`; of another pattern, after an analysis of it."""
-        its = _rows_of(matrix)
-        analysis = self._analysis if self._fits(its) else _analysis_of(its)
-        _require_finite(its)
+        """Return the Cholesky factor of `matrix`; a different pattern is analysed first."""
+        rows = _rows_of(matrix)
+        analysis = self._analysis if self._fits(rows) else _analysis_of(rows)
+        _require_finite(rows)
         if self.compact:
-            factor = _cholesky(its, analysis, compact=True)
-            if _is_accurate(factor, its):
+            factor = _cholesky(rows, analysis, compact=True)
+            if _is_accurate(factor, rows):
                 return factor
-        return _cholesky(its, analysis, compact=False)
+        return _cholesky(rows, analysis, compact=False)
 
     def _fits(self, matrix: CompressedRows) -> bool:
-        """Return whether a matrix has the pattern that was analysed."""
+        """Return True if a matrix has the pattern that was analysed."""
         return all(
             own is other or np.array_equal(own, other)
             for own, other in zip(self._pattern, matrix.arrays[:2], strict=True)
@@ -151,7 +151,7 @@ class SupernodalAnalysis(Analysis):
 
 
 class SupernodalFactor(Factor):
-    """A Cholesky factor in dense panels; solving changes nothing in it.
+    """A Cholesky factor in dense panels; solves do not change it.
 
     Parameters
     ----------
@@ -165,12 +165,12 @@ class SupernodalFactor(Factor):
     def solve(self, right_hand_side: FloatArray) -> FloatArray:
         """Return x with ``A x = b``, for one column or a block of them.
 
-        Zeros in b save work: the forward substitution passes subtrees by in which b is zero.
+        Zeros in b save work: the forward substitution skips subtrees in which b is zero.
         """
         return self._solved(right_hand_side, over=False)
 
     def solve_over(self, right_hand_side: FloatArray) -> FloatArray:
-        """Return x in the memory of b, if that is an array of numbers in their usual order."""
+        """Return x in the memory of b, if it is a C-contiguous array of float64."""
         return self._solved(right_hand_side, over=True)
 
     def _solved(self, right_hand_side: FloatArray, *, over: bool) -> FloatArray:
@@ -189,17 +189,17 @@ class SupernodalFactor(Factor):
 
     @property
     def nnz(self) -> int:
-        """Numbers stored for the factor, the zeros of its dense panels included."""
+        """Numbers stored for the factor, including zeros of its dense panels."""
         return self._analysis.n_stored
 
     @property
     def nbytes(self) -> int:
-        """Bytes that they take."""
+        """Bytes that these numbers take."""
         return self._factor.nbytes
 
     def __reduce__(self) -> NoReturn:
         raise TypeError(
-            "a factor is not pickled; pickle its matrix, and factorise it again where it arrives"
+            "a factor cannot be pickled; pickle its matrix, and factorise it again when loaded"
         )
 
     def __repr__(self) -> str:
@@ -211,7 +211,7 @@ def _analysis_of(matrix: CompressedRows) -> _native.Analysis:
     if not _native.is_symmetric(matrix.indptr, matrix.indices):
         row, column = _without_mirror_image(matrix)
         raise SolverError(
-            f"the matrix is not symmetric: it has an entry ({row}, {column}) and none at "
+            f"the matrix is not symmetric: it has an entry ({row}, {column}), but not "
             f"({column}, {row})"
         )
     return _native.analyze(matrix.indptr, matrix.indices)
@@ -226,30 +226,30 @@ def _cholesky(
     require_memory(needed, work)
     try:
         factor = _native.Factor(analysis, matrix.data, compact)
-    except MemoryError as error:  # a limit of this process, or a system that does not say
+    except MemoryError as error:  # a limit of this process, or unknown memory
         raise NotEnoughMemoryError(
-            f"{work} needs about {needed / 1e9:.3g} GB of memory, which could not be had"
+            f"{work} needs about {needed / 1e9:.3g} GB of memory, which could not be allocated"
         ) from error
     return SupernodalFactor(analysis, factor)
 
 
 def _is_accurate(factor: SupernodalFactor, matrix: CompressedRows) -> bool:
-    """Return whether a factor gives back the constant vector.
+    """Return True if a factor reproduces the constant vector.
 
-    That is nearly in the null space of a Laplacian, so its equations are those that errors of the
-    factor hurt most.
+    The constant vector is nearly in the null space of a Laplacian, so errors of the factor have
+    the largest effect on it.
     """
     row_sums = _native.row_sums(*matrix.arrays)
     try:
         error = np.abs(factor.solve_over(row_sums) - 1).max(initial=0.0)
-    except SolverError:  # the sums overflow, which is for the full factor to report
+    except SolverError:  # the sums overflow; the full factor reports that
         return False
     return bool(error <= MAX_ERROR_OF_COMPACT_FACTOR)
 
 
 def _require_finite(matrix: CompressedRows) -> None:
     with np.errstate(over="ignore", invalid="ignore"):
-        if np.isfinite(matrix.data.sum()):  # the sum of finite ones may overflow, too
+        if np.isfinite(matrix.data.sum()):  # the sum of finite values may overflow, too
             return
     finite = np.isfinite(matrix.data)
     if not finite.all():
@@ -270,7 +270,7 @@ def _without_mirror_image(matrix: CompressedRows) -> tuple[int, int]:
 
 
 def _rows_of(matrix: csr_array | CompressedRows) -> CompressedRows:
-    """Return a square matrix as kernels take it."""
+    """Return a square matrix in the form that kernels take."""
     if matrix.shape[0] != matrix.shape[1]:
         raise SolverError(f"only square matrices have Cholesky factors, not one of {matrix.shape}")
     return CompressedRows.of(matrix)

@@ -1,4 +1,4 @@
-"""Instead of the Poisson step: fronts swept over triangles, held to what is possible.
+"""Refinement, in place of the Poisson step: fronts swept over triangles, within bounds.
 
-Imports sources, discretizations, geometry and domains; no heat but its order, as an argument.
+It imports sources, discretizations, geometry and domains; the order of heat is an argument.
 """

@@ -19,15 +19,15 @@ __all__ = ["DistanceBounds", "bounds_of"]
 
 @dataclass(frozen=True, eq=False)
 class DistanceBounds:
-    """A surface in space, which distances are held to.
+    """A surface in space, and the bounds that it sets to distances.
 
     Parameters
     ----------
     vertices : ndarray of shape (N, 3), float64
-        NaN where no triangle is.
+        NaN at vertices without triangles.
     indptr, indices : ndarray of int32
         Edges that run along the surface, as a symmetric pattern in compressed rows with sorted
-        columns; none where that is not certain.
+        columns; empty if that is not certain.
     """
 
     vertices: FloatArray
@@ -39,16 +39,20 @@ class DistanceBounds:
     ) -> None:
         """Raise and lower distances (K, N) in place, one row for each of K source sets.
 
-        None stays below the straight line to the nearest source, and none above the shortest path
-        along edges. Infinite ones stay.
+        Distances are raised to the straight line to the nearest source, and lowered to the shortest
+        path along edges. Infinite ones stay.
         """
-        begins, places, starts = [0], [], []
+        begins, positions, starts = [0], [], []
         for points in block:
             begins.append(begins[-1] + points.count)
-            places.append(self._places(points))
-            starts.append(points.starts - self._reach(points, places[-1]))
+            positions.append(self._positions(points))
+            starts.append(points.starts - self._reach(points, positions[-1]))
         self._kernel.hold(
-            np.array(begins, dtype=np.int64), joined(places), joined(starts), distances, n_threads
+            np.array(begins, dtype=np.int64),
+            joined(positions),
+            joined(starts),
+            distances,
+            n_threads,
         )
 
     @cached_property
@@ -56,42 +60,42 @@ class DistanceBounds:
         return _native.Bounds(self.vertices, self.indptr, self.indices)
 
     def __getstate__(self) -> dict[str, Any]:
-        """Leave out what derives from the rest."""
+        """Return the state without the derived kernel."""
         return {name: value for name, value in self.__dict__.items() if name != "_kernel"}
 
     def prepare(self) -> None:
-        """Compute what all sources share."""
+        """Compute the data that all sources share."""
         _ = self._kernel
 
-    def _places(self, points: SourcePoints) -> FloatArray:
-        """Return where the (P, 3) points are."""
+    def _positions(self, points: SourcePoints) -> FloatArray:
+        """Return the positions of the points, (P, 3)."""
         corners = self.vertices[points.vertices]
         if len(corners) == points.count:
             return corners
         return np.add.reduceat(points.shares[:, None] * corners, points.begins[:-1])
 
-    def _reach(self, points: SourcePoints, places: FloatArray) -> FloatArray | float:
-        """Return how far from the (P,) points a source may be that lies between them.
+    def _reach(self, points: SourcePoints, positions: FloatArray) -> FloatArray | float:
+        """Return the largest distance of a source from the (P,) points that sample it.
 
-        Of a curve on a mesh: half of the longest step between its samples. The vertices of a cloud
-        that stand for a curve are in no order, and tell nothing.
+        For a curve on a mesh it is half of the longest step between its samples. The vertices of a
+        cloud that sample a curve are not in order, and do not give a bound.
         """
         if points.front_curvatures is None or points.count == 1:
             return 0.0
         if len(points.vertices) == points.count:
             return np.inf
-        return float(np.linalg.norm(np.diff(places, axis=0), axis=1).max()) / 2
+        return float(np.linalg.norm(np.diff(positions, axis=0), axis=1).max()) / 2
 
 
 def bounds_of(domain: Domain, metric: Discretization) -> DistanceBounds | None:
-    """Return the bounds for distances on a domain, None where it is not a surface in space.
+    """Return the bounds for distances on a domain, None if it is not a surface in space.
 
-    The stars of a cloud have edges that are no way along the surface, across thin gaps. Those of a
-    mesh are in its stiffness already, where the triangles are those that were given.
+    The stars of a cloud have edges across thin gaps, which are not on the surface. The edges of a
+    mesh are those of its stiffness, if its triangles are the given ones.
     """
     if isinstance(domain, TriangleMesh):
         vertices = domain.vertices
-        if not np.isfinite(vertices).all():  # where no face is; as a source each still reads 0
+        if not np.isfinite(vertices).all():  # unused vertices: as sources they still read 0
             vertices = np.where(np.isfinite(vertices), vertices, 0.0)
         if metric.triangulation == "given":
             return DistanceBounds(vertices, metric.rows.indptr, metric.rows.indices)
@@ -104,9 +108,9 @@ def bounds_of(domain: Domain, metric: Discretization) -> DistanceBounds | None:
 
 
 def _without_repeats(faces: IntArray) -> IntArray:
-    """Leave out faces with a repeated vertex, as operators do: no front gets across.
+    """Return the faces without those that repeat a vertex, as operators do.
 
-    The line that is left of such a face may lead straight through a solid.
+    Fronts do not cross such a face, and its remaining edge may lead straight through a solid.
     """
     a, b, c = faces.T
     repeats = (a == b) | (b == c) | (c == a)

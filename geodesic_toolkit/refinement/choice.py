@@ -1,4 +1,4 @@
-"""The choice of how distances are refined by default, with its reason."""
+"""The default choice of refinement, with its reason."""
 
 from typing import Literal
 
@@ -6,12 +6,15 @@ import numpy as np
 
 from geodesic_toolkit.discretization.data import Discretization
 from geodesic_toolkit.discretization.edge_gradient import EdgeGradient
-from geodesic_toolkit.geometry.across_edges import MIN_GROWTH_OF_SOLIDS, OF_TRIANGLES
+from geodesic_toolkit.geometry.across_edges import (
+    MIN_CLOSED_SHARE_OF_TRIANGLES,
+    MIN_GROWTH_OF_SOLIDS,
+)
 from geodesic_toolkit.geometry.along_edges import AlongEdges
 from geodesic_toolkit.geometry.lines import (
-    FEW_LENGTHS,
     LENGTH_TOLERANCE,
-    NEARLY_EVERYWHERE,
+    MAX_LENGTHS_OF_LATTICES,
+    MAX_SHARE_OF_MESHES,
     is_network,
     share_of_meshes,
     widest_level,
@@ -21,31 +24,32 @@ from geodesic_toolkit.refinement.wavefronts import made_of_triangles
 __all__ = ["refinement_of"]
 
 MAX_CUBED_WIDTH_PER_VERTEX = 3e5
-"""Cube of the width of a graph, for each vertex, from which on a factor is too expensive.
+"""Cube of the width of a graph, per vertex, above which a factor is too expensive.
 
 The width is that of the widest level of a breadth-first search, and a factor takes about a dozen
-times its cube in multiplications: at most a millisecond for each vertex. In a square of n vertices
-that is 1.4 √n, in a cube 0.4 n, among 15 neighbours in ten dimensions 0.06 n²: squares of any size,
-cubes of 700,000 voxels and some 2,000 such samples are below.
+times its cube in multiplications: at most a millisecond for each vertex. The cubed width per vertex
+is 1.4 √n in a square of n vertices, 0.4 n in a cube, and 0.06 n² among 15 neighbours in ten
+dimensions: squares of any size, cubes of 700,000 voxels and some 2,000 such samples are below the
+limit.
 """
 
-WHOLE, WHOLE_LATTICE = 0.95, 0.6
-"""Share of the junctions whose edges corners must connect, for fronts to go across, and that in
-lattices, where corners are known rather than guessed. Neighbour graphs of 8 and more have 0.97 to
-1, meshes and lattices 1, with a twentieth of the edges missing 0.93 and with a tenth 0.78;
-neighbour graphs of 4 to 6 have 0.71 to 0.94 and are better off with heat, by 2 %, and a honeycomb
-has 0.
+MIN_COVERED_SHARE, MIN_COVERED_SHARE_OF_LATTICES = 0.95, 0.6
+"""Minimum share of the junctions whose edges are connected by corners, for fronts to cross the
+corners, and the same share in lattices, whose corners are known rather than guessed. Neighbour
+graphs of 8 and more have 0.97 to 1, meshes and lattices 1, with a twentieth of the edges missing
+0.93 and with a tenth 0.78; neighbour graphs of 4 to 6 have 0.71 to 0.94 and have errors 2 % smaller
+with heat, and a honeycomb has 0.
 """
 
-OPEN_SOLID = 0.95
-"""Share of its edges that triangles must surround where a graph samples a solid. They surround 80
-to 94 % of the edges of 8 to 12 neighbours in cubes, where fronts are 6 to 15 % too late and heat 5
-to 10 % off, 97 to 99 % of those of 15 and 20 (2 to 5 %, heat 5 to 10 %), and all edges of
-tetrahedra and of voxels with diagonals. Where hardly an edge has triangles, quadrangles take over.
+MIN_CLOSED_SHARE_OF_SOLIDS = 0.95
+"""Minimum share of the edges surrounded by triangles in a graph that samples a solid. They surround
+80 to 94 % of the edges of 8 to 12 neighbours in cubes, where fronts are 6 to 15 % too late and heat
+5 to 10 % off, 97 to 99 % of those of 15 and 20 (2 to 5 %, heat 5 to 10 %), and all edges of
+tetrahedra and of voxels with diagonals. If almost no edge has triangles, quadrangles replace them.
 """
 
-AROUND_A_VOXEL = 26
-"""Neighbours that a vertex of a lattice has at most."""
+MAX_DEGREE_OF_LATTICES = 26
+"""Maximum number of neighbours of a vertex in a lattice: those of a voxel."""
 
 
 def refinement_of(
@@ -57,12 +61,12 @@ def refinement_of(
     ----------
     metric : Discretization
     heat_is_meant : bool
-        Whether there are options that nothing but heat heeds.
+        True if options are given that only heat uses.
 
     Returns
     -------
     refine : bool or "across"
-        The latter on graphs whose corners fronts should cross.
+        "across" on graphs whose corners fronts should cross.
     reason : str
     """
     if made_of_triangles(metric):
@@ -80,7 +84,7 @@ def _on_graph(
     assert isinstance(metric.gradient, EdgeGradient)  # for the type checker
     edges = metric.gradient.edges  # without those of length 0
     share = share_of_meshes(paths.n_vertices, edges)
-    if share <= NEARLY_EVERYWHERE:
+    if share <= MAX_SHARE_OF_MESHES:
         return True, (
             f"the path along edges: the graph is one-dimensional except at {share:.1%} of its "
             "vertices"
@@ -90,8 +94,8 @@ def _on_graph(
         paths.n_vertices, paths.edges[proper], paths.lengths[proper]
     ):
         return True, (
-            "the path along edges: junctions have up to four neighbours, and edges all kinds of "
-            "lengths, as in a street network; refine=False, or a dim, takes it for samples"
+            "the path along edges: junctions have up to four neighbours, and edges have many "
+            "lengths, as in a street network; refine=False, or a dim, treats vertices as samples"
         )
     return _on_samples(paths, metric, heat_is_meant)
 
@@ -109,30 +113,33 @@ def _on_samples(
     if float(width) ** 3 > MAX_CUBED_WIDTH_PER_VERTEX * paths.n_vertices:
         return True, (
             f"the path along edges: a front from one vertex is {width} vertices wide, and a factor "
-            "would take too long; refine=False insists on it"
+            "would take too long; refine=False uses it anyway"
         )
     if not across:
-        return False, "heat, across the edges: the graph samples more than lines"
+        return False, "heat, across the edges: the graph samples a surface or a solid"
     gaps = _gaps(metric)
     if not gaps:
         return "across", "fronts can cross the triangles and quadrangles of the graph"
-    return False, f"heat, across the edges, 5 to 15 % off: {gaps}; more neighbours would do"
+    return False, f"heat, across the edges, 5 to 15 % off: {gaps}; more neighbours would help"
 
 
 def _like_lattice(paths: AlongEdges) -> bool:
-    """Return whether edges are as those of a lattice, of which a front may be of any width."""
-    if np.bincount(paths.edges.ravel(), minlength=1).max() > AROUND_A_VOXEL:
+    """Return True if edges are like those of a lattice, whose fronts may have any width."""
+    if np.bincount(paths.edges.ravel(), minlength=1).max() > MAX_DEGREE_OF_LATTICES:
         return False
     proper = paths.lengths[paths.lengths > 0]
-    return len(np.unique(np.round(np.log(proper) / LENGTH_TOLERANCE))) <= FEW_LENGTHS
+    return len(np.unique(np.round(np.log(proper) / LENGTH_TOLERANCE))) <= MAX_LENGTHS_OF_LATTICES
 
 
 def _gaps(metric: Discretization) -> str:
-    """Return which gaps corners leave between the edges of a graph, "" where next to none."""
-    assert metric.across_edges is not None  # graphs have both
+    """Describe the gaps that corners leave between the edges of a graph; "" if almost none."""
+    assert metric.across_edges is not None  # graphs have both kinds of paths
     corners = metric.across_edges.corners
-    if corners.growth > MIN_GROWTH_OF_SOLIDS and OF_TRIANGLES < corners.closed < OPEN_SOLID:
+    if (
+        corners.growth > MIN_GROWTH_OF_SOLIDS
+        and MIN_CLOSED_SHARE_OF_TRIANGLES < corners.closed < MIN_CLOSED_SHARE_OF_SOLIDS
+    ):
         return f"in a solid, triangles surround {corners.closed:.0%} of the edges only"
-    if corners.covered < (WHOLE_LATTICE if corners.lattice else WHOLE):
+    if corners.covered < (MIN_COVERED_SHARE_OF_LATTICES if corners.lattice else MIN_COVERED_SHARE):
         return f"there are gaps between the edges at {1 - corners.covered:.0%} of the junctions"
     return ""

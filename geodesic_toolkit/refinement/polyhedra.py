@@ -1,8 +1,8 @@
-"""Exact distances on triangles in space: all of a mesh, or the small parts of one.
+"""Exact distances on triangles in space: on a whole mesh, or on its small components.
 
-Fronts that are swept over triangles know the distance and the curvature of one front at each
-vertex. On a cube of twelve triangles two fronts, which came over different faces, meet within every
-face, and no vertex lies between them. There windows are exact, and take no longer.
+Sweeps over triangles keep the distance and the curvature of one front at each vertex. On a cube of
+twelve triangles two fronts, which crossed different faces, meet within every face, without a vertex
+between them. There windows are exact, and take a similar time.
 """
 
 from collections.abc import Sequence
@@ -22,16 +22,16 @@ from geodesic_toolkit.sources.points import SourcePoints
 __all__ = ["MOST_FACES", "SmallParts", "exact_distances", "small_parts_of"]
 
 MOST_FACES = 500
-"""Faces of a connected part up to which its distances are exact by default.
+"""Faces of a component up to which its distances are exact by default.
 
 A source takes 0.04 ms of windows at 12 faces, 0.3 at 200, 0.5 to 1 at 500 and 2 to 3 at 1,500;
-refined distances take 0.2 to 0.5. Those of boxes, cylinders, the regular polyhedra and hulls of
-random points are up to 14 % of the largest distance off at 12 to 50 faces, up to 4.4 % at 50 to
-200, and beyond 500 up to 2 %; in the mean up to 1.8, 1.0 and 0.3 %.
+refined distances take 0.2 to 0.5. Refined distances on boxes, cylinders, the regular polyhedra and
+hulls of random points are off by up to 14 % of the largest distance at 12 to 50 faces, up to 4.4 %
+at 50 to 200, and up to 2 % beyond 500; on average up to 1.8, 1.0 and 0.3 %.
 """
 
 MOST_WINDOWS = 1000
-"""Windows for each face after which the search is given up, sooner than run on and on.
+"""Windows per face after which the search stops, so that it is bounded.
 
 Regular shapes and hulls have 5 to 15, meshes of 100,000 faces up to 90.
 """
@@ -55,23 +55,23 @@ def exact_distances(shape: _native.Polyhedron, points: SourcePoints, most: int) 
     )
     if distances is None:
         raise SolverError(
-            f"exact distances were not found among {most} windows; refine=True takes a few "
-            "milliseconds, and is half a per cent off"
+            f"exact distances were not found with {most} windows; refine=True takes a few "
+            "milliseconds, with an error of half a per cent"
         )
     return distances
 
 
 @dataclass(frozen=True, eq=False)
 class SmallParts:
-    """The connected parts of a mesh that have few faces, numbered by themselves.
+    """The components of a mesh that have few faces, with their own numbering.
 
     Parameters
     ----------
     vertices : ndarray of shape (M, 3), float64
-        Of these parts.
+        Vertices of these components.
     faces : ndarray of shape (E, 3), int64
     numbers : ndarray of shape (N,), int64
-        Of every vertex of the mesh, the row that it has in `vertices`; -1 in larger parts.
+        The row in `vertices` of every vertex of the mesh; -1 in larger components.
     """
 
     vertices: FloatArray
@@ -79,9 +79,9 @@ class SmallParts:
     numbers: IntArray
 
     def fill(self, distances: FloatArray, block: Sequence[SourcePoints]) -> None:
-        """Overwrite distances (K, N) by exact ones in the small parts that have a source.
+        """Overwrite distances (K, N) by exact ones in small components with a source.
 
-        Curves stay as they are: a front leaves them as it leaves no point.
+        Distances from curves are not changed, because their fronts are not those of points.
         """
         for row, points in zip(distances, block, strict=True):
             own = None if points.front_curvatures is not None else self._own(points)
@@ -92,7 +92,7 @@ class SmallParts:
             row[reached] = exact[self.numbers[reached]]
 
     def _own(self, points: SourcePoints) -> SourcePoints | None:
-        """Return those of the points that lie on small parts, by the numbers there."""
+        """Return the points on small components, in the numbering of these."""
         inside = self.numbers[points.first_vertices] >= 0
         if not inside.any():
             return None
@@ -108,12 +108,12 @@ class SmallParts:
 
     @cached_property
     def shape(self) -> _native.Polyhedron:
-        """The faces, laid out for windows."""
+        """The faces in the layout of the window kernel."""
         return _native.Polyhedron(self.vertices, self.faces)
 
     @cached_property
     def _members(self) -> IntArray:
-        """The vertices of the mesh that these parts have, (M,), by their own numbers."""
+        """The vertices of the mesh in these components, (M,), in their own order."""
         return np.flatnonzero(self.numbers >= 0)
 
     def __reduce__(self) -> tuple[Any, ...]:
@@ -121,7 +121,7 @@ class SmallParts:
 
 
 def small_parts_of(domain: Domain, components: IntArray) -> SmallParts | None:
-    """Return the small parts of a mesh, of up to :data:`MOST_FACES` faces; None without any.
+    """Return the components of a mesh of up to :data:`MOST_FACES` faces; None without any.
 
     Parameters
     ----------
@@ -132,7 +132,7 @@ def small_parts_of(domain: Domain, components: IntArray) -> SmallParts | None:
     if not isinstance(domain, TriangleMesh):
         return None
     sizes = np.bincount(components[domain.faces[:, 0]], minlength=components.max() + 1)
-    if not ((sizes > 0) & (sizes <= 2 * MOST_FACES)).any():  # each may be there front and back
+    if not ((sizes > 0) & (sizes <= 2 * MOST_FACES)).any():  # faces may be repeated
         return None
     faces = domain.faces[proper_faces(domain.faces)]
     part = components[faces[:, 0]]

@@ -1,12 +1,13 @@
-"""Refinement: wavefronts that know the curvature of the surface, swept over its triangles.
+"""Refinement: wavefronts that follow the curvature of the surface, swept over its triangles.
 
 The heat method's error, one to three per cent, comes from solving a smoothed problem. Its order is
-right, though: vertices sorted by heat are sorted by distance, or nearly. In that order each vertex
-can take its distance from triangles whose other corners have theirs, by unfolding into the plane.
+correct, however: vertices sorted by heat are nearly sorted by distance. In that order the distance
+of each vertex follows from triangles whose other corners have distances already, by unfolding into
+the plane.
 
-The front that crosses a triangle is a circle about a virtual source. If its radius were the
-distance itself, the surface between source and triangle would be taken for flat, which makes the
-method first order. So every vertex carries the geodesic curvature κ of the front through it, the
+The front that crosses a triangle is a circle around a virtual source. If its radius were the
+distance itself, the surface between source and triangle would be treated as flat, and the method
+would be first order. So every vertex carries the geodesic curvature κ of the front through it, the
 virtual source lies at 1/κ, and κ follows the Riccati equation ``κ' = -κ² - K`` with K the Gaussian
 curvature: second order on smooth surfaces.
 """
@@ -35,89 +36,89 @@ SWEEP_TOLERANCE = 1e-6
 
 With 3e-4 sweeps take 1 % less time (87.7 instead of 89.0 ms of CPU a source at 557,000 vertices),
 and distances differ by as much as 3e-4 of the largest; over the rings of a long tube the direction
-of the front freezes.
+of the front is no longer updated.
 """
 
 MAX_SWEEPS = 100
-"""Sweeps after which improvement stops, unless some vertex has not been reached; two are the rule,
-of which the second finds nothing to do."""
+"""Maximum number of sweeps that improve distances, unless a vertex has not been reached; usually
+there are two, of which the second changes nothing."""
 
 MAX_RETURNS_PER_VERTEX = 8
-"""Times, for each vertex, that a sweep may go back in its order; it does 0.01 to 0.1 times, and
-then one sweep is enough. Heat that says nothing about distance must not make it endless.
+"""Number of times per vertex that a sweep may go back in its order; it does so 0.01 to 0.1 times,
+and then one sweep is enough. The limit bounds sweeps if heat is unrelated to distance.
 
 Measured at 173,000 vertices: 36 ms a source, and 154 ms without returns. Distances differ by 0.005
-edge lengths in the mean, to either side: the mean error from 100 sources on a fox of 313 vertices
-is 0.733 %, without 0.735 %; from 25 on a horse of 2,400 it is 0.193 % and 0.194 %.
+edge lengths on average, in both directions: the mean error from 100 sources on a fox of 313
+vertices is 0.733 %, without 0.735 %; from 25 on a horse of 2,400 it is 0.193 % and 0.194 %.
 """
 
-RETURNS_AMONG_STARS = 0.1
-"""The same on point clouds, whose stars are not mutual: returns among them can go on and on.
+MAX_RETURNS_PER_POINT = 0.1
+"""The same on point clouds, whose stars are not symmetric, so that returns may continue for long.
 
 With 8 a sweep over 54,000 points of a street took 6.8 s instead of 0.3. With 0.1 sweeps take 0.04
-to 0.9 of the time without any, at worst 1.3 times as long: 18 clouds of 300 to 307,000 points, of
-sensors and of surfaces, three sources each. Mean errors of 48 sources on eight clouds are equal to
-0.002 percentage points for anything from 0 to 8.
+to 0.9 of the time without returns, at worst 1.3 times as long: 18 clouds of 300 to 307,000 points,
+of sensors and of surfaces, three sources each. Mean errors of 48 sources on eight clouds are equal
+to 0.002 percentage points for anything from 0 to 8.
 """
 
 MIN_VERTICES_OF_EARLY_RETURNS = 1_000
-"""Vertices from which on the first sweep goes back too; on smaller meshes it keeps to the order of
-the heat, as there is no time to gain.
+"""Minimum number of vertices for returns in the first sweep; on smaller meshes it follows the order
+of the heat, because returns do not save time there.
 
-The battery of docs/accuracy.md has one source, of five on a fox of 313 vertices, for which this
-matters: its mesh reads 0.44 % with such a first sweep and 0.52 % without, where a hundred sources
-make no difference. Seven meshes, of 20 to 60 sources each: 0.2225 and 0.2224 %.
+In the battery of docs/accuracy.md this matters for one source, of five on a fox of 313 vertices:
+the error on this mesh is 0.44 % with such a first sweep and 0.52 % without. With a hundred sources
+there is no difference. Seven meshes, of 20 to 60 sources each: 0.2225 and 0.2224 %.
 """
 
 CURVATURE_OF_HALF_WEIGHT = 0.3
-"""Curvature of a vertex, K h², at which it counts for half.
+"""Curvature of a vertex, K h², at which it is halved.
 
-A vertex is not a sample of a smooth surface where its angle defect is of the order of 1; there the
+A vertex is not a sample of a smooth surface if its angle defect is of the order of 1; there the
 front splits instead of bending. K is damped to ``K / (1 + |K| h² / CURVATURE_OF_HALF_WEIGHT)``; on
 smooth surfaces the damping vanishes with h².
 """
 
-COARSE_STARS = 0.1
-"""The same on point clouds, of which each star has its own opinion. The mean error over random
-samples of five meshes is 0.95 % with it, 1.08 % with 0.3 and 0.74 % without curvature; over clouds
-of the vertices of ten meshes 0.25, 0.26 and 0.45 %."""
+CURVATURE_OF_HALF_WEIGHT_ON_STARS = 0.1
+"""The same on point clouds, whose stars disagree. The mean error over random samples of five meshes
+is 0.95 % with it, 1.08 % with 0.3 and 0.74 % without curvature; over clouds of the vertices of ten
+meshes 0.25, 0.26 and 0.45 %."""
 
 MIN_DEFECT_OF_CORNERS = 0.5
-"""Angle defect of a vertex, to either side, from which on its edges are not flipped.
+"""Minimum absolute angle defect of a vertex whose edges are not flipped.
 
 Over the battery of docs/accuracy.md the mean error is 0.172 % on the given triangles, 0.179 if all
-are made Delaunay (that fox has vertices of 0.5 to 1.5, and goes from 0.44 to 0.67) and 0.161 so;
-0.3 and 0.7 give 0.162 and 0.166.
+are made Delaunay (that fox has vertices of 0.5 to 1.5, and its error rises from 0.44 to 0.67) and
+0.161 with this limit; 0.3 and 0.7 give 0.162 and 0.166.
 """
 
 MIN_ANGLE_OF_REFLEX_CORNERS = 0.8
-"""Angle beyond π at a vertex of the boundary from which on fronts that come to it along an edge
-turn about it: what lies behind sees nothing but that vertex. Plates with a notch read 0.42 instead
-of 0.55 %, a mesh with holes 0.53 instead of 0.64. From 0.1 on it is 0.51 there, but 0.45 instead of
-0.19 on the small shells of a truck, whose rims are seldom corners. Within the surface K has bent
-the front already, and turning it too is worse.
+"""Minimum angle beyond π at a boundary vertex around which fronts along an edge turn: the region
+behind it sees only that vertex. The error on plates with a notch is 0.42 instead of 0.55 %, on a
+mesh with holes 0.53 instead of 0.64. A limit of 0.1 gives 0.51 there, but 0.45 instead of 0.19 on
+the small shells of a truck, whose rims are rarely corners. Inside the surface the front is bent by
+K already, and a turn in addition is worse.
 """
 
 
 def made_of_triangles(metric: Discretization) -> bool:
-    """Return whether the elements of a discretization are triangles, which fronts can cross."""
+    """Return True if the elements of a discretization are triangles, which fronts can cross."""
     gradient = metric.on_surface
     return isinstance(gradient, ElementGradient) and gradient.of_planes
 
 
 @dataclass(frozen=True, eq=False)
 class WavefrontSweeper:
-    """Triangles made ready for sweeps; shared by all sources and threads.
+    """Triangles prepared for sweeps; shared by all sources and threads.
 
     Parameters
     ----------
     metric : Discretization
-        Its gradient's elements must be triangles.
+        The elements of its gradient must be triangles.
 
     Raises
     ------
     UnsupportedDomainError
-        They are not.
+        The elements are not triangles.
     """
 
     metric: Discretization
@@ -130,7 +131,7 @@ class WavefrontSweeper:
             )
 
     def prepare(self) -> "WavefrontSweeper":
-        """Compute what all sources share, and return the sweeper."""
+        """Compute the data that all sources share, and return the sweeper."""
         _ = self._fronts
         return self
 
@@ -153,7 +154,7 @@ class WavefrontSweeper:
         Parameters
         ----------
         distances : ndarray of shape (K, N), float64
-            ``inf`` where no triangle connects.
+            ``inf`` at vertices that triangles do not connect to a source.
         heat : Heat of shape (N, K)
             Gives the order of visits.
         block : sequence of SourcePoints
@@ -173,7 +174,7 @@ class WavefrontSweeper:
             curvatures,
             SWEEP_TOLERANCE * np.minimum.reduceat(self.metric.scales[vertices], begins[:-1]),
             returns=int(
-                (RETURNS_AMONG_STARS if self._gradient.stars else MAX_RETURNS_PER_VERTEX) * count
+                (MAX_RETURNS_PER_POINT if self._gradient.stars else MAX_RETURNS_PER_VERTEX) * count
             ),
             steady=int(count < MIN_VERTICES_OF_EARLY_RETURNS),
             most_sweeps=MAX_SWEEPS,
@@ -184,17 +185,17 @@ class WavefrontSweeper:
     def _fronts_at(self, points: SourcePoints) -> tuple[IntArray, FloatArray, FloatArray]:
         """Return the vertices at and around points, and the front there: d and κ.
 
-        A point of a cloud can be in hardly any star but its own: others stand for it, or stand in
-        front of it. Where it is a source, the points of its own star are told. On repeated passes
-        in pairs that takes the worst error from 19 to 2 %; told to all sources it costs bunny.off
-        a hundredth.
+        A point of a cloud may be in almost no star except its own, because others represent or hide
+        it. If such a point is a source, distances to the points of its own star are set directly.
+        On repeated passes in pairs this reduces the worst error from 19 to 2 %; if all sources did
+        so, the error on bunny.off would rise by a hundredth.
         """
         vertices, known, curvatures = points.vertices, points.distances, points.curvatures
         if points.delayed:
             known = known + points.starts[points.rows]
-        if not len(self._unheard):
+        if not len(self._seldom_updated):
             return vertices, known, curvatures
-        for place in np.flatnonzero(self._unheard[vertices] & (points.distances == 0)):
+        for place in np.flatnonzero(self._seldom_updated[vertices] & (points.distances == 0)):
             others, lengths = self._ring(int(vertices[place]))
             vertices = np.append(vertices, others)
             curvatures = np.append(curvatures, 1 / lengths)
@@ -202,7 +203,7 @@ class WavefrontSweeper:
         return vertices, known, curvatures
 
     def _ring(self, centre: int) -> tuple[IntArray, FloatArray]:
-        """Return the other points of a star, and how far they are."""
+        """Return the other points of a star, and their distances."""
         gradient, given = self._gradient, self.metric.surface_frames
         rows = np.flatnonzero(gradient.elements[:, 0] == centre)
         others = gradient.elements[rows]
@@ -213,24 +214,24 @@ class WavefrontSweeper:
         return ring, lengths[:, [2, 1]].ravel()[first]
 
     @cached_property
-    def _unheard(self) -> BoolArray:
-        """Return a mask, (N,), of points in the stars of fewer than 3 of 4 of their neighbours.
+    def _seldom_updated(self) -> BoolArray:
+        """A mask, (N,), of points in the stars of fewer than 3 of 4 of their neighbours.
 
-        Empty where none is.
+        It is empty if there are none.
         """
         gradient = self._gradient
         if not gradient.stars:
             return np.zeros(0, dtype=np.bool_)
         own = np.bincount(gradient.elements[:, 0], minlength=gradient.n_vertices)
         others = np.bincount(gradient.elements[:, 1:].ravel(), minlength=gradient.n_vertices)
-        unheard = 2 * others < 3 * own  # a star that has a point has two triangles with it
-        return np.asarray(unheard if unheard.any() else unheard[:0])
+        seldom = 2 * others < 3 * own  # a star that has a point has two triangles with it
+        return np.asarray(seldom if seldom.any() else seldom[:0])
 
     @cached_property
     def _fronts(self) -> _native.Sweeper:
-        """The triangles and their curvature, ready for any source.
+        """The triangles and their curvature, prepared for any source.
 
-        What they are made of takes as much memory again, and is not kept.
+        Intermediate data, which take the same memory again, are not kept.
         """
         fronts = _native.Sweeper(self._corners, self._curvature, self._reflex)
         for name in ("_corners", "_curvature", "_reflex", "_defects", "_triangles"):
@@ -241,9 +242,10 @@ class WavefrontSweeper:
     def _corners(self) -> _native.Corners:
         """The triangles around each vertex.
 
-        Where stars overlap, a vertex listens to its own star only, which comes first: the shortest
-        of several slightly different measurements would be too short. Where they are measured in
-        space, and differ little, it is told of triangles that its star has missed, too.
+        If stars overlap, a vertex is updated only from its own star, which comes first: the
+        shortest of several slightly different measurements would be too short. If stars are
+        measured in space, and so differ little, it is also updated from triangles that its star
+        lacks.
         """
         elements, frames, _ = self._triangles
         stars, add_missed = self._gradient.stars, bool(len(self.metric.surface_frames))
@@ -251,17 +253,17 @@ class WavefrontSweeper:
 
     @cached_property
     def _triangles(self) -> tuple[IntArray, FloatArray, FloatArray]:
-        """The triangles as fronts are to measure them: (elements, inverse frames, areas).
+        """The triangles that fronts cross: (elements, inverse frames, areas).
 
-        Along the surface, where that is known. On a mesh they are intrinsically Delaunay, but keep
-        the edges of vertices that are not samples of a smooth surface.
+        They are measured along the surface if that is known. On a mesh they are intrinsically
+        Delaunay, but keep the edges of vertices that are not samples of a smooth surface.
         """
         gradient, given = self._gradient, self.metric.surface_frames
         elements, inverse, areas = gradient.elements, gradient.inverse_frames, gradient.measure
         if len(given):
             return elements, given, areas
         if self.metric.triangulation == "intrinsic Delaunay":
-            return elements, inverse, areas  # nothing is left to flip
+            return elements, inverse, areas  # nothing to flip
         paired = not gradient.stars and 0 < elements.size <= MOST_SIDES
         if not paired or not (inverse[:, 0] * inverse[:, 2]).all():
             return elements, inverse, areas
@@ -276,13 +278,13 @@ class WavefrontSweeper:
 
     @cached_property
     def _defects(self) -> FloatArray:
-        """Return the angle defects, (N,): 2π, or π at the boundary, minus the total angles."""
+        """The angle defects, (N,): 2π, or π at the boundary, minus the total angles."""
         triangles = (self._gradient.elements, self._gradient.inverse_frames)
         return _native.angle_defects(*triangles, self.metric.boundary)
 
     @cached_property
     def _reflex(self) -> BoolArray:
-        """Return a mask, (N,), of reflex corners of the boundary, about which fronts turn."""
+        """A mask, (N,), of reflex corners of the boundary, around which fronts turn."""
         boundary = self.metric.boundary
         if self._gradient.stars or not boundary.any():
             return np.zeros(len(boundary), dtype=np.bool_)
@@ -298,8 +300,8 @@ class WavefrontSweeper:
     def _curvature(self) -> FloatArray:
         """The (N,) Gaussian curvature, angle defect over area, averaged over one-rings.
 
-        Stars have an angle defect where they are measured in space; in tangent planes they are
-        flat, and how they disagree is mostly noise.
+        Stars have an angle defect if they are measured in space; in tangent planes they are flat,
+        and their differences are mostly noise.
         """
         gradient = self._gradient
         if gradient.stars and not len(self.metric.surface_frames):
@@ -307,6 +309,8 @@ class WavefrontSweeper:
         elements, frames, areas = self._triangles
         boundary = self.metric.boundary
         if gradient.stars:
-            return _native.star_curvatures(elements, frames, boundary, COARSE_STARS)
+            return _native.star_curvatures(
+                elements, frames, boundary, CURVATURE_OF_HALF_WEIGHT_ON_STARS
+            )
         triangles = (elements, areas, self._defects)
         return _native.curvatures(*triangles, self._corners, boundary, CURVATURE_OF_HALF_WEIGHT)

@@ -1,6 +1,6 @@
 """The solver: one shape, many sources, and diagnosis.
 
-Imports everything below it, down to domains; nothing below imports it.
+It imports all packages below it, down to domains; these do not import it.
 """
 
 from geodesic_toolkit.solver.solver import GeodesicSolver

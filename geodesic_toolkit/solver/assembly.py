@@ -1,4 +1,4 @@
-"""What a solver is made of, assembled from a shape and its options."""
+"""The parts of a solver, assembled from a shape and its options."""
 
 from dataclasses import dataclass
 from typing import Any, Literal, TypeAlias
@@ -28,27 +28,27 @@ Refine: TypeAlias = bool | Literal["auto", "across"]
 
 @dataclass(frozen=True, eq=False)
 class Assembly:
-    """What a solver is made of.
+    """The parts of a solver.
 
     Attributes
     ----------
     domain : Domain
     passable : Domain
-        The same without what touches a masked vertex.
+        The domain without elements of masked vertices.
     operator : LaplaceOperator
     diffusion : LaplaceOperator or None
-        The operator of the heat, if it is another one.
+        The operator of the heat, if it is a different one.
     method : HeatMethod
     mask : ndarray of shape (N,), bool, or None
     whole : Discretization or None
-        Of a cloud of which a part is masked.
+        The discretization of a whole cloud that is partly masked.
     seams : Seams or None
     solver : str, class, instance or dict
-        The linear solver, as it was given.
+        The given linear solver.
     reason : str
-        Why distances are refined, or not, where that was left to "auto".
+        Reason for refinement, or against it, if the choice was left to "auto".
     unusual : str
-        What may make plain heat wrong on a mesh of any size, in words.
+        Description of an option that may make plain heat wrong on a mesh of any size.
     """
 
     domain: Domain
@@ -76,13 +76,13 @@ def assembled(
     refine: Refine,
     mask: ArrayLike | None,
 ) -> Assembly:
-    """Return what a ``GeodesicSolver`` of these options is made of; it documents them."""
+    """Return the parts of a ``GeodesicSolver`` with these options, which are documented there."""
     measures = resolve_operator(operator, domain)
     flows = None if diffusion is None else resolve_operator(diffusion, domain)
     passable, metric, held, whole = _discretized(measures, domain, mask)
     own_time = time is not None or time_factor != 1.0
-    how, reason = _refinement(refine, metric, heat_is_meant=own_time or flows is not None)
-    refined = False if how == "across" else how
+    choice, reason = _refinement(refine, metric, heat_is_meant=own_time or flows is not None)
+    refined = False if choice == "across" else choice
     heat_solver, poisson_solver = resolve_solvers(solver, passable.n_vertices, refine=refined)
     seams = (
         find_seams(passable.vertices, passable.faces, metric.boundary)
@@ -91,7 +91,7 @@ def assembled(
     )
     small_parts = small_parts_of(passable, metric.components) if refined else None
     if small_parts is not None:
-        reason += f"; exact on parts of up to {MOST_FACES} faces"
+        reason += f"; exact on components of up to {MOST_FACES} faces"
     method = HeatMethod(
         metric,
         diffusion=measures.diffusion(metric) if flows is None else flows.assemble(passable),
@@ -101,7 +101,7 @@ def assembled(
         heat_solver=heat_solver,
         poisson_solver=poisson_solver,
         refine=refined,
-        across=how == "across",
+        across=choice == "across",
         bounds=bounds_of(passable, metric) if refined else None,
         small_parts=small_parts,
     ).prepare()
@@ -123,19 +123,24 @@ def assembled(
 def _discretized(
     operator: LaplaceOperator, domain: Domain, mask: ArrayLike | None
 ) -> tuple[Domain, Discretization, BoolArray | None, Discretization | None]:
-    """Return what may be passed, its discretization, the mask, and that of a whole cloud."""
+    """Return the passable domain, its discretization, the mask, and that of a whole cloud."""
     if mask is None:
         operator.check_domain(domain)
         return domain, operator.assemble(domain), None, None
-    from geodesic_toolkit.solver.masks import as_mask, assembled_without, of_places, passable_part
+    from geodesic_toolkit.solver.masks import (
+        as_mask,
+        assembled_without,
+        passable_part,
+        with_duplicates,
+    )
 
-    held = of_places(domain, as_mask(mask, domain.n_vertices))
+    held = with_duplicates(domain, as_mask(mask, domain.n_vertices))
     metric, whole = assembled_without(operator, domain, held)
     return passable_part(domain, held), metric, held, whole
 
 
 def _refinement(choice: Any, metric: Discretization, *, heat_is_meant: bool) -> tuple[Any, str]:
-    """Return how to refine, and why if that is left to "auto"."""
+    """Return the kind of refinement, with the reason if the choice is left to "auto"."""
     if isinstance(choice, bool | np.bool_):
         return choice, ""
     if isinstance(choice, str) and choice == "across":
@@ -150,7 +155,7 @@ def _refinement(choice: Any, metric: Discretization, *, heat_is_meant: bool) -> 
 
 
 def _unusual(boundary: Boundary, *, own_time: bool) -> str:
-    """Return what may make plain heat wrong on a mesh of any size, in words."""
+    """Describe the option that may make plain heat wrong on a mesh of any size; "" if none."""
     if boundary != "neumann":
         return f'with boundary="{boundary}"'
     return "with this time step" if own_time else ""

@@ -1,10 +1,11 @@
 """A check of plain heat on a mesh against refined distances.
 
-No length and no count tells: rings of 64 vertices read 7 % too much, grids of 100 vertices 6 %, and
-cylinders of 128 can be right. The refined distance does, as its own error is several times smaller.
-What is judged is the answer itself, with its boundary condition, its time step and all its sources:
-from the rim of a square of 22 x 22 vertices plain heat is 6 % off, from one corner 1.5 %; with
-``boundary="dirichlet"`` it reads 44 % too little on stretched triangles.
+Lengths and counts cannot show that a mesh is too coarse: distances on rings of 64 vertices are 7 %
+too long, on grids of 100 vertices 6 %, and on cylinders of 128 vertices they can be correct. The
+refined distance can show it, as its own error is several times smaller. The check judges the result
+itself, with its boundary condition, its time step and all its sources: from the rim of a square of
+22 x 22 vertices plain heat is 6 % off, from one corner 1.5 %; with ``boundary="dirichlet"``
+distances are 44 % too short on stretched triangles.
 """
 
 import threading
@@ -27,34 +28,35 @@ from geodesic_toolkit.sources.points import SourcePoints
 __all__ = ["MAX_MEAN_DIFFERENCE", "MAX_VERTICES_OF_COARSE_PARTS", "Judge", "coarse_components"]
 
 MAX_MEAN_DIFFERENCE = 0.04
-"""Mean relative difference of plain heat and refined distance from which on a mesh is coarse.
+"""Mean relative difference of plain heat and refined distance above which a mesh is coarse.
 
 Measured against exact distances from 1,735 sources on grids, strips, cylinders, rings, capsules,
 boxes, cones, tori, spheres, random triangulations and parts of a truck. Of 1,121 sources with more
-than 5 % of error all are found by any limit from 1 to 4.5 %, and all but 14 by 5 %; of 31 with less
-than 1 % none is, by any of these. Half of the shapes were held out, and do not differ."""
+than 5 % of error all are found by any limit from 1 to 4.5 %, and all except 14 by 5 %; of 31 with
+less than 1 % none is found by any of these limits. Half of the shapes were held out, with the same
+results."""
 
 MAX_VERTICES_OF_COARSE_PARTS = 2_000
-"""Vertices of a part up to which it may be coarse: of those shapes none of more than 802 is more
-than 5 % off, from one source in each part and with the options as they are unless given."""
+"""Maximum number of vertices of a coarse component: of those shapes none with more than 802
+vertices is more than 5 % off, from one source in each component and with default options."""
 
 N_JUDGED_SOURCE_SETS = 4
-"""Source sets on each part of a mesh by which plain heat is judged: from others its error is much
-the same, and to judge takes as long as to solve."""
+"""Number of source sets on each component of a mesh by which plain heat is judged: its error from
+other sets is similar, and a check takes as long as a solve."""
 
 
 class Judge:
-    """Holds answers of plain heat on one mesh against refined distances, and warns.
+    """A comparison of plain heat on one mesh with refined distances, which warns.
 
-    Safe to use from several threads.
+    It is safe to use from several threads.
 
     Parameters
     ----------
     mesh : TriangleMesh
     method : HeatMethod
-        That does not refine, on the triangles of this mesh.
+        A method without refinement, on the triangles of this mesh.
     unusual : str
-        Which option departs from what it is unless given, in words, if one does: then parts of any
+        Description of an option that differs from its default, if one does: then components of any
         size are judged.
     """
 
@@ -65,67 +67,67 @@ class Judge:
         self._sizes = np.bincount(method.metric.components)
         self._sweeper: WavefrontSweeper | None = None
         self._lock = threading.Lock()
-        self._errors: dict[int, list[float]] = {}  # from single sources, by part
+        self._errors: dict[int, list[float]] = {}  # from single sources, by component
 
     def judge(self, sets: Sequence[SourcePoints], distances: Iterable[FloatArray]) -> None:
-        """Warn where distances (N,) from one of some source sets are off, once.
+        """Warn once if distances (N,) from one of some source sets are inaccurate.
 
-        Not where heat is not positive: the warning of that knows the cause.
+        There is not a second warning if heat is not positive, because that one names the cause.
         """
-        left = N_JUDGED_SOURCE_SETS  # sets of several sources differ in what these do to each other
-        for places, plain in zip(sets, distances, strict=True):
-            if self._is_trusted(places):
+        left = N_JUDGED_SOURCE_SETS  # sets of several sources differ in their interaction
+        for located, plain in zip(sets, distances, strict=True):
+            if self._is_trusted(located):
                 continue
-            parts, counts = np.unique(places.components(self._metric), return_counts=True)
+            parts, counts = np.unique(located.components(self._metric), return_counts=True)
             several = bool((counts > 1).any())
             left -= several
             if several and left < 0:
                 continue
-            error, part = self._several(places, plain) if several else self._single(places, plain)
+            error, part = self._several(located, plain) if several else self._single(located, plain)
             if error > MAX_MEAN_DIFFERENCE:
-                if not self._method.heat_report(places).harmful:
+                if not self._method.heat_report(located).harmful:
                     self._warn(error, part, int(counts[parts == part].sum()))
                 return
 
-    def _is_trusted(self, places: SourcePoints) -> bool:
-        """Return whether there is but one source, on a large part: the usual case."""
-        part = self._metric.components[places.vertices[0]]
+    def _is_trusted(self, located: SourcePoints) -> bool:
+        """Return True for a single source on a large component: the usual case."""
+        part = self._metric.components[located.vertices[0]]
         return (
-            places.count == 1
+            located.count == 1
             and not self._unusual
             and bool(self._sizes[part] > MAX_VERTICES_OF_COARSE_PARTS)
         )
 
-    def _several(self, places: SourcePoints, plain: FloatArray) -> tuple[float, int]:
-        found = self._found(places, plain)
+    def _several(self, located: SourcePoints, plain: FloatArray) -> tuple[float, int]:
+        found = self._found(located, plain)
         return max(((error, part) for part, error in found.items()), default=(0.0, 0))
 
-    def _single(self, places: SourcePoints, plain: FloatArray) -> tuple[float, int]:
-        parts = distinct(places.components(self._metric))
+    def _single(self, located: SourcePoints, plain: FloatArray) -> tuple[float, int]:
+        parts = distinct(located.components(self._metric))
         own = self._sizes[parts]
         parts = parts[
             (own > 1) & (bool(self._unusual) | (own <= MAX_VERTICES_OF_COARSE_PARTS))
         ].tolist()
         with self._lock:
             if any(len(self._errors.get(part, ())) < N_JUDGED_SOURCE_SETS for part in parts):
-                found = self._found(places, plain)
+                found = self._found(located, plain)
                 for part in parts:
                     self._errors.setdefault(part, []).append(found.get(part, 0.0))
             return max(((max(self._errors[part]), part) for part in parts), default=(0.0, 0))
 
-    def _found(self, places: SourcePoints, plain: FloatArray) -> dict[int, float]:
+    def _found(self, located: SourcePoints, plain: FloatArray) -> dict[int, float]:
         if self._sweeper is None:
             self._sweeper = WavefrontSweeper(self._metric)
-        error = _against_refined(self._sweeper, self._small_parts, places, plain)
+        error = _against_refined(self._sweeper, self._small_parts, located, plain)
         return _means(error, self._metric.components)
 
     def _warn(self, error: float, part: int, count: int) -> None:
-        how = f" {self._unusual}" if self._unusual else ""
-        how += f" from {count} sources" if count > 1 else ""
+        conditions = f" {self._unusual}" if self._unusual else ""
+        conditions += f" from {count} sources" if count > 1 else ""
         faces = "" if self._unusual else ", or divide the faces"
         warn(
-            f"plain heat{how} is {100 * error:.0f} % off in the mean on the part of the mesh that "
-            f"a source lies on, which has {self._sizes[part]} vertices; use refine=True, or "
+            f"plain heat{conditions} is {100 * error:.0f} % off on average on the component of a "
+            f"source, which has {self._sizes[part]} vertices; use refine=True, or "
             f"exact_distance{faces}",
             CoarseMeshWarning,
         )
@@ -134,21 +136,21 @@ class Judge:
 def _plain_heat_errors(
     mesh: TriangleMesh, components: IntArray, sources: IntArray
 ) -> dict[int, float]:
-    """Return by how much plain heat from vertices is off in the mean, on each small part.
+    """Return the mean relative error of plain heat from vertices, on each small component.
 
     Parameters
     ----------
     mesh : TriangleMesh
     components : ndarray of shape (N,), int64
-        The connected part of each vertex.
+        The component of each vertex.
     sources : ndarray of shape (P,), int64
-        At most one in each part; what several do to each other is another matter.
+        At most one in each component; the interaction of several is not measured.
 
     Returns
     -------
     dict of int to float
-        By component, relative to the distance; without those that have no source, more than
-        `MAX_VERTICES_OF_COARSE_PARTS` vertices, or but one.
+        By component; without components that have no source, more than
+        `MAX_VERTICES_OF_COARSE_PARTS` vertices, or only one.
     """
     sizes = np.bincount(components)
     small = sources[
@@ -157,12 +159,12 @@ def _plain_heat_errors(
     ]
     if not len(small):
         return {}
-    wanted = np.zeros(len(sizes), dtype=np.bool_)
-    wanted[components[small]] = True
-    members = np.flatnonzero(wanted[components])
+    chosen = np.zeros(len(sizes), dtype=np.bool_)
+    chosen[components[small]] = True
+    members = np.flatnonzero(chosen[components])
     number = np.zeros(len(components), dtype=np.int64)
     number[members] = np.arange(len(members))
-    faces = mesh.faces[wanted[components[mesh.faces[:, 0]]]]
+    faces = mesh.faces[chosen[components[mesh.faces[:, 0]]]]
     local = TriangleMesh(mesh.vertices[members], number[faces])
     return _means(_errors(local, number[small]), components[members])
 
@@ -172,24 +174,24 @@ def _errors(mesh: TriangleMesh, sources: IntArray) -> FloatArray:
     metric = CotanLaplacian(intrinsic_delaunay="auto").assemble(mesh)
     direct = Supernodal()
     method = HeatMethod(metric, heat_solver=direct, poisson_solver=direct)
-    places = SourcePoints.at_vertices(sources, mesh.n_vertices)
-    with collected_warnings(NonPositiveHeatWarning):  # what comes of it is measured here
-        plain = method.distance(places)
+    located = SourcePoints.at_vertices(sources, mesh.n_vertices)
+    with collected_warnings(NonPositiveHeatWarning):  # its effect is measured here
+        plain = method.distance(located)
     return _against_refined(
-        WavefrontSweeper(metric), small_parts_of(mesh, metric.components), places, plain
+        WavefrontSweeper(metric), small_parts_of(mesh, metric.components), located, plain
     )
 
 
 def _against_refined(
     sweeper: WavefrontSweeper,
     small_parts: SmallParts | None,
-    places: SourcePoints,
+    located: SourcePoints,
     plain: FloatArray,
 ) -> FloatArray:
     """Return the relative difference of plain heat and refined distance, (N,); NaN at sources."""
-    refined = sweeper.distance(-plain, places)
+    refined = sweeper.distance(-plain, located)
     if small_parts is not None:
-        small_parts.fill(refined[None], [places])
+        small_parts.fill(refined[None], [located])
     error = np.full(len(plain), np.nan)
     away = np.isfinite(plain) & np.isfinite(refined) & (refined > 0)
     error[away] = np.abs(plain[away] / refined[away] - 1)
@@ -197,7 +199,7 @@ def _against_refined(
 
 
 def _means(error: FloatArray, components: IntArray) -> dict[int, float]:
-    """Return the mean of what is known of each part."""
+    """Return the mean of the known errors of each component."""
     known = np.isfinite(error)
     total = np.bincount(components[known], error[known])
     count = np.bincount(components[known])
@@ -205,7 +207,7 @@ def _means(error: FloatArray, components: IntArray) -> dict[int, float]:
 
 
 def coarse_components(mesh: TriangleMesh, components: IntArray) -> int:
-    """Return how many parts of a mesh are coarse: in the mean from three vertices of each."""
+    """Return the number of coarse components of a mesh, by the mean from three vertices of each."""
     sizes = np.bincount(components)
     order = np.argsort(components, kind="stable")
     begins = np.cumsum(sizes) - sizes

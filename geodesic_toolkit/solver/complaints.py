@@ -18,15 +18,15 @@ from geodesic_toolkit.sources.points import SourcePoints
 
 __all__ = ["Complaints"]
 
-UNEVEN = 1.5
-"""Scale of a part of a cloud, in mean lengths of its spokes, from which on plain heat is warned of.
-Measured: scan lines, heaps and samples of surfaces have 1, vertices of CAD models and an airborne
-tile up to 1.2; sweeps of spinning scanners 1.9 (16 beams) to 40, and then plain heat is 3 to 25 %
-off."""
+MAX_UNEVENNESS_WITHOUT_WARNING = 1.5
+"""Scale of a component of a cloud, in mean lengths of its spokes, above which there is a warning of
+plain heat. Measured: scan lines, heaps and samples of surfaces have 1, vertices of CAD models and
+an airborne tile up to 1.2; sweeps of spinning scanners 1.9 (16 beams) to 40, and then plain heat is
+3 to 25 % off."""
 
 
 class Complaints:
-    """What a solver warns of when it is asked; safe to use from several threads.
+    """The warnings of a solver when it computes distances; safe to use from several threads.
 
     Parameters
     ----------
@@ -41,8 +41,8 @@ class Complaints:
         self._judge: Judge | None = None
         self._lock = threading.Lock()
 
-    def where_cut(self, sets: Sequence[SourcePoints]) -> None:
-        """Warn where a mesh is cut along seams, and say how far the first source set comes."""
+    def warn_where_cut(self, sets: Sequence[SourcePoints]) -> None:
+        """Warn if a mesh is cut along seams, with the reach of the first source set."""
         seams, mesh = self._assembly.seams, self._assembly.passable
         if seams is None or not isinstance(mesh, TriangleMesh):
             return
@@ -55,10 +55,10 @@ class Complaints:
             SeamWarning,
         )
 
-    def where_off(
+    def warn_where_off(
         self, sets: Sequence[SourcePoints], distances: FloatArray | Sequence[FloatArray]
     ) -> None:
-        """Warn where plain heat is far from the refined distance."""
+        """Warn if plain heat is far from the refined distance."""
         mesh, method = self._assembly.passable, self._assembly.method
         if method.refine:
             return
@@ -79,12 +79,12 @@ class Complaints:
 
 
 def _warn_where_uneven(metric: Discretization) -> None:
-    """Warn where a cloud is sampled so unevenly that no time step is right all over it."""
+    """Warn if a cloud is sampled so unevenly that a single time step is not right everywhere."""
     unevenness = metric.notes.get("unevenness", 1.0)
-    if unevenness > UNEVEN:
+    if unevenness > MAX_UNEVENNESS_WITHOUT_WARNING:
         warn(
             f"the triangles that cover most of the cloud are {unevenness:.1f} times as large as "
-            "most triangles are: heat that gets across them is blurred elsewhere, and plain heat "
-            "can be 10 % off and more; use refine=True, or thin the cloud to one spacing",
+            "most triangles: heat that crosses them is blurred elsewhere, and plain heat can be 10 "
+            "% off and more; use refine=True, or thin the cloud to one spacing",
             UnevenCloudWarning,
         )

@@ -1,4 +1,4 @@
-"""The one-liner."""
+"""Distances on a shape by one call."""
 
 from typing import Any
 
@@ -19,30 +19,30 @@ def geodesic_distance(
 ) -> FloatArray:
     """Return the geodesic distance of every vertex of `domain` from `sources`.
 
-    For more than one source set on a shape make a :class:`GeodesicSolver`, which factorises once.
+    For more than one source set on a shape use a :class:`GeodesicSolver`, which factorises once.
 
     Parameters
     ----------
     domain : Domain or object
-        A TriangleMesh, PointCloud or Graph, or whatever :func:`as_domain` takes.
+        A TriangleMesh, PointCloud or Graph, or any object that :func:`as_domain` takes.
     sources : int, array-like of int, array-like of float, SurfacePoint or sequence of them
         One set of sources, as :meth:`GeodesicSolver.distance` takes it.
     *others
-        Nothing: an error says so, where vertices and faces were given as two arguments.
+        Not used: an error explains how to pass vertices and faces, if they are two arguments.
     operator : str, class or instance
         The Laplace operator.
     **options
-        Those of :class:`GeodesicSolver`.
+        Options of :class:`GeodesicSolver`.
 
     Returns
     -------
     ndarray of shape (N,), float64
-        In the unit of the domain; ``inf`` where no source connects.
+        In the unit of the domain; ``inf`` at vertices that are not connected to a source.
 
     Raises
     ------
     GeodesicError
-        What :class:`GeodesicSolver` and its `distance` raise.
+        An error of :class:`GeodesicSolver` or its `distance`.
 
     References
     ----------

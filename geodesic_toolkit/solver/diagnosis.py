@@ -27,34 +27,34 @@ class Diagnosis:
     Attributes
     ----------
     domain, operator : str
-        What was discretized, and how.
+        The discretized shape, and its operator.
     components : int
         Connected components of more than one vertex.
     coarse_components : int
-        Those among them that are so coarse that plain heat is about 5 % off, or more; 0 where there
-        are no faces.
+        Components that are so coarse that plain heat is about 5 % off, or more; 0 without faces.
     isolated_vertices : int
-        Vertices connected to nothing; their distance is ``inf``.
+        Vertices without connections; their distance is ``inf``.
     boundary_vertices : int
         Vertices on a boundary.
     seam_edges : int
-        Edges of the boundary that lie upon others: a mesh is cut there, and no path crosses.
+        Edges of the boundary that coincide with others: a mesh is cut there, and paths do not
+        cross.
     seam_tolerance : float or None
-        What :func:`merge_vertices` joins them with; None where there are none.
+        Tolerance with which :func:`merge_vertices` joins them; None without seams.
     non_manifold_edges : int or None
-        Edges of more than two faces; None where there are no faces.
+        Edges of more than two faces; None without faces.
     minimum_angle : float or None
-        Smallest angle of a face, in degrees; None where there are no faces.
+        Smallest angle of a face, in degrees; None without faces.
     positive_off_diagonals : float
-        Share of the off-diagonal entries of the diffusion's stiffness that are positive, where a
-        Laplacian with a maximum principle has none.
+        Share of positive off-diagonal entries in the stiffness of the diffusion; it is 0 for a
+        Laplacian with a maximum principle.
     refined : bool
-        Whether distances are refined. On a graph refined ones are the shortest paths along edges.
+        True if distances are refined. On a graph refined distances are shortest paths along edges.
     across : bool
-        Whether fronts cross the corners of a graph. Where neither is so, distances are plain
-        heat's.
+        True if fronts cross the corners of a graph. If both are False, distances are those of plain
+        heat.
     reason : str
-        Why, where that was left open; empty where it was said.
+        Reason for this choice, if it was left to "auto"; empty if it was given.
     spacing : float
         Mean edge length h.
     time : float
@@ -62,10 +62,10 @@ class Diagnosis:
     probe : int
         The middle vertex of the largest component, from which heat was sent.
     reached, non_positive, stages : int
-        Vertices connected to the probe; those whose heat was not positive; solves that the range
-        of the heat took, 0 where none flows.
+        Vertices connected to the probe; those with heat that was not positive; solves for the range
+        of the heat, 0 without heat.
     notes : mapping
-        What the operator found or decided.
+        Findings and decisions of the operator.
 
     Examples
     --------
@@ -121,7 +121,7 @@ def diagnose(
     reason: str = "",
     seams: Seams | None = None,
 ) -> Diagnosis:
-    """Return the diagnosis of `domain` as `method` sees it; `reason` is why it refines or not."""
+    """Return the diagnosis of `domain` for `method`; `reason` is its reason to refine or not."""
     metric = method.metric
     sizes = np.bincount(metric.components)
     members = np.flatnonzero(metric.components == sizes.argmax())
@@ -156,13 +156,13 @@ def diagnose(
 
 
 def _noise(method: HeatMethod) -> dict[str, Any]:
-    """Return which part of the squared lengths of edges fronts take for noise, and leave out."""
+    """Return the share of squared edge lengths that fronts subtract as noise, by name."""
     across = method.metric.across_edges
     return {"noise": across.noise} if method.across and across is not None else {}
 
 
 def _isolated(metric: Discretization) -> int:
-    """Return how many vertices are connected to nothing, nor at the place of another."""
+    """Return the number of vertices without connections and without duplicates."""
     alone = np.bincount(metric.components)[metric.components] == 1
     others = metric.representatives
     if len(others):
@@ -171,7 +171,7 @@ def _isolated(metric: Discretization) -> int:
 
 
 def _local_dimensions(method: HeatMethod) -> dict[str, Any]:
-    """Return the 5th, 50th and 95th percentile of the dimensions about the vertices of a graph."""
+    """Return the 5th, 50th and 95th percentile of the local dimensions of a graph, by name."""
     found = method.local_dimensions
     if found is None or np.isnan(found).all():
         return {}

@@ -1,4 +1,4 @@
-"""Where sources lie on the shape of a solver."""
+"""Location of sources on the shape of a solver."""
 
 import threading
 from collections.abc import Iterable
@@ -19,7 +19,7 @@ __all__ = ["SourceLocator"]
 
 
 class SourceLocator:
-    """What a solver is made of, and the sources on it.
+    """The parts of a solver, and the location of sources on its shape.
 
     Parameters
     ----------
@@ -31,18 +31,18 @@ class SourceLocator:
         self._forget()
 
     def _forget(self) -> None:
-        """Start without what is made when it is first wanted, and belongs to one process."""
+        """Drop the lock and the ground, which are made on first use and belong to one process."""
         self._ground: Ground | None = None
         self._lock = threading.Lock()
 
     @property
     def domain(self) -> Domain:
-        """What was given, converted where it was not a Domain."""
+        """The given shape, converted if it was not a Domain."""
         return self._assembly.domain
 
     @property
     def passable(self) -> Domain:
-        """The domain without what touches a masked vertex: all of it where there is no mask."""
+        """The domain without elements of masked vertices; all of it without a mask."""
         return self._assembly.passable
 
     @property
@@ -51,17 +51,16 @@ class SourceLocator:
         return self._assembly.mask
 
     def locate(self, sources: Any, name: str = "sources") -> SourcePoints:
-        """Return where sources lie: as convex combinations of vertices, checked.
+        """Return sources as checked convex combinations of vertices.
 
-        What every method that takes `sources` does first; what it returns may be given to them
-        again.
+        Every method that takes `sources` calls this first, and also takes the result as sources.
 
         Parameters
         ----------
         sources : int, array-like, SurfacePoint, sequence of them, Curve or OffsetSources
             As for :meth:`distance`.
         name : str
-            What errors call them.
+            Name of the sources in errors.
 
         Returns
         -------
@@ -93,7 +92,7 @@ class SourceLocator:
         return places
 
     def locate_sets(self, source_sets: Any) -> list[SourcePoints]:
-        """Return where each of several sets of sources lies.
+        """Return several sets of sources as checked convex combinations of vertices.
 
         Parameters
         ----------
@@ -107,11 +106,11 @@ class SourceLocator:
         Raises
         ------
         InvalidSourceError
-            As for :meth:`distances`; the message says which set.
+            As for :meth:`distances`; the message names the set.
         """
         if isinstance(source_sets, str | bytes) or not isinstance(source_sets, Iterable):
             raise InvalidSourceError(
-                f"source sets must be a sequence of them, not {source_sets!r}; "
+                f"source sets must be a sequence of sets, not {source_sets!r}; "
                 "for one set use distance"
             )
         check_nothing_masked(
@@ -126,11 +125,11 @@ class SourceLocator:
 
     @property
     def ground(self) -> "Ground | None":
-        """The places that points in space snap to; None where vertices have no positions."""
+        """The shape to which points in space snap; None if vertices have no positions."""
         return self._kept_ground()
 
     def _kept_ground(self) -> "Ground | None":
-        """Return where points in space snap to; None where vertices have no positions."""
+        """Return the shape to which points in space snap; None if vertices have no positions."""
         if not self.passable.has("positions"):
             return None
         with self._lock:

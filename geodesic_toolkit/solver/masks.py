@@ -1,4 +1,4 @@
-"""Vertices that no path may cross: the domain without them."""
+"""Masked vertices, which paths may not cross: the domain without them."""
 
 from typing import Any
 
@@ -14,11 +14,11 @@ from geodesic_toolkit.errors import (
     InvalidSourceError,
     UnsupportedDomainError,
 )
-from geodesic_toolkit.geometry.welding import same_places
+from geodesic_toolkit.geometry.welding import same_positions
 from geodesic_toolkit.laplacians.base import LaplaceOperator
 from geodesic_toolkit.sources.points import SourcePoints
 
-__all__ = ["as_mask", "assembled_without", "check_unmasked", "of_places", "passable_part"]
+__all__ = ["as_mask", "assembled_without", "check_unmasked", "passable_part", "with_duplicates"]
 
 
 def as_mask(mask: Any, n_vertices: int) -> BoolArray:
@@ -27,7 +27,7 @@ def as_mask(mask: Any, n_vertices: int) -> BoolArray:
     Raises
     ------
     InvalidOptionError
-        Not booleans, or not one for each vertex.
+        Values that are not booleans, or not one for each vertex.
     """
     check_nothing_masked(mask, "mask", InvalidOptionError, "{}.filled(True), or False")
     try:
@@ -38,36 +38,36 @@ def as_mask(mask: Any, n_vertices: int) -> BoolArray:
         truth = array.shape == (n_vertices,) and array.dtype.kind in "iuf"
         cure = "; of 0 and 1: mask.astype(bool)" if truth and np.isin(array, (0, 1)).all() else ""
         raise InvalidOptionError(
-            f"mask must hold one boolean for each of the {n_vertices} vertices, true where no path "
-            f"may pass, not {array.dtype} of shape {array.shape}{cure}"
+            f"mask must hold one boolean for each of the {n_vertices} vertices, True at those that "
+            f"paths may not cross, not {array.dtype} of shape {array.shape}{cure}"
         )
     return np.array(array, dtype=np.bool_)
 
 
-def of_places(domain: Domain, mask: BoolArray) -> BoolArray:
-    """Return a mask that holds all points of a cloud at one place, where it holds one of them."""
+def with_duplicates(domain: Domain, mask: BoolArray) -> BoolArray:
+    """Return the mask with all points of a cloud at one position, if it has one of them."""
     if not isinstance(domain, PointCloud):
         return mask
-    first, place = same_places(domain.points)
+    first, place = same_positions(domain.points)
     held = np.zeros(len(first), dtype=np.bool_)
     held[place[mask]] = True
     return np.asarray(held[place])
 
 
 def check_unmasked(places: SourcePoints, mask: BoolArray, name: str = "sources") -> None:
-    """Raise an `InvalidSourceError` where one of the sources touches a masked vertex.
+    """Raise an `InvalidSourceError` if one of the sources touches a masked vertex.
 
     Parameters
     ----------
     places : SourcePoints
     mask : ndarray of shape (N,), bool
     name : str
-        What to call the sources in the message.
+        Name of the sources in the message.
     """
     used = places.vertices
     if mask[used].any():
         raise InvalidSourceError(
-            f"{name}: vertex {used[mask[used]][0]} is masked, so that no path starts there"
+            f"{name}: vertex {used[mask[used]][0]} is masked, so that paths cannot start there"
         )
 
 
@@ -93,8 +93,9 @@ def assembled_without(
 ) -> tuple[Discretization, Discretization | None]:
     """Return the discretization of a domain without its masked vertices.
 
-    The stars of a cloud are made with all of its points, and those triangles go that touch a masked
-    one: without the points stars close over them, and paths cross walls of up to four rows.
+    The stars of a cloud are made with all of its points, and triangles that touch a masked point
+    are removed: stars made without these points would close over them, and paths would cross walls
+    of up to four rows.
 
     Parameters
     ----------
@@ -106,12 +107,12 @@ def assembled_without(
     -------
     left : Discretization
     whole : Discretization or None
-        That of the whole cloud, where `left` is a part of it.
+        The discretization of the whole cloud, if `left` is a part of it.
 
     Raises
     ------
     InvalidOptionError, UnsupportedDomainError
-        As for :meth:`Domain.without`, and what the operator raises.
+        As for :meth:`Domain.without`, and errors of the operator.
     """
     passable = passable_part(domain, mask)
     operator.check_domain(passable)

@@ -1,4 +1,4 @@
-"""Distances at any points on or near a surface, read off those of its vertices."""
+"""Distances at any points on or near a surface, from those of its vertices."""
 
 import abc
 from collections.abc import Iterable, Iterator
@@ -18,7 +18,7 @@ __all__ = ["SurfaceSolver"]
 
 
 class SurfaceSolver(SourceLocator, abc.ABC):
-    """Answers about points of a surface, for whatever knows the distances of its vertices."""
+    """Distances at points of a surface, for any solver of the distances at its vertices."""
 
     def _forget(self) -> None:
         super()._forget()
@@ -44,14 +44,15 @@ class SurfaceSolver(SourceLocator, abc.ABC):
 
         A point has the distance of the closest point of the surface: of the mesh, or of the local
         triangles of the cloud. Inside a triangle the distance of the corners is interpolated
-        linearly, within a few edges of a source after the straight line from it is taken off: the
-        kink there comes out right. A face that touches a masked vertex is entered from its other
-        corners, and not crossed. :meth:`interpolate` does this with distances that are at hand,
-        :meth:`nearest_source` distinguishes sources.
+        linearly; within a few edges of a source, the excess over the straight line from it is
+        interpolated instead, which preserves the kink there. A face that touches a masked vertex is
+        entered from its other corners, and not crossed. :meth:`interpolate` does this with given
+        distances, :meth:`nearest_source` distinguishes sources.
 
         The tree that finds triangles is built by the first call and kept. Millions of points are
-        worked on in batches, which change nothing but the memory that it takes: beside the tree,
-        the `points` and the result some 50 MB. Arrays of float32, and memory maps, are not copied.
+        processed in batches, which do not change the result and limit the memory: in addition to
+        the tree, the `points` and the result it takes some 50 MB. Arrays of float32, and memory
+        maps, are not copied.
 
         Parameters
         ----------
@@ -60,7 +61,7 @@ class SurfaceSolver(SourceLocator, abc.ABC):
         sources : int, array-like of int, array-like of float, SurfacePoint or sequence of them
             As for `distance`.
         reach : float, optional
-            How far from the surface a point may lie, in that unit; two mean edge lengths by
+            Maximum distance of a point from the surface, in that unit; two mean edge lengths by
             default.
         progress : callable, optional
             Called with the number of points done and their total after each batch.
@@ -68,8 +69,8 @@ class SurfaceSolver(SourceLocator, abc.ABC):
         Returns
         -------
         ndarray of shape (Q,), float64
-            In the unit of the domain; ``inf`` past the reach, where no source connects, and between
-            vertices that are all masked.
+            In the unit of the domain; ``inf`` past the reach, at points that are not connected to a
+            source, and between vertices that are all masked.
 
         Raises
         ------
@@ -87,7 +88,7 @@ class SurfaceSolver(SourceLocator, abc.ABC):
         >>> solver.query([[0.41, 0.0, 0.02], [0.4, 0.0, 5.0]], 0).round(2)
         array([0.41,  inf])
         """
-        surface, queries = self._asked(points, reach)
+        surface, queries = self._checked_query(points, reach)
         places = self.locate(sources)
         return surface.interpolate(
             self.distance(places), queries, reach=reach, sources=places, progress=progress
@@ -102,27 +103,27 @@ class SurfaceSolver(SourceLocator, abc.ABC):
         reach: float | None = None,
         progress: Progress | None = None,
     ) -> FloatArray:
-        """Return at any points what `distance` is there, as :meth:`query` does.
+        """Return `distance` interpolated at any points, as :meth:`query` does.
 
         Parameters
         ----------
         distance : array-like of shape (N,)
-            At the vertices: what :meth:`distance` returned, or any other numbers.
+            Values at the vertices: a result of :meth:`distance`, or any other numbers.
         points : array-like of shape (Q, 3) or (3,)
         sources : optional
-            Those of the distance, as it was given them: the kink around them then comes out right.
+            The sources of the distance, which preserves the kink around them.
         reach, progress
             As for `query`.
 
         Returns
         -------
         ndarray of shape (Q,), float64
-            ``inf`` past the reach, and where a corner that counts is.
+            ``inf`` past the reach, and if a corner with a weight is.
 
         Raises
         ------
         UnsupportedDomainError, InvalidOptionError, InvalidSourceError
-            As for `query`; another number of distances than vertices.
+            As for `query`; a number of distances that is not that of the vertices.
 
         Examples
         --------
@@ -132,7 +133,7 @@ class SurfaceSolver(SourceLocator, abc.ABC):
         >>> solver.interpolate(height, [0.41, 0.33, 0.0]).round(2)
         array([0.33])
         """
-        surface, queries = self._asked(points, reach)
+        surface, queries = self._checked_query(points, reach)
         places = None if sources is None else self.locate(sources)
         return surface.interpolate(
             distance, queries, reach=reach, sources=places, progress=progress
@@ -146,32 +147,32 @@ class SurfaceSolver(SourceLocator, abc.ABC):
         reach: float | None = None,
         progress: Progress | None = None,
     ) -> tuple[IntArray, FloatArray]:
-        """Return which source is nearest to each of any points, and how far it is.
+        """Return the index of the nearest source of any points, and its distance.
 
-        For the vertices themselves :func:`geodesic_voronoi` says so. The distances of one source
-        after the other are computed, so that it takes as long as as many calls of `distance`, and
-        the memory of about 45 bytes a point.
+        For vertices use :func:`geodesic_voronoi`. Distances are computed from one source after the
+        other, which takes as long as that many calls of `distance`, and about 45 bytes of memory
+        for each point.
 
         Parameters
         ----------
         points : array-like of shape (Q, 3) or (3,)
             On or near the mesh or cloud, in its unit.
         sources : array-like of int, or iterable of what `distance` takes
-            As for `distances`: a one-dimensional array of integers means that many single sources,
-            floats of shape (K, 3) that many points in space; each may also be a set.
+            As for `distances`: a one-dimensional array of K integers means K single sources, floats
+            of shape (K, 3) mean K points in space; each may also be a set.
         reach : float, optional
             As for `query`.
         progress : callable, optional
-            Called with the number of sources done and their total, with none while the points are
+            Called with the number of finished sources and their total: with 0 while points are
             located, and after each block of sources.
 
         Returns
         -------
         labels : ndarray of shape (Q,), int64
-            The position of the nearest source in the list, the first of those that are equally
-            near; -1 where none connects, and past the reach.
+            The position of the nearest source in the list, the first of equally near ones; -1 for
+            points that are not connected to a source, and past the reach.
         distances : ndarray of shape (Q,), float64
-            What `query` gives for that source; ``inf`` where there is none.
+            The result of `query` for that source; ``inf`` without a source.
 
         Raises
         ------
@@ -189,29 +190,32 @@ class SurfaceSolver(SourceLocator, abc.ABC):
         >>> labels, distances.round(3)
         (array([0, 1]), array([0.1, 0.1]))
         """
-        surface, queries = self._asked(points, reach)
+        surface, queries = self._checked_query(points, reach)
         sets = self.locate_sets(sources)
         return surface.nearest(queries, sets, self.blocks, reach=reach, progress=progress)
 
-    def _asked(self, points: ArrayLike, reach: float | None) -> tuple["Surface", NDArray[Any]]:
+    def _checked_query(
+        self, points: ArrayLike, reach: float | None
+    ) -> tuple["Surface", NDArray[Any]]:
         """Return the surface and the points to find on it, all checked before any other work."""
         from geodesic_toolkit.solver.queries import as_points, check_reach
 
-        positions_of(self.domain)  # refuses a graph
+        positions_of(self.domain)  # raises for a graph
         queries = as_points(points)
         check_reach(reach)
         return self.surface, queries
 
     @property
     def surface(self) -> "Surface":
-        """The triangles that queries are answered on, in a tree: made when first asked for."""
+        """The triangles that queries use, in a tree; made on first use."""
         ground = self._kept_ground()
         with self._lock:
             if self._surface is None:
                 from geodesic_toolkit.solver.queries import Surface
                 from geodesic_toolkit.sources.ground import lies_in_triangles
 
-                # Feet are on all of it: in a face that the mask cuts, not on the rim of the rest.
+                # Feet lie on the whole shape: in a face that the mask cuts, not on the rim of the
+                # rest.
                 whole, mask = self._assembly.whole, self.mask
                 metric = whole or self._assembly.method.metric
                 cut = mask is not None and (whole is not None or lies_in_triangles(self.domain))

@@ -24,17 +24,17 @@ from geodesic_toolkit.sources.points import SourcePoints
 __all__ = ["Surface", "as_points", "check_reach", "interpolate"]
 
 DEFAULT_REACH = 2.0
-"""Mean edge lengths from the surface within which a point has a distance, unless given."""
+"""Default maximum distance of a point from the surface, in mean edge lengths."""
 
 RADIUS_OF_STRAIGHT_LINES = 2.0
-"""Mean edge lengths around a source in which the straight line is the better guide; it fades out
-over as many again."""
+"""Radius around a source, in mean edge lengths, in which the straight line is more accurate; its
+weight falls to 0 over as many again."""
 
-ON_CORNER = 1e-9
-"""Barycentric weight below which a corner does not count: a foot is found to so many digits."""
+MIN_WEIGHT_OF_CORNERS = 1e-9
+"""Barycentric weight below which a corner is ignored: the accuracy of a foot."""
 
 POINTS_PER_BATCH = 100_000
-"""Points that are worked on at once: some 50 MB."""
+"""Points that are processed at once, with some 50 MB."""
 
 
 def interpolate(
@@ -50,39 +50,39 @@ def interpolate(
 
     A point has the distance of its foot, the closest point of the surface: of the mesh, or of the
     local triangles of the cloud. Inside a triangle the distance of the corners is interpolated
-    linearly. The distance has a kink at a source, which no linear function has; where the sources
-    are known, what is interpolated near one is by how much the distance exceeds the straight line
-    from it. To ask one surface many times make a :class:`Surface`, or ask a solver, which keeps
-    one.
+    linearly. The distance has a kink at a source, which a linear function cannot have; if the
+    sources are known, the excess of the distance over the straight line from a source is
+    interpolated near it. For many calls on one surface use a :class:`Surface`, or a solver, which
+    keeps one.
 
     Parameters
     ----------
     domain : Domain
         A TriangleMesh, a PointCloud, or a kind of a plugin's with positions.
     discretization : Discretization
-        That of `domain`: its spacing and, for a cloud, its triangles are used.
+        The discretization of `domain`: its spacing and, for a cloud, its triangles are used.
     distance : array-like of shape (N,)
-        At the vertices; ``inf`` where there is none.
+        Distance at the vertices; ``inf`` at unreachable ones.
     points : array-like of shape (Q, 3) or (3,)
         In the unit of the domain.
     reach : float, optional
-        How far from its foot a point may lie, in that unit; by default :data:`DEFAULT_REACH`
+        Maximum distance of a point from its foot, in that unit; by default :data:`DEFAULT_REACH`
         times the mean edge length.
     sources : SourcePoints, optional
-        Where `distance` was measured from.
+        The sources of `distance`.
 
     Returns
     -------
     ndarray of shape (Q,), float64
-        ``inf`` past the reach, and where a corner that counts has no distance.
+        ``inf`` past the reach, and if a corner with a weight has no distance.
 
     Raises
     ------
     UnsupportedDomainError
         A domain without positions, or a cloud whose operator makes no triangles.
     InvalidOptionError
-        Points that are not finite or not of that shape, another number of distances than vertices,
-        a reach that is not positive.
+        Points that are not finite or of another shape, a number of distances that is not that of
+        the vertices, a reach that is not positive.
 
     Examples
     --------
@@ -104,7 +104,7 @@ class _Feet:
     Attributes
     ----------
     rows : ndarray of shape (F,), int64
-        Which of the points these are: those within reach.
+        Indices of the points, which are those within reach.
     elements : ndarray of shape (E, C)
         Vertices of the triangles or other elements.
     faces : ndarray of shape (F,)
@@ -128,27 +128,27 @@ class _Feet:
         return _Feet(self.rows[which], self.elements, self.faces[which], self.weights[which])
 
     def compact(self) -> "_Feet":
-        """Return the same with no more than is needed of each point: there may be ten million."""
+        """Return the feet with small indices, which saves memory for ten million points."""
         small = np.int32 if len(self.elements) < 2**31 else np.int64
         return _Feet(self.rows, self.elements, self.faces.astype(small), self.weights)
 
 
 class Surface:
-    """The triangles of a domain in a tree: built once, then asked for any number of points.
+    """The triangles of a domain in a tree: built once, then used for any number of points.
 
-    Safe to use from several threads.
+    It is safe to use from several threads.
 
     Parameters
     ----------
     domain : Domain
         A TriangleMesh, a PointCloud, or a kind of a plugin's with positions.
     discretization : Discretization
-        That of `domain`: its spacing and, for a cloud, its triangles are used.
+        The discretization of `domain`: its spacing and, for a cloud, its triangles are used.
     ground : Ground, optional
-        That of `domain`, whose tree serves where it is the same, or of what a mask leaves of it.
+        The ground of `domain`, whose tree is used if it is the same, or of its unmasked part.
     mask : ndarray of shape (N,), bool, optional
-        The vertices that no path may cross. A place in a face that has one is reached from its
-        other corners, if it is within reach of what the mask leaves.
+        The vertices that paths may not cross. A place in a face with such a vertex is reached from
+        the other corners, if it is within reach of the unmasked part.
 
     Raises
     ------
@@ -175,7 +175,7 @@ class Surface:
             self._box = places.min(axis=0), places.max(axis=0)
             return
         self._faces = _triangles(domain, discretization)
-        if len(self._faces) == 0:  # every face is degenerate, or all points are one
+        if len(self._faces) == 0:  # all faces are degenerate, or all points are equal
             return
         low, high = np.full(3, np.inf), np.full(3, -np.inf)
         for some in _batches(len(self._faces)):
@@ -199,8 +199,8 @@ class Surface:
     ) -> FloatArray:
         """Return the distance at points on or near the surface, batch by batch.
 
-        Parameters and errors are those of :func:`interpolate`; `progress` is called with the
-        number of points done and their total after each batch.
+        Parameters and errors are those of :func:`interpolate`; `progress` is called with the number
+        of finished points and their total after each batch.
         """
         queries = as_points(points)
         check_reach(reach)
@@ -208,32 +208,34 @@ class Surface:
         values = np.asarray(distance, dtype=np.float64)
         if values.shape != (len(self._positions),):
             raise InvalidOptionError(
-                f"distance must have shape ({len(self._positions)},), one number a vertex, "
+                f"distance must have shape ({len(self._positions)},), one number per vertex, "
                 f"not {values.shape}"
             )
         kinks = self._kinks(sources)
         result = np.full(len(queries), np.inf)
-        for feet in self._stand(queries, reach, progress):
+        for feet in self._feet_within(queries, reach, progress):
             result[feet.rows] = self._values(values, feet, kinks)
         return result
 
     def feet(self, points: FloatArray) -> tuple[IntArray, FloatArray]:
-        """Return the closest place of the surface to each of Q points, however far that is.
+        """Return the closest place of the surface to each of Q points, at any distance.
 
         Returns
         -------
         corners : ndarray of shape (Q, 3), int64
-            The vertices of the triangle that it lies in.
+            The vertices of the triangle of each place.
         weights : ndarray of shape (Q, 3), float64
-            Its barycentric coordinates there.
+            The barycentric coordinates of each place.
 
         Raises
         ------
         UnsupportedDomainError
-            The surface has no triangle.
+            The surface does not have triangles.
         """
         if len(self._faces) == 0:
-            raise UnsupportedDomainError("the shape has no triangles: all of it is one place")
+            raise UnsupportedDomainError(
+                "the shape has no triangles: all vertices are at one position"
+            )
         faces, weights = self._tree.closest(points)
         return self._faces[faces], weights
 
@@ -246,7 +248,7 @@ class Surface:
         reach: float | None = None,
         progress: Progress | None = None,
     ) -> tuple[IntArray, FloatArray]:
-        """Return which of some source sets is nearest to each point, and its distance.
+        """Return the index of the nearest source set of each point, and its distance.
 
         Parameters
         ----------
@@ -255,12 +257,12 @@ class Surface:
         solve : callable
             Yields the distances of the vertices, blocks of rows of shape (., N), set by set.
         reach, progress
-            As for :meth:`interpolate`, but that sets are counted instead of points.
+            As for :meth:`interpolate`; sets are counted instead of points.
 
         Returns
         -------
         labels : ndarray of shape (Q,), int64
-            -1 where none is.
+            -1 for points without a source.
         distances : ndarray of shape (Q,), float64
         """
         queries = as_points(points)
@@ -272,12 +274,12 @@ class Surface:
             if progress is not None:
                 progress(0, len(sets))
 
-        standing = [feet.compact() for feet in self._stand(queries, reach, located)]
+        located_feet = [feet.compact() for feet in self._feet_within(queries, reach, located)]
         done = 0
         for block in solve(sets):
             for number, values in enumerate(block, done):
                 kinks = self._kinks(sets[number])
-                for feet in standing:
+                for feet in located_feet:
                     rows, found = self._nearer(values, feet, kinks, nearest)
                     labels[rows], nearest[rows] = number, found
             done += len(block)
@@ -288,9 +290,9 @@ class Surface:
     def _nearer(
         self, values: FloatArray, feet: _Feet, kinks: "_Kinks | None", nearest: FloatArray
     ) -> tuple[IntArray, FloatArray]:
-        """Return the points at which values are less than the least so far, and these values."""
+        """Return the points at which values are below the minimum so far, and these values."""
         least = values[feet.corners].min(axis=1)
-        # Save by rounding, or where there is a kink, no value is below the least of its corners.
+        # Except for rounding, and near kinks, values are not below the smallest at their corners.
         reached = 0.0 if kinks is None else 2 * RADIUS_OF_STRAIGHT_LINES * self._spacing
         limit = np.maximum((1 + 1e-12) * nearest[feet.rows], reached)
         some = feet.chosen(np.flatnonzero(least < limit))
@@ -298,10 +300,10 @@ class Surface:
         nearer = found < nearest[some.rows]
         return some.rows[nearer], found[nearer]
 
-    def _stand(
+    def _feet_within(
         self, queries: NDArray[Any], reach: float | None, progress: Progress | None
     ) -> Iterator[_Feet]:
-        """Yield the feet of the points that are within reach, batch by batch."""
+        """Yield the feet of the points within reach, batch by batch."""
         limit = DEFAULT_REACH * self._spacing if reach is None else float(reach)
         if self._box is None:
             return
@@ -313,52 +315,52 @@ class Surface:
             if len(near):
                 elements, faces, weights = self._closest(places)
                 feet = np.einsum("qc,qcd->qd", weights, self._positions[elements[faces]])
-                with np.errstate(over="ignore"):  # infinitely far is far enough
-                    stands = _length(places - feet) <= limit
+                with np.errstate(over="ignore"):  # infinity is beyond the reach
+                    is_near = _length(places - feet) <= limit
                 if self._mask is not None and self._left is not None:
-                    cut = np.flatnonzero(stands & self._mask[elements[faces]].any(axis=1))
+                    cut = np.flatnonzero(is_near & self._mask[elements[faces]].any(axis=1))
                     if len(cut):
-                        stands[cut] = self._left.gaps(places[cut]) <= limit
-                yield _Feet(some.start + near[stands], elements, faces[stands], weights[stands])
+                        is_near[cut] = self._left.gaps(places[cut]) <= limit
+                yield _Feet(some.start + near[is_near], elements, faces[is_near], weights[is_near])
             if progress is not None:
                 progress(some.stop, len(queries))
 
     def _closest(self, places: FloatArray) -> tuple[IntArray, IntArray, FloatArray]:
-        """Return elements, which of them each place is closest to, and its weights there."""
+        """Return elements, the index of the closest one to each place, and its weights there."""
         if self._own is None:
             return self._faces, *self._tree.closest(places)
         at = self._own.closest(places)
         return at.vertices, np.arange(len(at)), at.weights
 
     def _values(self, values: FloatArray, feet: _Feet, kinks: "_Kinks | None") -> FloatArray:
-        """Return what values of the vertices are at the feet."""
+        """Return values of the vertices, interpolated at the feet."""
         corners = feet.corners
         found = _mean(feet.weights, values[corners])
         beyond = np.flatnonzero(found == np.inf)
         if self._mask is not None and len(beyond):
-            found[beyond] = self._entered(values, feet.chosen(beyond))
+            found[beyond] = self._values_in_cut_faces(values, feet.chosen(beyond))
         if kinks is not None:
             rings = found / self._spacing
-            rings[beyond] = np.inf  # no linear function there
+            rings[beyond] = np.inf  # not interpolated linearly
             near = np.flatnonzero(rings < 2 * RADIUS_OF_STRAIGHT_LINES)
             missed = kinks.missed(feet.weights[near], self._positions[corners[near]], rings[near])
             found[near] = np.maximum(found[near] + missed, 0.0)
         return found
 
-    def _entered(self, values: FloatArray, feet: _Feet) -> FloatArray:
-        """Return values at feet in faces that a mask cuts: come from the corners that have one.
+    def _values_in_cut_faces(self, values: FloatArray, feet: _Feet) -> FloatArray:
+        """Return values at feet in faces that a mask cuts, from the corners that have a value.
 
-        A foot on what is masked of a face is reached through any of the faces around that.
+        A foot on a masked edge or corner is reached through any of the faces around that.
         """
         corners, least = feet.corners, np.full(len(feet.rows), np.inf)
         places = np.einsum("qc,qcd->qd", feet.weights, self._positions[corners])
         masked = ~np.isfinite(values[corners])
-        inside = (feet.weights > ON_CORNER) & ~masked
+        inside = (feet.weights > MIN_WEIGHT_OF_CORNERS) & ~masked
         within = inside.any(axis=1)
         least[within] = entered(self._positions, values, corners[within], places[within])
         on = np.flatnonzero(~within)
         if len(on):
-            rows, faces = self._faces_around(corners[on], feet.weights[on] > ON_CORNER)
+            rows, faces = self._faces_around(corners[on], feet.weights[on] > MIN_WEIGHT_OF_CORNERS)
             entered_distances = entered(
                 self._positions, values, self._faces[faces], places[on[rows]]
             )
@@ -366,7 +368,7 @@ class Surface:
         return least
 
     def _faces_around(self, corners: IntArray, held: BoolArray) -> tuple[IntArray, IntArray]:
-        """Return the faces that have all corners (Q, 3) that are held, as pairs of row and face."""
+        """Return the faces that contain all held corners of (Q, 3), as pairs of row and face."""
         order = np.argsort(self._faces, axis=None, kind="stable")
         sorted_corners = self._faces.ravel()[order]
         first = np.take_along_axis(corners, held.argmax(axis=1)[:, None], axis=1)[:, 0]
@@ -391,7 +393,7 @@ class _Kinks:
     Parameters
     ----------
     starts : ndarray of shape (P, 3)
-        Where the sources are.
+        Positions of the sources.
     """
 
     def __init__(self, starts: FloatArray) -> None:
@@ -400,10 +402,10 @@ class _Kinks:
         self._tree = cKDTree(starts)
 
     def missed(self, weights: FloatArray, corners: FloatArray, rings: FloatArray) -> FloatArray:
-        """Return what is missed of the straight distance from the nearest source, of shape (Q,).
+        """Return the correction by the straight distance from the nearest source, of shape (Q,).
 
-        Zero at the corners, and past some `rings` around the source: a straight line would cross
-        from one sheet of a thin shape to the other.
+        It is zero at the corners, and past some `rings` around the source, where a straight line
+        would cross from one sheet of a thin shape to the other.
         """
         straight = self._straight(np.einsum("qc,qcd->qd", weights, corners))
         missed = straight - _mean(weights, self._straight(corners))
@@ -411,7 +413,7 @@ class _Kinks:
         return np.asarray(missed * fading)
 
     def _straight(self, places: FloatArray) -> FloatArray:
-        """Return how far the nearest source is, which may be another one for each corner."""
+        """Return the distance of the nearest source, which may differ from corner to corner."""
         return np.asarray(self._tree.query(places)[0])
 
 
@@ -421,9 +423,9 @@ def as_points(points: Any) -> NDArray[Any]:
     Raises
     ------
     InvalidOptionError
-        Another shape, no numbers, or a row that is not finite.
+        Another shape, values that are not numbers, or a row that is not finite.
     """
-    check_nothing_masked(points, "points", InvalidOptionError, "leave those rows out")
+    check_nothing_masked(points, "points", InvalidOptionError, "remove those rows")
     try:
         array = np.asarray(points)
     except (ValueError, TypeError) as error:
@@ -438,7 +440,7 @@ def as_points(points: Any) -> NDArray[Any]:
         if not finite.all():
             bad = some.start + int(finite.argmin())
             raise InvalidOptionError(
-                f"point {bad} of the points is not finite: {table[bad].tolist()}; leave it out"
+                f"point {bad} of the points is not finite: {table[bad].tolist()}; remove it"
             )
     return table
 
@@ -461,7 +463,7 @@ def _every_face(domain: Domain, faces: IntArray) -> bool:
 
 
 def _triangles(domain: Domain, discretization: Discretization) -> IntArray:
-    """Return the triangles of the surface, each once."""
+    """Return the distinct triangles of the surface."""
     if domain.has("triangles"):
         faces = triangles_of(domain)
         return faces[proper_faces(faces)]
@@ -469,8 +471,8 @@ def _triangles(domain: Domain, discretization: Discretization) -> IntArray:
     if not isinstance(gradient, ElementGradient) or gradient.elements.shape[1] != 3:
         raise UnsupportedDomainError(
             f"{gradient!r} has no triangles to interpolate in; queries on a cloud need an operator "
-            "that makes some, such as PointCloudLaplacian, and on a kind of domain of a plugin its "
-            "triangles, or its method closest(points)"
+            "that makes triangles, such as PointCloudLaplacian, and queries on a kind of domain of "
+            "a plugin need its triangles, or its method closest(points)"
         )
     # The stars of neighbours share triangles; a link (i, j, j) between two points is a segment.
     small = np.int32 if domain.n_vertices < 2**31 else np.int64
@@ -481,12 +483,12 @@ def _triangles(domain: Domain, discretization: Discretization) -> IntArray:
     triangles = ordered[new].astype(np.int64)
     twice = triangles[:, 0] == triangles[:, 1]
     triangles[twice] = triangles[twice][:, ::-1]
-    links_too: IntArray = triangles[triangles[:, 0] != triangles[:, 1]]
-    return links_too
+    surface: IntArray = triangles[triangles[:, 0] != triangles[:, 1]]
+    return surface
 
 
 def _mean(weights: FloatArray, values: FloatArray) -> FloatArray:
-    """Return weighted means, of shape (Q,), in which an infinite value of no weight is nothing."""
+    """Return weighted means, of shape (Q,), that ignore infinite values of weight 0."""
     counted = np.where(weights > 0, values, 0.0)
     return np.asarray(np.einsum("qc,qc->q", weights, counted))
 

@@ -1,4 +1,4 @@
-"""The solver for one shape: domain, operator, heat method, sources of every kind."""
+"""The solver of one shape: domain, operator, heat method, sources of every kind."""
 
 from collections.abc import Iterable, Iterator
 from typing import TYPE_CHECKING, Any
@@ -20,35 +20,35 @@ if TYPE_CHECKING:
 __all__ = ["GeodesicSolver", "Refine", "check_solver"]
 
 MOST_ROWS = 64
-"""Source sets whose distances are held at once at most."""
+"""Maximum number of source sets whose distances are kept at once."""
 
 BLOCK_ENTRIES = 2**24
-"""Distances that are held at once: 128 MB, as long as one set has fewer."""
+"""Number of distances that are kept at once: 128 MB, unless one set has more."""
 
 
 class GeodesicSolver(TangentSolver):
     """Geodesic distances on one shape: factorises once, then answers many sources.
 
-    Safe to use from several threads; pickles and copies (the factors are made again).
+    It is safe to use from several threads, and can be pickled and copied (factors are made again).
 
     Parameters
     ----------
     domain : Domain or object
-        A TriangleMesh, PointCloud, Graph, a plugin's kind of domain, or whatever
+        A TriangleMesh, PointCloud, Graph, a plugin's kind of domain, or any object that
         :func:`as_domain` takes: (vertices, faces), an object of trimesh, Open3D, networkx, ...
     *others
-        Nothing: an error says so, where vertices and faces were given as two arguments.
+        Not used: an error explains how to pass vertices and faces, if they are two arguments.
     operator : str, class or instance
-        The Laplace operator that measures distance; options travel on an instance. "auto" takes
-        the one for the kind of domain, and on meshes flips edges where obtuse angles would do
-        harm.
+        The Laplace operator that measures distance; an instance carries its options. "auto" takes
+        the operator for the kind of domain, and on meshes flips edges if obtuse angles would cause
+        errors.
     diffusion : str, class or instance, optional
-        Another operator on the same vertices for the heat to flow in.
+        Another operator on the same vertices, for the heat flow.
     time : float, optional
         Time step t of the heat, in squared units of length.
     time_factor : float
-        Time step in units of h², h the mean edge length of each connected part; where `time` is
-        not given. On a mesh h is at least half of the root mean square edge of the surface.
+        Time step in units of h², h the mean edge length of each component, if `time` is not given.
+        On a mesh h is at least half of the root mean square edge of the surface.
     boundary : {"neumann", "dirichlet", "average"}
         Condition on the heat at boundaries.
     solver : str, class, instance or dict
@@ -57,31 +57,32 @@ class GeodesicSolver(TangentSolver):
         True: sweep wavefronts over the triangles in the order of the heat, instead of solving the
         Poisson equation. That is several times more accurate on meshes and clouds, and exact at
         the sources. False: plain heat, the paper's own result, which is smooth. On a graph True is
-        the shortest path along its edges, and False the distance across them of what it samples,
-        by heat. "across" measures the latter by fronts that cross the triangles and quadrangles of
-        a graph. "auto" refines wherever the elements are triangles, and on graphs that are made of
-        lines, as trees and streets, or whose factor would take too long; lets fronts cross graphs
-        whose corners leave no gaps, as grids, voxels, meshes and neighbour graphs; and `diagnosis`
-        says why. Where `time`, `time_factor` or `diffusion` are given, heat is meant.
+        the shortest path along its edges, and False the distance on the sampled space across the
+        edges, by heat. "across" measures the latter by fronts that cross the triangles and
+        quadrangles of a graph. "auto" refines if the elements are triangles, and on graphs that are
+        made of lines, as trees and streets, or whose factor would take too long; it lets fronts
+        cross graphs whose corners do not leave gaps, as grids, voxels, meshes and neighbour graphs.
+        `diagnosis` has the reason. If `time`, `time_factor` or `diffusion` are given, "auto" uses
+        heat.
     mask : array-like of shape (N,), bool, optional
-        True at vertices that paths may not cross: faces and edges that touch one do not conduct,
-        and it reads ``inf`` itself. It needs no boundary of its own: what is left ends there.
+        True at vertices that paths may not cross: faces and edges that touch one are removed, and
+        its distance is ``inf``. The rest of the shape has a boundary there.
 
     Attributes
     ----------
     operator : LaplaceOperator
     diffusion : LaplaceOperator or None
-        The operator of the heat, if another one was given.
+        The operator of the heat, if a different one was given.
     method : HeatMethod
 
     Raises
     ------
     UnsupportedDomainError
-        Something that is not a domain, or that the operator does not take.
+        An object that is not a domain, or a domain that the operator does not take.
     InvalidDomainError
-        Something that would be one, but for what the message says.
+        Invalid arrays of a domain; the message names the fault.
     InvalidOptionError, PluginError
-        An option outside its values; an operator or solver that is not to be had.
+        An option outside its values; an operator or solver that is not available.
     SolverError, NotEnoughMemoryError
         The factorisation failed.
 
@@ -138,21 +139,23 @@ class GeodesicSolver(TangentSolver):
         ----------
         sources : int, array-like, SurfacePoint, sequence of them, Located, Curve or OffsetSources
             Vertex indices; points in space, of shape (3,) or (P, 3), snapped to the nearest point
-            of the surface; points inside faces, or other elements; a polyline; or any but that with
-            offsets. The vertices of a label are ``numpy.flatnonzero(labels == label)``.
+            of the surface; points inside faces, or other elements; a polyline; or any of these
+            except a polyline, with offsets. The vertices of a label are ``numpy.flatnonzero(labels
+            == label)``.
 
         Returns
         -------
         ndarray of shape (N,), float64
-            In the unit of the domain; ``inf`` where no source connects. Every source vertex reads
-            exactly 0, or the offset that it starts with, and nothing less than the least of them.
-            On a mesh refined distances are nowhere below the straight line to the nearest source,
-            nor above the shortest path along edges; on a cloud not below that line.
+            In the unit of the domain; ``inf`` at vertices that are not connected to a source. The
+            distance at a source vertex is exactly 0, or its offset, and distances are never below
+            the smallest of these. On a mesh refined distances are never below the straight line to
+            the nearest source, nor above the shortest path along edges; on a cloud not below that
+            line.
 
         Raises
         ------
         InvalidSourceError
-            No source, an index out of range, a point that is not finite, something else.
+            An empty set, an index out of range, a point that is not finite, or another object.
 
         Examples
         --------
@@ -162,9 +165,9 @@ class GeodesicSolver(TangentSolver):
         np.float64(0.0)
         """
         places = self.locate(sources)
-        self._complaints.where_cut([places])
+        self._complaints.warn_where_cut([places])
         distance = self.method.distance(places)
-        self._complaints.where_off([places], [distance])
+        self._complaints.warn_where_off([places], [distance])
         return distance
 
     def distances(
@@ -177,26 +180,26 @@ class GeodesicSolver(TangentSolver):
         source_sets : array-like of int, or iterable of what `distance` takes
             A one-dimensional array of integers means that many single sources.
         progress : callable, optional
-            Called with the number of sets done and their total after each block.
+            Called with the number of finished sets and their total after each block.
 
         Returns
         -------
         ndarray of shape (K, N), float64
-            One row a set.
+            One row for each set.
 
         Raises
         ------
         InvalidSourceError
-            As for `distance`, before any work; the message says which set.
+            As for `distance`, before any work; the message names the set.
         """
         sets = self.locate_sets(source_sets)
-        self._complaints.where_cut(sets)
+        self._complaints.warn_where_cut(sets)
         distances = self.method.distances(sets, progress=progress)
-        self._complaints.where_off(sets, distances)
+        self._complaints.warn_where_off(sets, distances)
         return distances
 
     def blocks(self, source_sets: ArrayLike | Iterable[Any]) -> Iterator[FloatArray]:
-        """Yield the distances from K sets of sources by blocks of rows that do not fill the memory.
+        """Yield the distances from K sets of sources in blocks of rows of limited size.
 
         Parameters
         ----------
@@ -221,12 +224,12 @@ class GeodesicSolver(TangentSolver):
         [(64, 162), (36, 162)]
         """
         sets = self.locate_sets(source_sets)
-        self._complaints.where_cut(sets)
+        self._complaints.warn_where_cut(sets)
         size = max(1, min(MOST_ROWS, BLOCK_ENTRIES // self.domain.n_vertices))
         for first in range(0, len(sets), size):
             some = sets[first : first + size]
             distances = self.method.distances(some)
-            self._complaints.where_off(some, distances)
+            self._complaints.warn_where_off(some, distances)
             yield distances
 
     def heat(self, sources: Any) -> FloatArray:
@@ -246,7 +249,7 @@ class GeodesicSolver(TangentSolver):
 
     @property
     def seams(self) -> Seams | None:
-        """The seams of a mesh, where boundary edges coincide, or None."""
+        """The seams of a mesh, which are coinciding boundary edges, or None."""
         return self._assembly.seams
 
     @property
@@ -269,9 +272,9 @@ class GeodesicSolver(TangentSolver):
 
 
 def check_solver(solver: object, what: str) -> None:
-    """Raise an `InvalidOptionError` where something else than a solver is given for `what`."""
+    """Raise an `InvalidOptionError` if the argument for `what` is not a solver."""
     if not isinstance(solver, GeodesicSolver):
         raise InvalidOptionError(
             f"{what} needs a GeodesicSolver, not a {type(solver).__name__}; "
-            "make one of the shape: GeodesicSolver(mesh)"
+            "make one for the shape: GeodesicSolver(mesh)"
         )

@@ -1,4 +1,4 @@
-"""Sources: from what a user gives to columns of a right-hand side (kinds, positions, weights).
+"""Sources: conversion of the input of a user to columns of a right-hand side.
 
-Imports discretizations, geometry and domains.
+It imports discretizations, geometry and domains.
 """

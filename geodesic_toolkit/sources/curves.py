@@ -1,4 +1,4 @@
-"""Polylines in space: samples of them, distances to them, and how they bend within a surface."""
+"""Polylines in space: their samples, distances to them, and their curvature within a surface."""
 
 import numpy as np
 
@@ -7,18 +7,19 @@ from geodesic_toolkit.core.types import BoolArray, FloatArray, IntArray
 __all__ = ["bends_of_polyline", "distance_to_segments", "sample_polyline"]
 
 MIN_ANGLE_OF_KINKS = 0.5
-"""Turn of a polyline, in radians, from which on it is a kink of the curve and no part of a bend: as
-much as a circle of the least radius that a mesh resolves, two edges, turns by along one. Within an
-edge's length all others must turn by less than that together, or else it is one of the steps of a
+"""Minimum turn of a polyline, in radians, at a kink of the curve instead of a bend: the turn along
+one edge of the smallest circle that a mesh resolves, with a radius of two edges. Within an edge's
+length the sum of all other turns must be smaller, or else the corner is one of the steps of a
 staircase, or of a loop too small to have corners.
 """
 
 WINDOW_OF_CURVATURE = 4.0
-"""Mean edge lengths over which a bend is averaged: steps from face to face are noise."""
+"""Length, in mean edge lengths, over which a bend is averaged: steps from face to face are
+noise."""
 
 
 def sample_polyline(corners: FloatArray, step: float) -> tuple[FloatArray, IntArray]:
-    """Return points along a polyline, its corners among them, no farther apart than `step`.
+    """Return points along a polyline, including its corners, at most `step` apart.
 
     Parameters
     ----------
@@ -29,7 +30,7 @@ def sample_polyline(corners: FloatArray, step: float) -> tuple[FloatArray, IntAr
     -------
     samples : ndarray of shape (S, 3)
     places : ndarray of shape (P,), int64
-        Which of them the corners are.
+        Indices of the samples at the corners.
     """
     edges = np.diff(corners, axis=0)
     pieces = np.maximum(np.ceil(np.linalg.norm(edges, axis=1) / step), 1).astype(np.int64)
@@ -43,21 +44,22 @@ def sample_polyline(corners: FloatArray, step: float) -> tuple[FloatArray, IntAr
 def distance_to_segments(
     places: FloatArray, samples: FloatArray
 ) -> tuple[FloatArray, BoolArray, BoolArray]:
-    """Return how far places near each sample are from the two segments that meet there.
+    """Return the distances of places near each sample from the two segments that meet there.
 
     Parameters
     ----------
     places : ndarray of shape (S, m, 3)
     samples : ndarray of shape (S, 3)
-        In order along a polyline.
+        Samples in order along a polyline.
 
     Returns
     -------
     distance : ndarray of shape (S, m)
     beside : ndarray of shape (S, m), bool
-        Whether the nearest point is inside a segment or between two, rather than an end of all.
+        True if the nearest point is inside a segment or between two, and not an end of the
+        polyline.
     at_sample : ndarray of shape (S, m), bool
-        Whether it is the sample itself.
+        True if the nearest point is the sample itself.
     """
     to_sample = distance = np.linalg.norm(places - samples[:, None], axis=2)
     beside = np.zeros(distance.shape, dtype=np.bool_)
@@ -81,17 +83,17 @@ def distance_to_segments(
 def bends_of_polyline(
     corners: FloatArray, normals: FloatArray, at: FloatArray, spacing: float, closed: bool
 ) -> tuple[FloatArray, BoolArray]:
-    """Return the geodesic curvature along a polyline, and which of its corners are kinks.
+    """Return the geodesic curvature along a polyline, and a mask of its kinks.
 
-    A turn is what the polyline turns by in the tangent plane, spread over half of either segment;
-    kinks are left out.
+    The turns of the polyline in the tangent plane are spread over half of both adjacent segments;
+    kinks are excluded.
 
     Parameters
     ----------
     corners, normals : ndarray of shape (P, 3)
-        The last corner of a closed polyline is its first.
+        The last corner of a closed polyline equals the first.
     at : ndarray of shape (S,)
-        Places as lengths along the polyline.
+        Positions as lengths along the polyline.
     spacing : float
         Mean edge length of the surface.
     closed : bool
@@ -99,7 +101,7 @@ def bends_of_polyline(
     Returns
     -------
     curvatures : ndarray of shape (S,)
-        To the left, seen from where the normals point.
+        Positive to the left, seen from outside, where the normals point.
     kinks : ndarray of shape (P,), bool
     """
     steps = np.diff(corners, axis=0)
@@ -114,9 +116,9 @@ def bends_of_polyline(
     if not closed:
         turns[[0, -1]] = 0.0
     kinks = _are_kinks(turns, ends, spacing, closed)
-    smooth = np.where(kinks, 0.0, turns)[:-1]  # at the beginning of each segment
+    smooth = np.where(kinks, 0.0, turns)[:-1]  # at the start of each segment
     middles, turned = (ends[:-1] + ends[1:]) / 2, np.cumsum(smooth)
-    if closed:  # the windows of the first and the last reach over the seam
+    if closed:  # windows at the ends overlap the seam
         laps = np.array([[-1.0], [0.0], [1.0]])
         middles = (middles + laps * ends[-1]).ravel()
         turned = (turned + laps * smooth.sum()).ravel()
@@ -129,8 +131,8 @@ def bends_of_polyline(
 
 
 def _are_kinks(turns: FloatArray, places: FloatArray, spacing: float, closed: bool) -> BoolArray:
-    """Return which corners of a polyline, so far along it, are kinks."""
-    last = len(turns) - closed  # it is the first again
+    """Return a mask of the kinks among corners at given lengths along a polyline."""
+    last = len(turns) - closed  # the last corner repeats the first
     own, at, total = turns[:last], places[:last], places[-1]
     reach = min(spacing, total) / 2
     laps = np.array([[-1.0], [0.0], [1.0]]) if closed else np.zeros((1, 1))

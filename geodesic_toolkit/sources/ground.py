@@ -1,4 +1,4 @@
-"""Places that points in space snap to: those of a kind of domain, of triangles, or vertices."""
+"""Places to which points in space snap: those of a kind of domain, of triangles, or vertices."""
 
 import threading
 from typing import TYPE_CHECKING
@@ -17,19 +17,19 @@ __all__ = ["Ground", "lies_in_triangles"]
 
 
 def lies_in_triangles(domain: Domain) -> bool:
-    """Return whether all places of a kind of domain are in its triangles, as those of a mesh."""
+    """Return True if all places of a kind of domain are in its triangles, as those of a mesh."""
     return domain.has("triangles") and not domain.has("closest")
 
 
 class Ground:
-    """The nearest places of one shape; the tree is built when it is first wanted, once.
+    """The nearest places of one shape; the tree is built once, on first use.
 
-    Safe to use from several threads.
+    It is safe to use from several threads.
 
     Parameters
     ----------
     domain : Domain
-        With positions.
+        A domain with positions.
     """
 
     def __init__(self, domain: Domain) -> None:
@@ -49,12 +49,12 @@ class Ground:
             return self._triangles
 
     def closest(self, points: FloatArray) -> Located:
-        """Return the places closest to points (Q, 3): those of the kind of domain, if it has any.
+        """Return the places closest to points (Q, 3), by the method of the domain if it has one.
 
         Raises
         ------
         UnsupportedDomainError
-            A kind of domain that returns something else than as many places.
+            A kind of domain that does not return as many places as there are points.
         """
         if self.domain.has("closest"):
             return _checked(self.domain, self.domain.closest(points), len(points))
@@ -65,31 +65,31 @@ class Ground:
         return Located(nearest[:, None], np.ones((len(nearest), 1)))
 
     def gaps(self, places: FloatArray) -> FloatArray:
-        """Return how far each place is from the shape."""
+        """Return the distance of each place from the shape."""
         feet = self.closest(places).positions(self.domain)
         return np.asarray(np.linalg.norm(places - feet, axis=1))
 
     def nearest_points(self, places: FloatArray) -> IntArray:
-        """Return the vertex that is nearest to each place; none that is missing."""
+        """Return the nearest vertex of each place, missing ones excluded."""
         from scipy.spatial import cKDTree
 
         with self._lock:
             if self._points is None or self._present is None:
-                somewhere = self.domain.present & np.isfinite(self._positions).all(axis=1)
-                self._present = np.flatnonzero(somewhere)
+                usable = self.domain.present & np.isfinite(self._positions).all(axis=1)
+                self._present = np.flatnonzero(usable)
                 self._points = cKDTree(self._positions[self._present])
         nearest: IntArray = self._present[self._points.query(places)[1]]
         return nearest
 
 
 def _checked(domain: Domain, found: object, count: int) -> Located:
-    """Return what a kind of domain answered, or raise where that is not what was asked for."""
+    """Return the checked result of a kind of domain."""
     kind = type(domain).__name__
     if not isinstance(found, Located) or len(found) != count:
         size = f" of {len(found)} places" if isinstance(found, Located) else ""
         raise UnsupportedDomainError(
             f"{kind}.closest returned a {type(found).__name__}{size} for {count} points; it must "
-            "return a Located of as many"
+            f"return a Located of {count} places"
         )
     found.check_on(domain, f"{kind}.closest")
     return found

@@ -1,4 +1,4 @@
-"""Sources that are more than places: curves, and places with a head start."""
+"""Kinds of sources beyond places: curves, and places with offsets."""
 
 import copy
 from collections.abc import Sequence
@@ -20,18 +20,18 @@ __all__ = ["Curve", "OffsetSources"]
 @final
 @dataclass(frozen=True, eq=False)
 class Curve:
-    """A polyline on a surface, all of which is the source.
+    """A polyline on a surface, which is the source as a whole.
 
-    Its segments are sampled densely and laid onto the surface, point by point to the nearest place:
-    give points that follow the surface. Refined distances take it for smooth where it turns by less
-    than half a radian, and leave it with its curvature.
+    Its segments are sampled densely and projected to the surface, each sample to the nearest place:
+    give points that follow the surface. Refinement treats the curve as smooth at turns of less than
+    half a radian, and fronts leave it with its curvature.
 
     Parameters
     ----------
     points : array-like of shape (P, 3), or sequence of SurfacePoint
         The corners of the polyline in order, two or more: in space, or on the faces of a mesh.
     closed : bool
-        Whether the last point is joined to the first.
+        True if the last point is joined to the first.
 
     Raises
     ------
@@ -54,10 +54,10 @@ class Curve:
     def __post_init__(self) -> None:
         points = self.points
         if isinstance(points, Sequence) and any(isinstance(p, SurfacePoint) for p in points):
-            strange = [p for p in points if not isinstance(p, SurfacePoint)]
-            if strange:
+            others = [p for p in points if not isinstance(p, SurfacePoint)]
+            if others:
                 raise InvalidSourceError(
-                    f"curve: {strange[0]!r} stands among SurfacePoints; use one kind"
+                    f"curve: expected only SurfacePoints, but got {others[0]!r}; do not mix kinds"
                 )
             count = len(points)
             object.__setattr__(self, "points", tuple(points))
@@ -71,28 +71,27 @@ class Curve:
             count = len(table)
             object.__setattr__(self, "points", freeze(table))
         if count < 2:
-            raise InvalidSourceError(f"curve: two points or more make a curve, not {count}")
+            raise InvalidSourceError(f"curve: a curve needs two points or more, not {count}")
 
 
 @final
 @dataclass(frozen=True, eq=False, init=False)
 class OffsetSources:
-    """Sources that do not all start at zero: the distance is the least of offset plus way.
+    """Sources with offsets: the distance is the minimum of offset plus length of path.
 
-    A source whose offset exceeds the distance that others give it has no effect.
+    A source whose offset exceeds its distance from other sources does not have an effect.
 
     Parameters
     ----------
     sources : int, array-like of int, array-like of float, SurfacePoint or sequence of them
         As :meth:`GeodesicSolver.distance` takes them.
     offsets : array-like of float
-        One a source, in the unit of the domain, finite and not negative.
+        One per source, in the unit of the domain, finite and not negative.
 
     Raises
     ------
     InvalidSourceError
-        Offsets that are not numbers, not finite or negative. That there is one for every source
-        is checked on use.
+        Offsets that are not numbers, not finite or negative. Their number is checked on use.
 
     Examples
     --------
@@ -115,13 +114,13 @@ class OffsetSources:
             bad = int(values.argmin())
             raise InvalidSourceError(f"offset {bad} is {values[bad]}; it must not be negative")
         if isinstance(sources, Sequence) or hasattr(sources, "__array__"):
-            sources = copy.deepcopy(sources)  # it may change later
+            sources = copy.deepcopy(sources)  # the user may change it later
         object.__setattr__(self, "sources", sources)
         object.__setattr__(self, "offsets", freeze(values))
 
 
 def _floats(values: Any, name: str) -> FloatArray:
-    check_nothing_masked(values, name, InvalidSourceError, "leave those rows out")
+    check_nothing_masked(values, name, InvalidSourceError, "remove those rows")
     try:
         array = np.asarray(values)
     except (ValueError, TypeError) as error:

@@ -1,4 +1,4 @@
-"""Curves that have been laid onto a surface, and the vertices on their sides."""
+"""Curves projected to a surface, and the vertices on their sides."""
 
 from dataclasses import dataclass
 
@@ -11,27 +11,27 @@ from geodesic_toolkit.sources.points import SourcePoints
 
 __all__ = ["LaidCurve", "sides_of"]
 
-ALONG = 4
-"""Samples, a quarter of an edge apart, within which one is nearest to a corner of a face."""
+N_NEAR_SAMPLES = 4
+"""Range of samples, a quarter of an edge apart, that may be nearest to a corner of a face."""
 
-ON_EDGE = 1e-6
-"""Barycentric weight below which a place is taken to be on the edge opposite."""
+MAX_WEIGHT_ON_EDGE = 1e-6
+"""Barycentric weight below which a place is on the opposite edge."""
 
 
 @dataclass(frozen=True, eq=False)
 class LaidCurve:
-    """Samples of a curve that have been laid onto a surface.
+    """Samples of a curve, projected to a surface.
 
     Attributes
     ----------
     points : ndarray of shape (S, 3), float64
-        In order along the curve; the first again at the end of a closed one.
+        Samples in order along the curve; a closed one repeats the first at the end.
     vertices : ndarray of shape (S, 3), int64
-        The triangle of each.
+        Vertices of the triangle of each sample.
     weights : ndarray of shape (S, 3), float64
-        Where in that.
+        Barycentric coordinates in that triangle.
     samples : CurveSamples
-        The curve before.
+        Samples of the curve before projection.
     closed : bool
     """
 
@@ -43,16 +43,16 @@ class LaidCurve:
 
     @property
     def lengths(self) -> FloatArray:
-        """The length of the curve that each sample stands for, of shape (S,)."""
+        """The length of the curve that each sample represents, of shape (S,)."""
         steps = np.linalg.norm(np.diff(self.points, axis=0), axis=1) / 2
         return np.asarray(np.append(steps, 0.0) + np.append(0.0, steps))
 
     def readings(self, values: FloatArray) -> FloatArray:
-        """Return what values at vertices, (N,), are at the samples, of shape (S,)."""
+        """Return values at vertices, (N,), interpolated at the samples, (S,)."""
         return np.asarray((self.weights * values[self.vertices]).sum(axis=1))
 
     def as_sources(self, n_vertices: int) -> SourcePoints:
-        """Return the samples as sources, each as heavy as the length that it stands for."""
+        """Return the samples as sources, weighted by the length that each represents."""
         none = np.zeros(self.weights.shape)
         return self._sources(n_vertices, self.weights * self.lengths[:, None], none, none)
 
@@ -64,9 +64,9 @@ class LaidCurve:
         Parameters
         ----------
         places, normals : ndarray of shape (N, 3), float64
-            Of the vertices.
+            Positions and normals of the vertices.
         boundary : ndarray of shape (N,), bool
-            Which of them are at the end of the surface.
+            True at vertices of the boundary.
         """
         around = self._around()
         past = [self._is_cut_off(boundary, end) for end in (0, -1)]
@@ -90,12 +90,18 @@ class LaidCurve:
         return self._sources(len(places), self.weights, distances, curvatures)
 
     def _is_cut_off(self, boundary: BoolArray, end: int) -> bool:
-        """Return whether an end of the curve is on the boundary."""
-        return bool((boundary[self.vertices[end]] | (self.weights[end] < ON_EDGE)).all())
+        """Return True if an end of the curve is on the boundary."""
+        return bool((boundary[self.vertices[end]] | (self.weights[end] < MAX_WEIGHT_ON_EDGE)).all())
 
     def _around(self) -> IntArray:
-        """Return the vertices around each sample and those a little farther along the curve."""
-        steps = np.arange(len(self.points))[:, None] + [-ALONG, -ALONG // 2, 0, ALONG // 2, ALONG]
+        """Return the vertices around each sample and around near samples of the curve."""
+        steps = np.arange(len(self.points))[:, None] + [
+            -N_NEAR_SAMPLES,
+            -N_NEAR_SAMPLES // 2,
+            0,
+            N_NEAR_SAMPLES // 2,
+            N_NEAR_SAMPLES,
+        ]
         if self.closed:
             rows = steps % (len(self.points) - 1)
         else:
@@ -103,7 +109,7 @@ class LaidCurve:
         return np.asarray(self.vertices[rows].reshape(len(self.points), -1))
 
     def normals(self, of_vertices: FloatArray) -> FloatArray:
-        """Return unit normals at the samples, (S, 3), between those of the vertices."""
+        """Return unit normals at the samples, (S, 3), interpolated from those of the vertices."""
         normals = np.einsum("sc,scd->sd", self.weights, of_vertices[self.vertices])
         lengths = np.linalg.norm(normals, axis=1, keepdims=True)
         return np.asarray(np.divide(normals, lengths, out=normals, where=lengths > 0))
@@ -125,20 +131,20 @@ class LaidCurve:
 def sides_of(
     curves: list[LaidCurve], places: FloatArray, normals: FloatArray
 ) -> tuple[IntArray, BoolArray]:
-    """Return the vertices around curves that have a side, and which of them are on the left.
+    """Return the vertices beside curves, and a mask of those on the left.
 
-    Those that are nearest to an end of an open curve have none.
+    Vertices that are nearest to an end of an open curve are not beside it.
 
     Parameters
     ----------
     curves : list of LaidCurve
     places, normals : ndarray of shape (N, 3), float64
-        Of the vertices.
+        Positions and normals of the vertices.
 
     Returns
     -------
     vertices : ndarray of shape (V,), int64
-        Each once.
+        Distinct vertices.
     left : ndarray of shape (V,), bool
     """
     parts = [_sides(curve, places, normals) for curve in curves]
@@ -152,7 +158,7 @@ def sides_of(
 def _sides(
     curve: LaidCurve, places: FloatArray, normals: FloatArray
 ) -> tuple[IntArray, FloatArray, BoolArray, BoolArray]:
-    """Return vertices around a curve, how far they are, whether beside it and on its left."""
+    """Return vertices around a curve, their distances, and masks: beside it, and on its left."""
     around = places[curve.vertices]
     distances, beside, _ = distance_to_segments(around, curve.points)
     if curve.closed:

@@ -20,17 +20,17 @@ from geodesic_toolkit.sources.surface_point import SurfacePoint
 __all__ = ["CurveSamples", "fronts_beside", "locate_sources", "samples_of"]
 
 SAMPLES_PER_EDGE = 4
-"""Samples of a curve to a mean edge length."""
+"""Number of samples of a curve per mean edge length."""
 
 MIN_VERTICES_OF_LABELS = 8
-"""Vertices of a shape from which on repeated sources, as many as there are vertices, are labels."""
+"""Minimum number of vertices of a shape for which repeated sources, one per vertex, are labels."""
 
 MIN_SHARE_OF_FRONT = 0.25
-"""Share of its length to which a front that leaves a curve may have shrunk at the next vertex: one
-that the curve bends about more closely than edges are long."""
+"""Minimum relative length of a front at the next vertex after it leaves a curve, for curves that
+bend around a vertex with a radius below the edge length."""
 
 MOST_SAMPLES = 10_000_000
-"""A curve of more is in another unit than the shape."""
+"""Maximum number of samples; a curve with more is in another unit than the shape."""
 
 
 def locate_sources(
@@ -48,14 +48,14 @@ def locate_sources(
     domain : Domain
     sources : int, array-like, SurfacePoint, sequence of them, Located, Curve or OffsetSources
         Vertex indices; points in space, of shape (3,) or (P, 3), snapped to the nearest point of
-        the surface (or of the cloud); points inside faces, or other elements; a polyline; or any
-        but that with offsets.
+        the surface (or of the cloud); points inside faces, or other elements; a polyline; or any of
+        these except a polyline, with offsets.
     name : str
-        What to call them in messages.
+        Name of the sources in messages.
     passable : Domain, optional
-        What is left of the domain where paths may go: points in space snap to that.
+        The unmasked part of the domain, to which points in space snap.
     ground : Ground, optional
-        That of `passable`, or else of `domain`, where it is kept from call to call.
+        The ground of `passable`, or else of `domain`, if it is kept between calls.
 
     Returns
     -------
@@ -64,16 +64,16 @@ def locate_sources(
     Raises
     ------
     InvalidSourceError
-        None at all, an index out of range, a missing point of a cloud, coordinates that are not
-        finite, or something that names no place.
+        An empty set, an index out of range, a missing point of a cloud, coordinates that are not
+        finite, or an object that is not a source.
     """
-    if isinstance(sources, int | np.integer):  # what is asked most, and soonest answered
+    if isinstance(sources, int | np.integer):  # the most frequent case first
         return _at_vertices(domain, as_vertices(sources, domain.n_vertices, name), name)
     if isinstance(sources, OffsetSources):
         places = locate_sources(domain, sources.sources, name, passable=passable, ground=ground)
         if isinstance(sources.sources, Curve) or len(sources.offsets) != places.count:
             raise InvalidSourceError(
-                f"{name}: {len(sources.offsets)} offsets must be one for each source"
+                f"{name}: the {len(sources.offsets)} offsets must be one for each source"
             )
         return replace(places, starts=sources.offsets, copy=False)
     if isinstance(sources, Curve):
@@ -105,7 +105,7 @@ def _at_vertices(domain: Domain, vertices: IntArray, name: str) -> SourcePoints:
 
 
 def _as_located(domain: Domain, sources: Any, name: str) -> Located | None:
-    """Return places that are given by the vertices around them, or by faces; None for others."""
+    """Return places that are given by their vertices or by faces; None for other sources."""
     if isinstance(sources, Located):
         if not len(sources):
             raise InvalidSourceError(f"{name}: there are none; give at least one place")
@@ -122,13 +122,16 @@ def _as_located(domain: Domain, sources: Any, name: str) -> Located | None:
 def _located(domain: Domain, points: Sequence[Any], name: str) -> Located:
     if not domain.has("triangles"):
         raise InvalidSourceError(
-            f"{name}: a SurfacePoint lies on a TriangleMesh, or another kind of domain that has "
-            f"triangles, not on a {type(domain).__name__}"
+            f"{name}: a SurfacePoint needs a TriangleMesh, or another kind of domain that has "
+            f"triangles, not a {type(domain).__name__}"
         )
     triangles = triangles_of(domain)
     for position, point in enumerate(points):
         if not isinstance(point, SurfacePoint):
-            raise InvalidSourceError(f"{name}: {point!r} is among SurfacePoints; use one kind")
+            raise InvalidSourceError(
+                f"{name}: expected a SurfacePoint at position {position}, got {point!r}; do not "
+                "mix kinds of source"
+            )
         if not 0 <= point.face < len(triangles):
             raise InvalidSourceError(
                 f"{name}: point {position} lies on face {point.face}; there are {len(triangles)}"
@@ -154,24 +157,24 @@ def _as_points(array: Any, name: str) -> FloatArray:
 
 
 def _check_one_meaning(array: Any, domain: Domain, name: str) -> None:
-    """Raise where three floats may be a point or, from an array of floats, three vertices.
+    """Raise if three floats may be a point or, from an array of floats, three vertices.
 
-    Three vertices would be different ones: the point (0, 0, 1) is nothing else.
+    Three vertices would be different: (0, 0, 1) can only be a point.
     """
-    if not domain.has("positions"):  # as a graph, which has no points
+    if not domain.has("positions"):  # a graph does not have points
         return
     whole = array.shape == (3,) and (array == np.floor(array)).all() and len(set(array)) == 3
     if whole and array.min() >= 0 and array.max() < domain.n_vertices:
         vertices = array.astype(np.int64).tolist()
         raise InvalidSourceError(
             f"{name}: {array.tolist()} may be three vertices or one point; give vertices as "
-            f"integers, {vertices} (of an array: {name}.astype(int)), and the point as an array of "
-            f"shape (1, 3), [{array.tolist()}]"
+            f"integers, {vertices} (for an array: {name}.astype(int)), and the point as an array "
+            f"of shape (1, 3), [{array.tolist()}]"
         )
 
 
 def _check_no_labels(array: Any, n_vertices: int, name: str) -> None:
-    """Raise where integers may be a label, or 0 and 1, for each vertex: sources do not repeat."""
+    """Raise if integers may be labels, or 0 and 1, of all vertices: sources do not repeat."""
     if (
         array.dtype.kind not in "iu"
         or array.shape != (n_vertices,)
@@ -181,8 +184,8 @@ def _check_no_labels(array: Any, n_vertices: int, name: str) -> None:
     values = np.unique(array)
     if 2 * len(values) <= n_vertices:
         raise InvalidSourceError(
-            f"{name}: {n_vertices} integers, of which only {len(values)} differ, for as many "
-            "vertices seem to be labels or a mask: give the vertices of one, "
+            f"{name}: {n_vertices} integers, one per vertex, with only {len(values)} different "
+            "values seem to be labels or a mask: give the vertices of one value, "
             f"numpy.flatnonzero({name} == {values[-1]})"
         )
 
@@ -207,7 +210,7 @@ def _in_space(ground: Ground, points: FloatArray, name: str) -> SourcePoints:
 
 
 def _used_positions(domain: Domain) -> FloatArray:
-    """Return the positions of the vertices in triangles where there are any, else the finite."""
+    """Return the positions of the vertices of triangles, or without these the present ones."""
     if domain.has("triangles"):
         used = np.zeros(domain.n_vertices, dtype=np.bool_)
         used[domain.triangles] = True
@@ -216,9 +219,9 @@ def _used_positions(domain: Domain) -> FloatArray:
 
 
 def _warn_if_far(points: FloatArray, feet: FloatArray, places: FloatArray, name: str) -> None:
-    """Warn of points that lie farther from the shape than its size."""
+    """Warn of points whose distance from the shape exceeds its size."""
     size = float(np.linalg.norm(places.max(axis=0) - places.min(axis=0)))
-    with np.errstate(over="ignore"):  # far in any case
+    with np.errstate(over="ignore"):  # infinity is far, too
         moved = np.linalg.norm(points - feet, axis=1)
     worst = int(moved.argmax())
     if moved[worst] > size:
@@ -233,15 +236,15 @@ def _warn_if_far(points: FloatArray, feet: FloatArray, places: FloatArray, name:
 
 
 class CurveSamples(NamedTuple):
-    """A polyline with points in between, as it was given: not yet laid onto the surface.
+    """A polyline with points in between, before projection to the surface.
 
     Attributes
     ----------
     points : ndarray of shape (S, 3), float64
     corners : ndarray of shape (P, 3), float64
-        Different from one to the next; the first again at the end of a closed curve.
+        Corners without consecutive repeats; a closed curve repeats the first at the end.
     places : ndarray of shape (P,), int64
-        Which of the points the corners are.
+        Indices of the points at the corners.
     spacing : float
         Mean edge length of the shape.
     """
@@ -258,17 +261,17 @@ def samples_of(domain: Domain, passable: Domain, curve: Curve, name: str) -> Cur
     Parameters
     ----------
     domain : Domain
-        On whose faces the points of the curve may lie.
+        The domain whose faces may contain the points of the curve.
     passable : Domain
-        With positions: what is left of it where paths may go.
+        The unmasked part of the domain, with positions.
     curve : Curve
     name : str
-        What to call it in messages.
+        Name of the curve in messages.
 
     Raises
     ------
     InvalidSourceError
-        A face that there is not; a curve in another unit.
+        A face that does not exist; a curve in another unit.
     """
     from geodesic_toolkit.sources.curves import sample_polyline
 
@@ -284,15 +287,15 @@ def samples_of(domain: Domain, passable: Domain, curve: Curve, name: str) -> Cur
     length = np.linalg.norm(np.diff(corners, axis=0), axis=1).sum()
     if not length < MOST_SAMPLES * step:
         raise InvalidSourceError(
-            f"{name}: the curve is {length / (SAMPLES_PER_EDGE * step):.3g} times as long as the mean "
-            "edge; is it in the unit of the shape?"
+            f"{name}: the curve is {length / (SAMPLES_PER_EDGE * step):.3g} times as long as the "
+            "mean edge; is it in the unit of the shape?"
         )
     points, places = sample_polyline(corners, step)
     return CurveSamples(points, corners, places, spacing)
 
 
 def _along(domain: Domain, ground: Ground, curve: Curve, name: str) -> SourcePoints:
-    """Return samples of a curve; the corners around one lie at their distance from the curve."""
+    """Return samples of a curve; vertices around them have their distance from the curve."""
     passable = ground.domain
     points, corners, places, spacing = samples_of(domain, passable, curve, name)
     at = ground.closest(points)
@@ -318,7 +321,7 @@ def _along(domain: Domain, ground: Ground, curve: Curve, name: str) -> SourcePoi
 
 
 def _normals_at(surface: Domain, at: Located) -> FloatArray:
-    """Return unit normals at places in triangles, (P, 3), between those of the corners."""
+    """Return unit normals at places in triangles, (P, 3), by those of the corners."""
     triangles, positions = surface.triangles, surface.positions
     near = np.zeros(surface.n_vertices, dtype=np.bool_)
     near[at.vertices] = True
@@ -344,26 +347,27 @@ def fronts_beside(
     closed: bool,
     past: tuple[bool, bool] = (False, False),
 ) -> tuple[FloatArray, FloatArray]:
-    """Return how far vertices around the samples of a curve are from it, and the front there.
+    """Return the distances from a curve of vertices around its samples, and the front there.
 
-    A front leaves with the geodesic curvature of the curve, to the one side as if it converged, and
-    after a way s on a flat surface has ``κ / (1 + κ s)``. About ends and kinks it is a circle.
+    A front leaves with the geodesic curvature of the curve, as a converging front on one side, and
+    after a distance s on a flat surface its curvature is ``κ / (1 + κ s)``. Around ends and kinks
+    it is a circle.
 
     Parameters
     ----------
     around : ndarray of shape (S, 3, 3)
         Three vertices for each sample.
     laid, normals : ndarray of shape (S, 3)
-        Where the samples lie on the surface, and its normals there.
+        The positions of the samples on the surface, and its normals there.
     corners : ndarray of shape (P, 3)
-        Of the curve as it was given.
+        Corners of the given curve.
     places : ndarray of shape (P,), int64
         The samples at the corners.
     spacing : float
     closed : bool
     past : tuple of two bool
-        Whether the curve is cut off at its first and its last end, by the boundary of the surface,
-        and would go on.
+        True if the curve is cut at its first or its last end by the boundary of the surface, and
+        would continue.
 
     Returns
     -------
@@ -393,7 +397,7 @@ def fronts_beside(
 
 
 def _spacing(domain: Domain) -> float:
-    """Return the mean edge length of the triangles, or how far the vertices are apart."""
+    """Return the mean edge length of the triangles, or the median distance of vertices."""
     if domain.has("triangles"):
         return float(face_edge_lengths(domain.positions, domain.triangles).mean())
     from scipy.spatial import cKDTree
@@ -412,7 +416,7 @@ def _between(
     distances: FloatArray | None = None,
     curvatures: FloatArray | None = None,
 ) -> SourcePoints:
-    """Return places as sources; their vertices lie at straight distances by default."""
+    """Return places as sources; by default, the distances of their vertices are straight."""
     vertices, weights = places.vertices, places.weights
     if distances is None:
         corners = positions_of(domain)[vertices]

@@ -1,4 +1,4 @@
-"""Sources as convex combinations of vertices: what the heat method starts from."""
+"""Sources as convex combinations of vertices, from which the heat method starts."""
 
 from __future__ import annotations
 
@@ -20,13 +20,11 @@ if TYPE_CHECKING:
 
 __all__ = ["SourcePoints", "as_vertices"]
 
-ADVICE_ON_MASKED_SOURCES = (
-    "those that count are {}.compressed(), or of a table its rows that are whole"
-)
-"""What to give in the place of sources of which some are masked."""
+ADVICE_ON_MASKED_SOURCES = "the unmasked ones are {}.compressed(), or the complete rows of a table"
+"""Advice on how to replace sources of which some are masked."""
 
 LOG_RANGE_OF_LAYER = 200.0
-"""Powers of e between the sources of one right-hand side; float64 has 700."""
+"""Maximum range, in powers of e, of the sources of one right-hand side; float64 has 700."""
 
 
 @dataclass(frozen=True)
@@ -36,22 +34,22 @@ class SourcePoints(FrozenArrays):
     Attributes
     ----------
     vertices : ndarray of shape (nnz,), int64
-        The vertices around the points, one point after the other; repeated where points share one.
+        The vertices around the points, one point after the other; repeated if points share one.
     shares : ndarray of shape (nnz,), float64
-        Their barycentric weights, which add up to 1 for each point.
+        The barycentric weights of the vertices, with sum 1 for each point.
     begins : ndarray of shape (P + 1,), int64
-        Where the vertices of each point begin, and nnz at the end.
+        Index of the first vertex of each point, and nnz at the end.
     n_vertices : int
         Number N of vertices of the domain.
     distances : ndarray of shape (nnz,), float64
-        How far the point is from each of its vertices; 0 for a point at a vertex.
+        The distance of each vertex from its point; 0 for a point at a vertex.
     starts : ndarray of shape (P,), float64
-        The distance that each point starts with; 0 unless given.
+        The offset of each point; 0 unless given.
     front_curvatures : ndarray of shape (nnz,), float64, optional
-        Geodesic curvature κ of the front when it comes to those vertices; that of a circle about
-        the point, ``1 / distances``, unless given.
+        Geodesic curvature κ of the front at the vertices; that of a circle around the point, ``1 /
+        distances``, unless given.
     copy : bool
-        False takes the arrays as they are, where nobody is going to change them.
+        False keeps the arrays without a copy, if they will not change.
     """
 
     vertices: IntArray
@@ -139,7 +137,7 @@ class SourcePoints(FrozenArrays):
 
     @cached_property
     def weights(self) -> csr_array:
-        """The weights as a matrix of shape (P, N), one row a point, its entries as they come."""
+        """The weights as a matrix of shape (P, N), with a row per point and unsorted entries."""
         from scipy.sparse import csr_array
 
         entries = (self.shares, self.vertices, self.begins)
@@ -159,9 +157,10 @@ class SourcePoints(FrozenArrays):
         return np.repeat(np.arange(self.count), np.diff(self.begins))
 
     def readings(self, values: FloatArray) -> FloatArray:
-        """Return what values at the vertices, (N,), are in the points, less what they begin with.
+        """Return values at the vertices, (N,), interpolated at the points, minus their distances.
 
-        That is their weighted mean, less how far the vertices are from the point, and its start.
+        It is the weighted mean of the values minus the distances of the vertices from the point,
+        minus its offset.
 
         Parameters
         ----------
@@ -171,8 +170,8 @@ class SourcePoints(FrozenArrays):
         -------
         ndarray of shape (P,), float64
         """
-        above = self.shares * (values[self.vertices] - self.distances)
-        return np.add.reduceat(above, self.begins[:-1]) - self.starts
+        shifted = self.shares * (values[self.vertices] - self.distances)
+        return np.add.reduceat(shifted, self.begins[:-1]) - self.starts
 
     @cached_property
     def delayed(self) -> bool:
@@ -181,16 +180,16 @@ class SourcePoints(FrozenArrays):
 
     @property
     def radial(self) -> bool:
-        """True if distance grows from 0 in circles about the points: not a curve, no offsets."""
+        """True if distance grows from 0 in circles around points, without curves or offsets."""
         return bool((self.curvatures > 0).all() and not self.delayed)
 
     def first_to_start(self, components: IntArray) -> BoolArray:
-        """Return the points of which none in the same component starts earlier.
+        """Return a mask of the points with the smallest offset in their component.
 
         Parameters
         ----------
         components : ndarray of shape (P,), int64
-            The connected component that each point lies in.
+            The connected component of each point.
 
         Returns
         -------
@@ -208,29 +207,30 @@ class SourcePoints(FrozenArrays):
         Returns
         -------
         vertices, strengths, log_scale
-            What to add where, with repeated vertices; the logarithm of what to scale its heat by.
+            Vertices, which may repeat, and the heat to add at them; logarithm of the scale of the
+            result.
         """
         return self.vertices, self.shares, 0.0
 
     def delayed_loads(
         self, components: IntArray, decay: FloatArray
     ) -> list[tuple[IntArray, FloatArray, float]]:
-        """Return such loads for points that start later than others.
+        """Return loads for points with different offsets.
 
-        Heat falls exponentially: a source that starts later is weaker by that. One load serves
-        unless starts differ by so much that floats would underflow.
+        Heat falls exponentially with distance, and so does the strength of a source with its
+        offset. One load is enough unless offsets differ so much that floats would underflow.
 
         Parameters
         ----------
         components : ndarray of shape (P,), int64
-            The connected component that each point lies in; they do not hear of one another.
+            The connected component of each point; heat does not pass between components.
         decay : ndarray of shape (P,), float64
-            Powers of e by which heat falls in a unit of length there.
+            Rate of exponential decay of heat per unit of length at each point.
 
         Returns
         -------
         list of tuple
-            Each as :meth:`load` returns it.
+            Loads in the form of :meth:`load`.
         """
         vertices, weights, _ = self.load()
         least = np.full(components.max() + 1, np.inf)
@@ -248,7 +248,7 @@ class SourcePoints(FrozenArrays):
         return loads
 
     def components(self, discretization: Discretization) -> IntArray:
-        """Return the connected component that each point lies in.
+        """Return the connected component of each point.
 
         Parameters
         ----------
@@ -262,13 +262,13 @@ class SourcePoints(FrozenArrays):
 
     @property
     def nearest_vertices(self) -> IntArray:
-        """The (P,) vertex that is closest to each point."""
+        """The vertex closest to each point, of shape (P,)."""
         order = np.lexsort((self.distances, self.rows))
         return np.asarray(self.vertices[order[self.begins[:-1]]])
 
     @property
     def first_vertices(self) -> IntArray:
-        """The (P,) first of the vertices around each point."""
+        """The first vertex of each point, of shape (P,)."""
         return np.asarray(self.vertices[self.begins[:-1]])
 
 
@@ -278,10 +278,10 @@ def as_vertices(sources: Any, n_vertices: int, name: str = "sources") -> IntArra
     Raises
     ------
     InvalidSourceError
-        None at all, something that is not an integer, an index out of range.
+        An empty set, a value that is not an integer, an index out of range.
     """
     if isinstance(sources, int) and not isinstance(sources, bool) and 0 <= sources < n_vertices:
-        return np.array([sources], dtype=np.int64)  # by far the most frequent
+        return np.array([sources], dtype=np.int64)  # the most frequent case
     check_nothing_masked(sources, name, InvalidSourceError, ADVICE_ON_MASKED_SOURCES)
     try:
         array = np.atleast_1d(np.asarray(sources))
@@ -291,7 +291,7 @@ def as_vertices(sources: Any, n_vertices: int, name: str = "sources") -> IntArra
         raise InvalidSourceError(f"{name}: there are none; give at least one vertex")
     if array.dtype.kind not in "iu" or array.ndim != 1:
         raise InvalidSourceError(
-            f"{name} must be vertex indices, one integer or a one-dimensional array of them, "
+            f"{name} must be vertex indices, one integer or a one-dimensional array of integers, "
             f"not {array.dtype} of shape {np.shape(sources)}"
         )
     outside = (array < 0) | (array >= n_vertices)

@@ -13,7 +13,7 @@ __all__ = ["SurfacePoint"]
 @final
 @dataclass(frozen=True)
 class SurfacePoint:
-    """A point of a triangle mesh, by the face that it lies in.
+    """A point of a triangle mesh, given by its face.
 
     Parameters
     ----------
@@ -39,16 +39,16 @@ class SurfacePoint:
 
     def __post_init__(self) -> None:
         if isinstance(self.face, bool) or not isinstance(self.face, int | np.integer):
-            raise InvalidSourceError(f"a face is an integer index, not {self.face!r}")
+            raise InvalidSourceError(f"face must be an integer index, not {self.face!r}")
         try:
             weights = np.array(self.barycentric, dtype=np.float64)
         except (TypeError, ValueError) as error:
             raise InvalidSourceError(
-                f"barycentric coordinates are three numbers, not {self.barycentric!r}"
+                f"barycentric coordinates must be three numbers, not {self.barycentric!r}"
             ) from error
         if weights.shape != (3,) or not (weights >= -1e-9).all() or abs(weights.sum() - 1) > 1e-6:
             raise InvalidSourceError(
-                f"barycentric coordinates are three non-negative numbers with sum 1, "
+                f"barycentric coordinates must be three non-negative numbers with sum 1, "
                 f"not {self.barycentric!r}"
             )
         weights = np.maximum(weights, 0.0)

@@ -8,7 +8,7 @@ import numpy as np
 from geodesic_toolkit.core.rows import CompressedRows
 from geodesic_toolkit.core.types import BoolArray, FloatArray
 from geodesic_toolkit.geometry.frames import ComplexArray
-from geodesic_toolkit.heat.log_range import settled_above
+from geodesic_toolkit.heat.log_range import smallest_final_value
 from geodesic_toolkit.linear.base import Factor, LinearSolver
 from geodesic_toolkit.linear.patterns import SharedAnalysis
 
@@ -57,7 +57,7 @@ class VectorFlow:
 
     @cached_property
     def _least(self) -> float:
-        return settled_above(self.matrix.diagonal())
+        return smallest_final_value(self.matrix.diagonal())
 
     def log_solve(self, load: ComplexArray) -> LogVectors:
         """Return the same as lengths and directions, however small the lengths become.

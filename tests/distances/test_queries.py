@@ -476,7 +476,7 @@ def test_what_was_written_can_be_asked_for_again(tmp_path):
         ("a.csv", b"x,y,z\n", "no numbers in the file, only 'x,y,z'"),
         ("a.csv", b"0,0,0\n1,1\n", "number of columns changed from 3 to 2"),
         ("a.csv", b"a,b,c,d\n0,0,0,0\n", "columns are named a, b, c, d: which are x, y and z"),
-        ("a.csv", b"nan,0,0\n", "no point of the point cloud is finite"),
+        ("a.csv", b"nan,0,0\n", "the point cloud has no finite points"),
         ("a.edges", b"0 1\n", "a Graph has no positions"),
     ],
 )

@@ -77,7 +77,7 @@ def test_a_small_part_beside_a_large_one_reads_what_it_reads_alone():
     assert np.isinf(np.delete(found[0], np.arange(first, first + 8))).all()
     np.testing.assert_array_equal(found[1, :first], found[2, :first])
     np.testing.assert_allclose(found[2, first : first + 8], gt.exact_distance(small, 1))
-    assert "exact on parts of up to 500 faces" in solver.diagnosis.reason
+    assert "exact on components of up to 500 faces" in solver.diagnosis.reason
 
 
 def test_a_mask_may_leave_a_small_part():

@@ -120,7 +120,7 @@ def test_any_soup_of_faces_has_an_answer_or_a_typed_error(vertices, faces, refin
     mesh = gt.TriangleMesh(vertices, faces % count)
     distance = answer_or_typed_error(mesh, source % count, refine=refine)
     if distance is None:
-        with pytest.raises(UnsupportedDomainError, match="single place"):
+        with pytest.raises(UnsupportedDomainError, match="at one position"):
             gt.GeodesicSolver(mesh)
 
 

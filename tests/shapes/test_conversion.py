@@ -281,7 +281,7 @@ def test_the_faces_between_solids_are_inside():
 def test_faces_with_fewer_than_three_corners_are_left_out():
     faces, remarks = split_polygons(np.zeros((9, 3)), np.array([2, 3]), np.array([7, 8, 0, 1, 2]))
     np.testing.assert_array_equal(faces, [[0, 1, 2]])
-    assert remarks == ["1 faces have fewer than three corners and were left out"]
+    assert remarks == ["1 faces have fewer than three corners and were dropped"]
 
 
 @pytest.mark.parametrize(

@@ -107,7 +107,7 @@ def test_degenerate_duplicate_and_unreferenced_parts_are_not_errors():
     [
         (np.zeros((4, 2)), None, r"points must have shape \(n, 3\)"),
         (np.zeros((0, 3)), None, "no points"),
-        (np.full((2, 3), np.nan), None, "no point of the point cloud is finite"),
+        (np.full((2, 3), np.nan), None, "the point cloud has no finite points"),
         (TRIANGLE, [[0, 0, 1]], r"normals must have shape \(3, 3\), not \(1, 3\)"),
         (TRIANGLE, [[0, 0, 1], [0, 0, 0], [0, 0, 1]], "normal 1 is zero"),
         (TRIANGLE, [[0, 0, 1], [0, 0, 1], [0, np.nan, 1]], "normal 2 is zero or not finite"),

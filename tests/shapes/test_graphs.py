@@ -97,14 +97,13 @@ def test_plain_heat_refuses_lengths_too_far_apart_by_name():
     lengths = np.ones(square.n_edges)
     lengths[7] = 3e6
     graph = gt.Graph(25, square.edges, lengths)
-    named = (
-        f"that from {min(graph.edges[7])} to {max(graph.edges[7])}, connected to it, .* refine=True"
-    )
+    one, other = sorted(graph.edges[7])
+    named = f"the edge from {one} to {other} of the same component .* refine=True"
     with pytest.raises(UnsupportedDomainError, match=named):
         gt.GeodesicSolver(graph, refine=False)
     solver = gt.GeodesicSolver(graph)
     assert solver.method.refine
-    assert "too far apart" in solver.diagnosis.reason
+    assert "too large for double" in solver.diagnosis.reason
 
 
 def test_lengths_a_million_times_apart_still_have_a_distance():
@@ -134,7 +133,7 @@ def test_lengths_of_separate_parts_may_be_as_far_apart_as_they_like():
 
 @pytest.mark.parametrize("length", [1e-200, 1e200])
 def test_lengths_without_a_square_in_floats_are_refused(length):
-    with pytest.raises(UnsupportedDomainError, match="take another unit of length"):
+    with pytest.raises(UnsupportedDomainError, match="use another unit of length"):
         gt.GeodesicSolver(gt.Graph(3, [[0, 1], [1, 2]], [length, length]))
 
 

@@ -159,7 +159,7 @@ BAD = {
     "time twice": ((V, F), 0, {"time": 1, "time_factor": 2}, InvalidOptionError, "not both"),
     "factor None": ((V, F), 0, {"time_factor": None}, InvalidOptionError, "must be numbers"),
     "time 1e300": ((V, F), 0, {"time": 1e300}, InvalidOptionError, "heat is the same everywhere"),
-    "factor 1e30": ((V, F), 0, {"time_factor": 1e30}, InvalidOptionError, "so long that heat"),
+    "factor 1e30": ((V, F), 0, {"time_factor": 1e30}, InvalidOptionError, "so long that the heat"),
     "time a string": ((V, F), 0, {"time": "1"}, InvalidOptionError, "time must be a number"),
     "refine a string": ((V, F), 0, {"refine": "no"}, InvalidOptionError, "True, False or"),
     "vertices of 1e200": ((1e200 * V, F), 0, {}, UnsupportedDomainError, "another unit of length"),

@@ -14,7 +14,7 @@ from geodesic_toolkit.errors import (
     UnsupportedDomainError,
 )
 from geodesic_toolkit.geometry.seams import find_seams
-from geodesic_toolkit.geometry.welding import merged_places
+from geodesic_toolkit.geometry.welding import merged_positions
 from geodesic_toolkit.testing import shapes
 
 BALL = shapes.icosphere(3)
@@ -188,7 +188,7 @@ def test_places_are_merged_as_if_one_after_the_other():
         expected.append(stay[near[0]] if len(near) else k)
         if not len(near):
             stay.append(k)
-    np.testing.assert_array_equal(merged_places(points, reach), expected)
+    np.testing.assert_array_equal(merged_positions(points, reach), expected)
     assert 50 < len(stay) < 350
 
 

@@ -179,7 +179,7 @@ def test_heaps_here_and_there_change_nothing_elsewhere():
 def test_a_source_that_others_stand_for_reads_0_and_its_neighbours_are_right():
     points = scan_lines(40)
     thin = representatives(points, 40)
-    source = int(np.flatnonzero(~thin.stands & inside(points))[5000])
+    source = int(np.flatnonzero(~thin.is_kept & inside(points))[5000])
     distance = solver_of(points).distance(source)
     assert distance[source] == 0
     true = np.linalg.norm(points - points[source], axis=1)

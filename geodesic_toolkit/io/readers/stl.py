@@ -12,10 +12,10 @@ from geodesic_toolkit.geometry.seams import COINCIDENCE_TOLERANCE
 from geodesic_toolkit.geometry.welding import (
     boundary_edges,
     edges_and_counts,
-    merged_places,
+    merged_positions,
     movable_by,
     rounding_of,
-    same_places,
+    same_positions,
 )
 from geodesic_toolkit.io.common import floats
 
@@ -71,7 +71,7 @@ def _weld(corners: FloatArray) -> TriangleMesh:
     however near to each other.
     """
     corners = corners + 0.0  # turns -0.0 into the equal 0.0
-    first, vertex_of_corner = same_places(corners)
+    first, vertex_of_corner = same_positions(corners)
     points, faces = corners[first], vertex_of_corner.reshape(-1, 3)
     rim = np.unique(boundary_edges(faces))
     if len(rim):
@@ -79,7 +79,7 @@ def _weld(corners: FloatArray) -> TriangleMesh:
         extent = float(np.linalg.norm(np.ptp(points, axis=0)))
         near = max(COINCIDENCE_TOLERANCE * extent, rounding_of(points))
         owner = np.arange(len(points))
-        owner[rim] = rim[merged_places(points[rim], np.minimum(limit, near))]
+        owner[rim] = rim[merged_positions(points[rim], np.minimum(limit, near))]
         kept, new = np.unique(owner, return_inverse=True)
         points, faces = points[kept], new[faces]
     return TriangleMesh(points, faces)

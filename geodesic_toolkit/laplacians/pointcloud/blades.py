@@ -1,4 +1,4 @@
-"""Roughness of a cloud at two widths, and the blades that a scanner's noise stands in."""
+"""Roughness of a cloud at two widths, and the blades that the noise of a scanner forms."""
 
 import numpy as np
 
@@ -24,34 +24,34 @@ NOISY_NEIGHBOURS = 30
 refined distances err by 0.4-0.9 % instead of 1.3-1.4 %."""
 
 N_SAMPLES = 2000
-"""Points that tell how noisy a cloud is."""
+"""Sampled points from which the noise of a cloud is estimated."""
 
 POINTS_OF_REGION = 25
-"""As many of them tell it in one region."""
+"""Number of these samples from which the noise of one region is estimated."""
 
 GROWTH_ON_SMOOTH_SURFACES = 1.58
 """Growth of the roughness of a smooth surface: neighbourhoods of 30 points are wider than those of
-12 by that factor, and as much rougher."""
+12 by this factor, and rougher by the same factor."""
 
 MIN_GROWTH_OF_BLADES = 3.0
-"""Growth of the roughness from which on the nearest points are no sample of the surface. What a
-ring of a scanner's noise spreads out lies on the cone of its beam, a flat blade across the ground,
-and the next ones are on blades beside it: near a scanner on a slope growth is 20 to 40, and normals
+"""Minimum growth of the roughness at which the nearest points do not sample the surface. The noise
+of a scanner's ring spreads along the cone of its beam, which is a flat blade across the ground, and
+the next rings are blades beside it. Near a scanner on a slope the growth is 20 to 40, and normals
 from few neighbours are those of the blades. They are estimated as in noise."""
 
 MIN_ROUGHNESS_OF_BLADES = 0.05
-"""Roughness of the wider neighbourhoods from which on that matters. It is 0.12 to 0.23 there; rings
-that are far apart, and are thinned, have 0.02. From 0.02 to 0.1 the same sweeps are right."""
+"""Minimum roughness of the wider neighbourhoods in blades. It is 0.12 to 0.23 there; thinned rings
+that are far apart have 0.02. Limits from 0.02 to 0.1 give correct results on the same sweeps."""
 
 MAX_COSINE_OF_LEANING_BLADES = 0.97
 """Cosine of the angle between planes from few and from more neighbours below which blades lean."""
 
 MIN_MEAN_COSINE_OF_ONE_SIDE = 0.9
-"""Mean cosine of the angles between the planes of a region from which on they lean one way. Those
-on both sides of a crease do not."""
+"""Minimum mean cosine of the angles between the planes of a region that lean to one side. Planes on
+both sides of a crease do not."""
 
 MAX_ROUGHNESS_OF_ROUNDING = 1e-3
-"""Roughness up to which there is no noise to speak of, but rounding."""
+"""Roughness up to which the noise is only rounding."""
 
 
 def roughness_and_growth(
@@ -73,7 +73,7 @@ def roughness_and_growth(
 
 
 def where_blades(points: FloatArray, chosen: IntArray, near: IntArray) -> BoolArray:
-    """Return which of all points, (N,), stand in blades: in regions where the chosen ones do.
+    """Return a mask (N,) of the points in blades: in regions where the chosen points are.
 
     Parameters
     ----------

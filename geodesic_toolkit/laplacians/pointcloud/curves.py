@@ -1,4 +1,4 @@
-"""Curves: points whose neighbours lie ahead of them and behind, and nowhere else."""
+"""Curves: points whose neighbours lie only ahead of them and behind them."""
 
 import numpy as np
 
@@ -8,33 +8,33 @@ from geodesic_toolkit.geometry.components import connected_by_edges
 __all__ = ["MIN_COSINE_AHEAD", "curve_links", "directions", "largest_chain", "lie_on_lines"]
 
 NEIGHBOURS_ALONG_LINE = 6
-"""Neighbours that tell whether there is a line: three before and three behind."""
+"""Neighbours that have to be on one line with a point: three before and three behind."""
 
 MAX_VARIANCE_ACROSS_LINES = 0.05
-"""Variance across these neighbours and the point, in shares of that along them, up to which they
-are a line. Seven points of a line have 0.02 with noise of a third of their spacing, of a circle of
-40 points 0.01; the median of points that are drawn at random from a surface is 0.4."""
+"""Maximum variance across these neighbours and the point, relative to that along them, on a line.
+Seven points of a line have 0.02 with noise of a third of their spacing, of a circle of 40 points
+0.01; the median of points that are drawn at random from a surface is 0.4."""
 
 NEIGHBOURS_TO_NEXT_POINT = 12
-"""Neighbours among which the next point of a curve is sought. Of points drawn at random from a line
-one in 2,000 has none on one side among so many."""
+"""Neighbours among which the next point of a curve is searched. On a line sampled at random, one
+point in 2,000 has all of them on one side."""
 
 MIN_COSINE_AHEAD = 0.8
-"""Cosine of the angle to the direction of a curve from which on a neighbour is its next point. The
-next turn of a helix, five spacings away, is not within 37 degrees of it among so many."""
+"""Minimum cosine of the angle between the direction of a curve and its next point. The next turn of
+a helix, five spacings away, is not within 37 degrees of it among these neighbours."""
 
 N_PROBES = 2000
-"""Points that tell whether a cloud has lines."""
+"""Points at which lines of a cloud are searched first."""
 
 MIN_SHARE_OF_PROBES = 0.05
-"""Share of the probes that have to lie on lines for all points to be asked. Measured: 0.3 % do on
+"""Minimum share of the probes on lines at which all points are checked. Measured: it is 0.3 % on
 clouds drawn at random from surfaces."""
 
 
 def lie_on_lines(points: FloatArray, near: IntArray) -> BoolArray:
-    """Return which points have their nearest neighbours on one line, of shape (N,).
+    """Return a mask (N,) of the points whose nearest neighbours are on one line.
 
-    Nowhere where hardly any point has.
+    It is all False if this holds for less than :data:`MIN_SHARE_OF_PROBES` of the probes.
 
     Parameters
     ----------
@@ -99,13 +99,13 @@ def largest_chain(points: FloatArray, near: IntArray, on_lines: BoolArray) -> fl
 def directions(
     points: FloatArray, near: IntArray, chosen: IntArray
 ) -> tuple[FloatArray, BoolArray]:
-    """Return the directions in which neighbourhoods extend most, (M, 3), and which are lines.
+    """Return the directions in which neighbourhoods extend most, (M, 3), and a mask of lines.
 
     Parameters
     ----------
     points : ndarray of shape (N, 3), float64
     near : ndarray of shape (M, k), int64
-        Of the chosen points; nearest first.
+        Neighbours of the chosen points, nearest first.
     chosen : ndarray of shape (M,), int64
     """
     places = points[np.column_stack([chosen, near[:, :NEIGHBOURS_ALONG_LINE]])]

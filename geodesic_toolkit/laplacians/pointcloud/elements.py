@@ -1,4 +1,4 @@
-"""What the stars and links of a cloud are as elements of a gradient, and what they measure."""
+"""Elements of the gradient and measures for the stars and links of a cloud."""
 
 import numpy as np
 
@@ -9,14 +9,14 @@ from geodesic_toolkit.laplacians.pointcloud.soup import Soup
 
 __all__ = ["TIE_LENGTH", "areas_of", "frames_on_surface", "with_segments"]
 
-FLATTEST = 1e-16
-"""Squared height of a triangle to its edge below which it is taken for rounding."""
+MIN_SQUARED_RELATIVE_HEIGHT = 1e-16
+"""Squared height of a triangle relative to its edge below which the height is rounding."""
 
 TIE_LENGTH = 1e-9
 """Distance of duplicates from their representative, in spacings."""
 
 TIE_WEIGHT = 1e6
-"""Stiffness between them, in shares of what holds the representative."""
+"""Stiffness between them, relative to the stiffness that holds the representative."""
 
 
 def with_segments(
@@ -32,8 +32,8 @@ def with_segments(
     """Return the gradient on triangles, a third of each, on links of given widths, and on ties.
 
     A segment (i, j) is the element (i, j, j) on which the gradient has one component, along it.
-    Ties are stiff beside what holds their first end: outliers hang by a thousandth of a millionth,
-    and a factor could not tell that from nothing beside ties that are equally stiff everywhere.
+    Ties are stiff relative to the elements at their first end. Outliers are held by a thousandth of
+    a millionth, and with ties equally stiff everywhere that would be lost to rounding in a factor.
     """
     elements, coefficients = [triangles], [hat_gradients(frames)]
     measures = [shares * face_areas(frames) / 3]
@@ -60,7 +60,7 @@ def with_segments(
 
 
 def areas_of(soup: Soup, count: int) -> FloatArray:
-    """Return the measure of every place: a third of a third of its triangles, half of its links."""
+    """Return the measure at every position: a ninth of its triangles and half of its links."""
     corner_areas = np.repeat(soup.shares * face_areas(soup.frames) / 9, 3)
     halves = np.repeat(soup.link_lengths * soup.link_widths / 2, 2)
     area = np.bincount(soup.triangles.ravel(), corner_areas, minlength=count)
@@ -70,9 +70,10 @@ def areas_of(soup: Soup, count: int) -> FloatArray:
 def frames_on_surface(
     points: FloatArray, soup: Soup, gradient: ElementGradient, in_space: FloatArray, scale: float
 ) -> FloatArray:
-    """Return all elements' inverse frames, the triangles' measured in space as far as told.
+    """Return the inverse frames of all elements, with triangles measured in space by `in_space`.
 
-    Between both the products of the two edges from the centre are averaged: those of a triangle.
+    For shares between 0 and 1, the inner products of the two edges from the centre are averaged;
+    the result is that of a triangle.
     """
     if not in_space.any():
         return np.zeros((0, 3))
@@ -83,7 +84,7 @@ def frames_on_surface(
     solid = (np.einsum("ed,ed->e", *pair) for pair in ((p, p), (p, q), (q, q)))
     pp, pq, qq = (s * share + f * (1 - share) for s, f in zip(solid, flat, strict=True))
     length = np.sqrt(pp)
-    height = np.sqrt(np.maximum(qq - (pq / length) ** 2, FLATTEST * qq))
+    height = np.sqrt(np.maximum(qq - (pq / length) ** 2, MIN_SQUARED_RELATIVE_HEIGHT * qq))
     inverse = gradient.inverse_frames.copy()
     triangles = np.column_stack([length, pq / length, height])
     inverse[: len(frames)] = inverse_frames(triangles * scale)

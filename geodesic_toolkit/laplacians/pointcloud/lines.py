@@ -1,4 +1,4 @@
-"""Points of a cloud that belong to curves, and lines that a surface is sampled along."""
+"""Points of a cloud on curves, and lines along which a surface is sampled."""
 
 import numpy as np
 
@@ -10,24 +10,24 @@ from geodesic_toolkit.laplacians.pointcloud.soup import Soup
 
 __all__ = ["on_curves", "share_of_longest_line"]
 
-CLOSED = 0.1
-"""Share of closed stars below which a thinned part of a cloud is taken for curves. Measured: two
-lines have 0, scan lines of surfaces 0.5 to 0.9."""
+MAX_CLOSED_SHARE_OF_THINNED_CURVES = 0.1
+"""Share of closed stars below which a thinned component of a cloud is taken for curves. Measured:
+two lines have 0, scan lines of surfaces 0.5 to 0.9."""
 
-CLOSED_LINES = 0.4
-"""The same of parts most of whose points lie on lines, whether they were thinned or not: three
-lines side by side have a third."""
+MAX_CLOSED_SHARE_OF_CURVES = 0.4
+"""The same share for components, thinned or not, with most points on lines: three lines side by
+side have a third."""
 
-ON_LINES = 0.8
-"""Share of the points of a part that lie on lines from which on it may be curves. Measured: wires
-have 0.95 and more, a band of random points as wide as their spacing 0.6."""
+MIN_SHARE_ON_LINES_OF_CURVES = 0.8
+"""Minimum share of points on lines in a component of curves. Measured: wires have 0.95 and more, a
+band of random points as wide as their spacing 0.6."""
 
 
 def on_curves(soup: Soup, thin: Representatives, on_lines: BoolArray) -> BoolArray:
-    """Return which points are of curves and not of surfaces, of shape (N,).
+    """Return a mask (N,) of the points on curves instead of surfaces.
 
-    Lines of a surface have others on either side, so that most of their stars are closed. Where
-    hardly any is, what the stars connect is a wire, or a few lines at most.
+    Lines of a surface have others on either side, so that most of their stars are closed. If almost
+    no star is closed, the stars connect a wire, or a few lines at most.
     """
     count = len(on_lines)
     crowded = thin.reaches > 0
@@ -38,16 +38,16 @@ def on_curves(soup: Soup, thin: Representatives, on_lines: BoolArray) -> BoolArr
     steps = np.concatenate([soup.triangles[:, :2], soup.triangles[:, 1:], soup.links])
     part = connected_by_edges(steps, count)
     whole = ~soup.boundary & ~alone
-    open_crowds = _shares(part, whole, crowded) < CLOSED
-    few_lines = _shares(part, whole, thin.stands) < CLOSED_LINES
-    few_lines &= _shares(part, on_lines, thin.stands) > ON_LINES
-    stands_alone = alone[thin.kept][thin.nearest]
-    curved = crowded & (alone | stands_alone | open_crowds[part])
+    open_crowds = _shares(part, whole, crowded) < MAX_CLOSED_SHARE_OF_THINNED_CURVES
+    few_lines = _shares(part, whole, thin.is_kept) < MAX_CLOSED_SHARE_OF_CURVES
+    few_lines &= _shares(part, on_lines, thin.is_kept) > MIN_SHARE_ON_LINES_OF_CURVES
+    represented_alone = alone[thin.kept][thin.nearest]
+    curved = crowded & (alone | represented_alone | open_crowds[part])
     return np.asarray(curved | few_lines[part])
 
 
 def _shares(part: IntArray, chosen: BoolArray, among: BoolArray) -> FloatArray:
-    """Return which share of some points of each part is chosen; 1 where there are none."""
+    """Return the chosen share of the points `among` in each component; 1 if there are none."""
     count = int(part.max()) + 1
     total = np.bincount(part[among], minlength=count)
     found = np.bincount(part[among & chosen], minlength=count)

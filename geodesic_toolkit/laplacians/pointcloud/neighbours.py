@@ -14,9 +14,9 @@ __all__ = [
     "normalised",
 ]
 
-AT_ONCE = 100_000
-"""Points whose neighbours are asked for at once: distances, which are not kept, take as much memory
-as the neighbours do."""
+POINTS_PER_QUERY = 100_000
+"""Points in one query for neighbours: the distances, which are not kept, take as much memory as the
+neighbours do."""
 
 BIT_SPREADING_STEPS = (
     (32, 0x1F00000000FFFF),
@@ -25,18 +25,19 @@ BIT_SPREADING_STEPS = (
     (4, 0x10C30C30C30C30C3),
     (2, 0x1249249249249249),
 )
-"""Steps that put two zeros between any two of 21 bits."""
+"""Shifts and masks that put two zeros between any two of 21 bits."""
 
 RELATIVE_GRID_WIDTH = 2.0**-36
-"""Points closer than this share of the cloud's size are one: what follows divides by distances."""
+"""Points closer than this share of the cloud's size are merged, because later steps divide by
+distances."""
 
 
 def normalised(points: FloatArray, present: BoolArray) -> tuple[FloatArray, float]:
-    """Return the present points about the middle of their box, and the scale to multiply them by.
+    """Return the present points relative to the middle of their box, and the scale of the result.
 
     The coordinates of the result lie in [-1, 1], on a grid of step :data:`RELATIVE_GRID_WIDTH`:
-    surveyors' coordinates of millions lose their common part before anything is squared, no size over- or
-    underflows, and points that differ by rounding alone become equal.
+    surveyors' coordinates of millions lose their common part before anything is squared, sizes do
+    not overflow or underflow, and points that differ by rounding alone become equal.
 
     Parameters
     ----------
@@ -47,7 +48,7 @@ def normalised(points: FloatArray, present: BoolArray) -> tuple[FloatArray, floa
     -------
     points : ndarray of shape (P, 3), float64
     scale : float
-        Half the longest side of the box; 1 where all points are one.
+        Half the longest side of the box; 1 if all points are equal.
     """
     chosen = points[present]
     low, high = chosen.min(axis=0), chosen.max(axis=0)
@@ -57,7 +58,7 @@ def normalised(points: FloatArray, present: BoolArray) -> tuple[FloatArray, floa
 
 
 def distinct_points(points: FloatArray) -> tuple[IntArray, IntArray]:
-    """Return the first point of each place, and which place every point lies at.
+    """Return the first point at each position, and the position of every point.
 
     Parameters
     ----------
@@ -77,10 +78,10 @@ def distinct_points(points: FloatArray) -> tuple[IntArray, IntArray]:
     group = np.cumsum(new) - 1
     first = np.minimum.reduceat(order, np.flatnonzero(new))
     ascending = np.argsort(first)
-    rank = np.empty(len(first), dtype=np.int64)
-    rank[ascending] = np.arange(len(first))
+    group_number = np.empty(len(first), dtype=np.int64)
+    group_number[ascending] = np.arange(len(first))
     place = np.empty(len(points), dtype=np.int64)
-    place[order] = rank[group]
+    place[order] = group_number[group]
     return first[ascending], place
 
 
@@ -115,7 +116,7 @@ def nearest_neighbours(points: FloatArray, k: int) -> IntArray:
     return nearest_among(points, everything, everything, k)
 
 
-def nearest_among(points: FloatArray, kept: IntArray, asked: IntArray, k: int) -> IntArray:
+def nearest_among(points: FloatArray, kept: IntArray, queried: IntArray, k: int) -> IntArray:
     """Return the k nearest other points among some of them, of shape (M, k), nearest first.
 
     Parameters
@@ -123,9 +124,9 @@ def nearest_among(points: FloatArray, kept: IntArray, asked: IntArray, k: int) -
     points : ndarray of shape (N, 3), float64
         Distinct.
     kept : ndarray of shape (P,), int64
-        Those that are neighbours, ascending.
-    asked : ndarray of shape (M,), int64
-        Those whose neighbours are asked for.
+        Candidates for neighbours, ascending.
+    queried : ndarray of shape (M,), int64
+        Points whose neighbours are searched.
     k : int
         Below P.
     """
@@ -134,11 +135,11 @@ def nearest_among(points: FloatArray, kept: IntArray, asked: IntArray, k: int) -
     tree = cKDTree(points if len(kept) == len(points) else points[kept])
     is_kept = np.zeros(len(points), dtype=np.bool_)
     is_kept[kept] = True
-    result = np.empty((len(asked), k), dtype=np.int64)
-    for begin in range(0, len(asked), AT_ONCE):
-        some = asked[begin : begin + AT_ONCE]
+    result = np.empty((len(queried), k), dtype=np.int64)
+    for begin in range(0, len(queried), POINTS_PER_QUERY):
+        some = queried[begin : begin + POINTS_PER_QUERY]
         found = np.asarray(tree.query(points[some], k=k + 1, workers=threads_for(len(some)))[1])
-        # What is kept finds itself first.
+        # A kept point finds itself first.
         near = np.where(is_kept[some][:, None], found[:, 1:], found[:, :-1])
-        result[begin : begin + AT_ONCE] = kept[near]
+        result[begin : begin + POINTS_PER_QUERY] = kept[near]
     return result

@@ -1,7 +1,7 @@
 """Normals of a cloud from neighbourhoods: by Open3D, or by our own principal components.
 
-All that the core needs of Open3D for normals is here, imported on first use. Only the tangent plane
-matters to those who call, so the two normals of a point are as good as each other.
+Everything that the core needs of Open3D for normals is here, imported on first use. Callers need
+only the tangent plane, so the sign of a normal is arbitrary.
 """
 
 import re
@@ -29,8 +29,8 @@ SYSTEM_PACKAGES = {
 }
 """Debian's and Ubuntu's names of the system packages that hold the libraries Open3D loads."""
 
-AT_ONCE = 10_000
-"""Points whose neighbourhoods are gathered together."""
+POINTS_PER_BATCH = 10_000
+"""Points whose neighbourhoods are gathered at once."""
 
 
 def pca_normals(
@@ -48,8 +48,8 @@ def pca_normals(
     """
     own = np.arange(len(points)) if centres is None else centres
     normals = np.empty((len(own), 3))
-    for begin in range(0, len(own), AT_ONCE):
-        some = slice(begin, begin + AT_ONCE)
+    for begin in range(0, len(own), POINTS_PER_BATCH):
+        some = slice(begin, begin + POINTS_PER_BATCH)
         normals[some] = np.linalg.eigh(_covariances(points, neighbours[some], own[some]))[1][
             :, :, 0
         ]
@@ -58,23 +58,23 @@ def pca_normals(
 
 def _covariances(points: FloatArray, neighbours: IntArray, own: IntArray) -> FloatArray:
     """Return the covariances (M, 3, 3) of points and their neighbours."""
-    places = points[np.column_stack([own, neighbours])]
-    places -= places.mean(axis=1, keepdims=True)
-    covariances: FloatArray = places.transpose(0, 2, 1) @ places / (neighbours.shape[1] + 1)
+    groups = points[np.column_stack([own, neighbours])]
+    groups -= groups.mean(axis=1, keepdims=True)
+    covariances: FloatArray = groups.transpose(0, 2, 1) @ groups / (neighbours.shape[1] + 1)
     return covariances
 
 
 def roughness(points: FloatArray, neighbours: IntArray) -> FloatArray:
-    """Return how far neighbourhoods stand off their planes, relative to their width, of shape (M,).
+    """Return the deviation of neighbourhoods from their planes, relative to their width, (M,).
 
     Parameters
     ----------
     points : ndarray of shape (N, 3)
     neighbours : ndarray of shape (M, k)
     """
-    places = points[neighbours]
-    places -= places.mean(axis=1, keepdims=True)
-    spread = np.linalg.eigvalsh(places.transpose(0, 2, 1) @ places)
+    groups = points[neighbours]
+    groups -= groups.mean(axis=1, keepdims=True)
+    spread = np.linalg.eigvalsh(groups.transpose(0, 2, 1) @ groups)
     off, width = np.maximum(spread[:, 0], 0.0), spread[:, 1]
     share: FloatArray = np.sqrt(np.divide(off, width, out=np.zeros_like(off), where=width > 0))
     return share
@@ -83,12 +83,12 @@ def roughness(points: FloatArray, neighbours: IntArray) -> FloatArray:
 def open3d_normals(points: FloatArray, neighbours: IntArray) -> FloatArray:
     """Return Open3D's unit normals of every point and its neighbours, of shape (N, 3).
 
-    It is given the covariances, and need not search for the neighbours again.
+    Open3D receives the covariances, and does not search the neighbours again.
 
     Parameters
     ----------
     points : ndarray of shape (N, 3)
-        Finite, distinct and at least four: Open3D crashes or guesses on others.
+        Finite, distinct and at least four: Open3D crashes or guesses on other input.
     neighbours : ndarray of shape (N, k)
         The point itself is added.
 
@@ -104,8 +104,8 @@ def open3d_normals(points: FloatArray, neighbours: IntArray) -> FloatArray:
             f"Open3D cannot be imported ({error}); {missing_package(error)}"
         ) from error
     normals = np.empty((len(points), 3))
-    for begin in range(0, len(points), AT_ONCE):
-        some = np.arange(begin, min(begin + AT_ONCE, len(points)))
+    for begin in range(0, len(points), POINTS_PER_BATCH):
+        some = np.arange(begin, min(begin + POINTS_PER_BATCH, len(points)))
         covariances = _covariances(points, neighbours[some], some)
         cloud = open3d.geometry.PointCloud(open3d.utility.Vector3dVector(points[some]))
         cloud.covariances = open3d.utility.Matrix3dVector(covariances)
@@ -115,7 +115,7 @@ def open3d_normals(points: FloatArray, neighbours: IntArray) -> FloatArray:
 
 
 def missing_package(error: Exception) -> str:
-    """Return what to install to cure a failed import of Open3D."""
+    """Return the advice on what to install after a failed import of Open3D."""
     text = str(error)
     for library, package in SYSTEM_PACKAGES.items():
         if library in text:

@@ -37,72 +37,71 @@ from geodesic_toolkit.laplacians.tangents import frames_of_stars
 __all__ = ["PointCloudLaplacian"]
 
 DEFAULT_K = 20
-"""Neighbours that a star begins with: a ball of 2.5 spacings, which holds nearly every star."""
+"""Initial number of neighbours of a star: a ball of 2.5 spacings, which holds nearly every star."""
 
-BYTES, FIRST_BYTES, FIRST = 2900.0, 1000.0, 100_000
-"""Memory that each point takes while stars are made, at the most, and what the first of them take
-beside that: twice 40 neighbours, 20 triangles with frames and gradients, and room to query. On
-50,000, 200,000, 500,000 and a million random points of a sphere the sum is 0.95, 0.91, 1.02 and
-1.00 of the peak."""
+BYTES_PER_POINT, EXTRA_BYTES_OF_FIRST_POINTS, N_FIRST_POINTS = 2900.0, 1000.0, 100_000
+"""Peak memory per point while stars are made, and the additional memory of the first points: twice
+40 neighbours, 20 triangles with frames and gradients, and workspace to query. On 50,000, 200,000,
+500,000 and a million random points of a sphere the sum is 0.95, 0.91, 1.02 and 1.00 of the peak."""
 
-SMOOTH = (0.95, 1.15)
+GROWTH_OF_NOISY_AND_SMOOTH_CLOUDS = (0.95, 1.15)
 """Growth of the roughness (:func:`roughness_of_cloud`) up to which fronts are measured in the
-tangent planes, and from which on in space; in between in part. Of points with hardly any noise the
-distance in space is the better one, and their angles tell the curvature. Measured, refined, in the
-plane and in space: bunny.off (growth 1.25) 0.57 and 0.31 %; 4,000 random points of a sphere (1.56)
-0.34 and 0.04 %, with noise of a 60th of the spacing (1.39) 0.32 and 0.09 %, of a 30th (1.15) 0.30
-and 0.18 %, of a 20th (0.97) 0.27 and 0.27 %, of a 6th (0.70) 0.47 and 0.84 %."""
+tangent planes, and from which on in space; values in between blend both. For points almost without
+noise the distance in space is more accurate, and their angles show the curvature. Errors measured,
+refined, in the plane and in space: bunny.off (growth 1.25) 0.57 and 0.31 %; 4,000 random points of
+a sphere (1.56) 0.34 and 0.04 %, with noise of a 60th of the spacing (1.39) 0.32 and 0.09 %, of a
+30th (1.15) 0.30 and 0.18 %, of a 20th (0.97) 0.27 and 0.27 %, of a 6th (0.70) 0.47 and 0.84 %."""
 
 
 @dataclass(frozen=True)
 class _Stars:
-    """The stars of a cloud, and how they came about.
+    """The stars of a cloud, and the data that they were made from.
 
     Attributes
     ----------
     soup : Soup
     normals : ndarray of shape (P, 3), float64
-        Of the planes that they lie in.
+        Normals of the planes of the stars.
     thin : Representatives
-        The places that stand for crowds.
-    whose : str
-        Whose normals they were made with.
+        The positions that represent crowds.
+    origin : str
+        Origin of the normals that they were made with.
     in_space : ndarray of shape (P,), float64
-        How far triangles are measured in space, from 0 to 1, instead of in tangent planes.
+        Share, from 0 to 1, to which triangles are measured in space instead of in tangent planes.
     """
 
     soup: Soup
     normals: FloatArray
     thin: Representatives
-    whose: str
+    origin: str
     in_space: FloatArray
 
 
 @final
 @dataclass(frozen=True, kw_only=True)
 class PointCloudLaplacian(LaplaceOperator):
-    """Laplacian of a point cloud: the triangles of local Delaunay stars, a third each.
+    """Laplacian of a point cloud, from the triangles of local Delaunay stars.
 
     Every point is surrounded by triangles in its tangent plane: the star of the Delaunay
     triangulation of its neighbours there. A triangle belongs to the stars of its three corners, so
     each counts a third, in stiffness, gradient and mass; from there on it is the mesh's
     ``L = Gᵀ W G``, positive semidefinite (L = -Δ). Noise along the normals does not lengthen
     distances, because triangles are measured along the tangent planes. Refinement measures them in
-    space where there is hardly any.
+    space if there is almost no noise.
 
     Neighbours at more than 45° from the tangent plane, and those whose given normal faces the
-    other way, lie on another sheet and do not count; those that stand off it less count for
-    farther than they are.
+    opposite side, lie on another sheet and are ignored; neighbours that are off the plane by less
+    are treated as if they were farther away.
 
     Parameters
     ----------
     k : int, optional
-        Neighbours that a star begins with; up to twice as many are taken where these do not settle
-        it. By default 20, or all where the cloud has fewer.
+        Initial number of neighbours of a star; up to twice as many are used if the star needs them.
+        By default 20, or all if the cloud has fewer.
     normals : {"auto", "open3d", "pca"}
-        Who estimates the normals of a cloud that comes without: Open3D, our own principal
-        components, or Open3D where it can be imported. Where their planes are in doubt, on thin
-        limbs and sheets, they are turned to the emptiest side. Given normals are used as they are.
+        Estimator of the normals of a cloud without normals: Open3D, our own principal components,
+        or Open3D if it can be imported. Normals whose planes are uncertain, on thin limbs and
+        sheets, are turned to the emptiest side. Given normals are used as they are.
 
     Raises
     ------
@@ -151,26 +150,26 @@ class PointCloudLaplacian(LaplaceOperator):
         Parameters
         ----------
         domain : PointCloud
-            Missing points get no mass, and with that the distance ``inf``. Points at the same
-            place share its mass and are tied together. A point that no triangle reaches, as on a
-            curve, is linked to its neighbours on either side.
+            Missing points have zero mass, and so the distance ``inf``. Points at the same position
+            share its mass and are tied together. A point without a triangle, as on a curve, is
+            linked to its neighbours on either side.
 
         Returns
         -------
         Discretization
             Elements whose three vertices differ are triangles, the centre of the star first; the
-            others, of the form (i, j, j), are links and ties. The spacing is the mean length of
-            the spokes of all stars, in the tangent plane. The boundary is where a star is open.
-            Where there is hardly any noise, the frames in space are given. The notes hold
-            ``normals`` ("given", "open3d", "pca", or "none" for a cloud of less than three places),
-            ``k``, and the numbers ``missing``, ``duplicates`` and ``links``.
+            others, of the form (i, j, j), are links and ties. The spacing is the mean length of the
+            spokes of all stars, in the tangent plane. The boundary consists of points whose star is
+            open. If there is almost no noise, the frames in space are given. The notes hold
+            ``normals`` ("given", "open3d", "pca", or "none" for a cloud of less than three
+            positions), ``k``, and the numbers ``missing``, ``duplicates`` and ``links``.
 
         Raises
         ------
         UnsupportedDomainError
             Another kind of domain.
         InvalidOptionError
-            An explicit k that the cloud has not as many neighbours for.
+            An explicit k larger than the number of neighbours in the cloud.
         MissingDependencyError
             ``normals="open3d"``, and Open3D cannot be imported.
 
@@ -185,14 +184,14 @@ class PointCloudLaplacian(LaplaceOperator):
         k = self._neighbours_of(places.count)
         stars, longest_line = self._stars_and_curves(places, domain, k)
         soup, scale = stars.soup, places.scale
-        spacing = soup.spacing * scale if soup.spacing > 0 else 1.0  # one place: it has no length
+        spacing = soup.spacing * scale if soup.spacing > 0 else 1.0  # a single one has none
         gradient = _gradient(places, soup, spacing)
         area = areas_of(soup, places.count) * scale**2
         if places.count == 1:
             area[:] = spacing**2 if len(places.ties) else 0.0
         scales, of_parts = _of_parts(places, stars, gradient, spacing)
         notes: dict[str, Any] = {
-            "normals": stars.whose,
+            "normals": stars.origin,
             "k": k,
             "missing": domain.n_vertices - len(places.present),
             "duplicates": len(places.ties),
@@ -201,7 +200,8 @@ class PointCloudLaplacian(LaplaceOperator):
             "open_stars": int(soup.boundary.sum()),
             **of_parts,
             "longest_line": longest_line,
-            "assembly_bytes": BYTES * places.count + FIRST_BYTES * min(places.count, FIRST),
+            "assembly_bytes": BYTES_PER_POINT * places.count
+            + EXTRA_BYTES_OF_FIRST_POINTS * min(places.count, N_FIRST_POINTS),
         }
         warn_of_fragments(notes, places.count)
         warn_of_lines(notes)
@@ -210,11 +210,11 @@ class PointCloudLaplacian(LaplaceOperator):
             stiffness=gradient.stiffness(),
             gradient=gradient,
             spacing=spacing,
-            boundary=places.told(soup.boundary, False),
+            boundary=places.at_points(soup.boundary, False),
             scales=scales,
             surface_frames=frames_on_surface(places.points, soup, gradient, stars.in_space, scale),
             normals=np.column_stack(
-                [places.told(stars.normals[:, axis], axis == 2) for axis in range(3)]
+                [places.at_points(stars.normals[:, axis], axis == 2) for axis in range(3)]
             ),
             notes=notes,
             copy=False,
@@ -223,16 +223,16 @@ class PointCloudLaplacian(LaplaceOperator):
     def diffusion(self, metric: Discretization) -> Discretization:
         """Return the positive part of `metric`: stars that disagree have edges of the wrong sign.
 
-        Without it 2 % of a room scan and a tenth of the vertices of a CAD model get heat that is
-        not positive; with it, none.
+        Without it 2 % of an indoor scan and a tenth of the vertices of a CAD model have heat that
+        is not positive; with it, all heat is positive.
         """
         return positive_part(metric)
 
     def frames(self, domain: Domain, metric: Discretization) -> Frames:
-        """Return the frames of the tangent planes that stars were made in.
+        """Return the frames of the tangent planes of the stars.
 
-        Normals that came without a sign take one along a minimum spanning tree; closed surfaces
-        look outwards.
+        Normals without a sign take one along a minimum spanning tree; those of closed surfaces
+        point outwards.
         """
         self.check_domain(domain)
         return frames_of_stars(domain, metric)
@@ -248,9 +248,9 @@ class PointCloudLaplacian(LaplaceOperator):
         return int(self.k)
 
     def _stars_and_curves(self, places: Places, cloud: PointCloud, k: int) -> tuple[_Stars, float]:
-        """Return the stars, and the share of all points that the longest line of a surface holds.
+        """Return the stars, and the share of all points on the longest line of a surface.
 
-        They are made anew without points of curves, if there are any.
+        If there are points of curves, the stars are made again without them.
         """
         points = places.points
         thin = representatives(points, max(2 * k, POLE_NEIGHBOURS, NOISY_NEIGHBOURS))
@@ -272,8 +272,9 @@ class PointCloudLaplacian(LaplaceOperator):
         rough, growth, blades = roughness_of_cloud(points, thin)
         noisy = blades | (rough > 0.15 and growth < 0.85)
         given = None if cloud.normals is None else cloud.normals[places.representatives]
-        normals, whose = normals_of(points, thin, noisy, given=given, estimator=self.normals)
-        flat = float(np.clip((growth - SMOOTH[0]) / (SMOOTH[1] - SMOOTH[0]), 0, 1))
+        normals, origin = normals_of(points, thin, noisy, given=given, estimator=self.normals)
+        low, high = GROWTH_OF_NOISY_AND_SMOOTH_CLOUDS
+        flat = float(np.clip((growth - low) / (high - low), 0, 1))
         in_space = np.where(blades, 0.0, flat)
         soup = soup_of(
             points,
@@ -284,11 +285,11 @@ class PointCloudLaplacian(LaplaceOperator):
             smooth=in_space == 1,
             oriented=given is not None,
         )
-        return _Stars(soup, normals, thin, whose, in_space)
+        return _Stars(soup, normals, thin, origin, in_space)
 
 
 def _gradient(places: Places, soup: Soup, spacing: float) -> ElementGradient:
-    """Return the gradient on triangles, links, and ties between points at one place."""
+    """Return the gradient on triangles, links, and ties between points at one position."""
     own, scale = places.representatives, places.scale
     return with_segments(
         own[soup.triangles],
@@ -304,11 +305,11 @@ def _gradient(places: Places, soup: Soup, spacing: float) -> ElementGradient:
 def _of_parts(
     places: Places, stars: _Stars, gradient: ElementGradient, spacing: float
 ) -> tuple[FloatArray, dict[str, Any]]:
-    """Return the length whose square is the time step, (N,), part by part, and notes on parts."""
+    """Return the square root of the time step, (N,), by component, and notes on components."""
     connected = connected_by_faces(gradient.elements, places.n_vertices)
     own = connected[places.representatives]
     parts = stars.soup.parts(np.unique(own, return_inverse=True)[1])
     unit = spacing / places.scale
     scale_of_part = parts.scales(unit) * places.scale
-    scales = places.told(scale_of_part[parts.parts], spacing)
+    scales = places.at_points(scale_of_part[parts.parts], spacing)
     return scales, parts.notes(stars.thin.neighbours, unit)

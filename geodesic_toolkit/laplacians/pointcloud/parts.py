@@ -12,26 +12,25 @@ from geodesic_toolkit.errors import CurveWarning, FragmentedCloudWarning
 __all__ = ["CloudParts", "warn_of_fragments", "warn_of_lines"]
 
 MAX_RELATIVE_HEIGHT_OF_SLIVERS = 0.01
-"""Height of a triangle over its longest edge below which it is a sliver."""
+"""Height of a triangle, relative to its longest edge, below which it is a sliver."""
 
 N_NEAREST = 8
-"""Neighbours of a point that tell whether another part is near."""
+"""Neighbours of a point among which another component is searched."""
 
 MIN_SHARE_OF_LOST_POINTS = 0.02
-"""Share of points in parts other than the largest from which on a cloud is said to have come apart:
-scans have outliers."""
+"""Minimum share of points outside the largest component for a warning: scans have outliers."""
 
 MAX_POINTS_WITHOUT_WARNING = 100
-"""Points up to which a cloud is not a scan, and nothing is said."""
+"""Points up to which a cloud is not a scan, and a warning is not given."""
 
-ONE_LINE = 0.5
-"""Share of the points that one line may hold in a surface before it is said. The lines of a scan
-are many; a coil, the way of a probe and a skeleton are one."""
+MAX_SHARE_OF_ONE_LINE = 0.5
+"""Maximum share of the points on one line of a surface without a warning. The lines of a scan are
+many; a coil, the track of a probe and a skeleton are one."""
 
 
 @dataclass(frozen=True)
 class CloudParts:
-    """The stars of a cloud and the parts that they connect.
+    """The stars of a cloud and the components that they connect.
 
     Parameters
     ----------
@@ -42,7 +41,7 @@ class CloudParts:
     links : ndarray of shape (L, 2), int64
     link_lengths : ndarray of shape (L,), float64
     parts : ndarray of shape (N,), int64
-        The connected part of every place.
+        The component of every position.
     """
 
     triangles: IntArray
@@ -53,22 +52,22 @@ class CloudParts:
     parts: IntArray
 
     def scales(self, spacing: float) -> FloatArray:
-        """Return the length s of each part whose square is its default time step, of shape (C,).
+        """Return the square root of the default time step of each component, of shape (C,).
 
-        The mean length of its spokes, but at least half of the root mean square edge, in which an
-        edge weighs what its triangles cover: as on meshes. Most points of a sweep lie close to the
-        scanner, and heat has to get across the triangles between the outermost rings.
+        It is the mean length of the spokes, but at least half of the root mean square edge,
+        weighted by the area of its triangles, as on meshes. Most points of a sweep lie close to the
+        scanner, and heat has to cross the triangles between the outermost rings.
 
         Parameters
         ----------
         spacing : float
-            The mean length of all spokes, which a part without any gets.
+            The mean length of all spokes, used for components without spokes.
         """
         mean, half = self._lengths(spacing)
         return np.maximum(mean, half)
 
     def _lengths(self, spacing: float) -> tuple[FloatArray, FloatArray]:
-        """Return the mean spoke and half of the root mean square edge of each part, (C,) both."""
+        """Return the mean spoke and half of the root mean square edge by component, (C,) each."""
         count = int(self.parts.max()) + 1
         mean = np.full(count, spacing)
         square = np.zeros(count)
@@ -89,7 +88,7 @@ class CloudParts:
         return mean, np.sqrt(square) / 2
 
     def notes(self, neighbours: IntArray, spacing: float) -> dict[str, Any]:
-        """Return what people should know of the parts, by name.
+        """Return statistics of the components that matter to users, by name.
 
         Parameters
         ----------
@@ -118,7 +117,7 @@ class CloudParts:
 
 
 def warn_of_fragments(notes: dict[str, Any], count: int) -> None:
-    """Warn where parts of a cloud lie among the neighbours of others, and nothing connects them.
+    """Warn if components of a cloud are near each other without a connection.
 
     Parameters
     ----------
@@ -131,31 +130,31 @@ def warn_of_fragments(notes: dict[str, Any], count: int) -> None:
     if count <= MAX_POINTS_WITHOUT_WARNING or lost <= MIN_SHARE_OF_LOST_POINTS * count:
         return
     warn(
-        f"the cloud has come apart: {notes['parts']} parts, and {lost} of {count} points are not "
-        "connected to the largest, although they lie among its neighbours; their distance from it "
-        f"is inf. {notes['open_stars']} stars are open, {notes['sliver_stars']} have slivers. If "
-        "these points are of one surface, PointCloudLaplacian(k=...) with more neighbours bridges "
-        "wider gaps, gt.thin(cloud, spacing) evens out dense places, and given normals that are "
-        "right keep neighbours which estimated ones leave out",
+        f"the cloud is disconnected: it has {notes['parts']} components, and {lost} of {count} "
+        "points are not connected to the largest, although they lie among its neighbours; their "
+        f"distance from it is inf. {notes['open_stars']} stars are open, {notes['sliver_stars']} "
+        "have slivers. If these points are of one surface, PointCloudLaplacian(k=...) with more "
+        "neighbours bridges wider gaps, gt.thin(cloud, spacing) makes the density more even, and "
+        "given normals that are correct keep neighbours which estimated ones exclude",
         FragmentedCloudWarning,
     )
 
 
 def warn_of_lines(notes: dict[str, Any]) -> None:
-    """Warn where most points follow one line that was taken for a surface.
+    """Warn if most points follow one line that was taken for a surface.
 
     Parameters
     ----------
     notes : mapping
         Of the discretization.
     """
-    if notes["longest_line"] <= ONE_LINE:
+    if notes["longest_line"] <= MAX_SHARE_OF_ONE_LINE:
         return
     warn(
-        f"{notes['longest_line']:.0%} of the points follow one line, whose turns are near enough "
-        "to be taken for a surface: distances go across from one turn to the next. If the line "
-        "itself is the shape (a coil, a wire, a track), connect its points by "
-        "gt.Graph(n_vertices, edges, lengths); if it is the way of a probe over a surface, they "
-        "are right",
+        f"{notes['longest_line']:.0%} of the points follow one line, whose turns are so close to "
+        "each other that they are taken for a surface: distances cross from one turn to the next. "
+        "If the line itself is the shape (a coil, a wire, a track), connect its points by "
+        "gt.Graph(n_vertices, edges, lengths); if it is the track of a probe over a surface, the "
+        "distances are correct",
         CurveWarning,
     )

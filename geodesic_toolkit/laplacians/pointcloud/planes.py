@@ -1,4 +1,4 @@
-"""The tangent planes of a cloud: how rough it is, and its normals."""
+"""The tangent planes of a cloud: its roughness and its normals."""
 
 import numpy as np
 
@@ -20,19 +20,19 @@ from geodesic_toolkit.laplacians.pointcloud.poles import pole_normals
 __all__ = ["POLE_NEIGHBOURS", "normals_of", "roughness_of_cloud"]
 
 POLE_NEIGHBOURS = 30
-"""Neighbours among which the emptiest side of a point is sought, where its normal is in doubt."""
+"""Neighbours among which the emptiest side of a point with an uncertain normal is searched."""
 
 
 def roughness_of_cloud(points: FloatArray, thin: Representatives) -> tuple[float, float, BoolArray]:
-    """Return how rough neighbourhoods are, how that grows with their width, and where blades are.
+    """Return the roughness of neighbourhoods, its growth with their width, and a mask of blades.
 
-    The roughness is how far points stand off their neighbourhood's plane. A wider neighbourhood of
-    a curved surface is rougher relative to its width, one of a noisy surface smoother. Measured, as
-    the median ratio of both: spheres, meshes and fused scans 0.86 to 1.5; noise from a sixth of the
-    spacing on, a raw object scan and a depth image 0.6 to 0.8. Too few points to tell are taken for
-    a surface, and so are planes.
+    The roughness is the deviation of points from the plane of their neighbourhood. A wider
+    neighbourhood of a curved surface is rougher relative to its width, one of a noisy surface
+    smoother. Measured, as the median ratio of both: spheres, meshes and fused scans 0.86 to 1.5;
+    noise from a sixth of the spacing on, a raw object scan and a depth image 0.6 to 0.8. Clouds of
+    too few points are taken for a surface, and so are planes.
 
-    Both are medians over the cloud; blades are a matter of regions.
+    Roughness and growth are medians over the cloud; blades are found by region.
     """
     kept, count = thin.kept, len(points)
     blades = np.zeros(count, dtype=np.bool_)
@@ -52,14 +52,14 @@ def normals_of(
     given: FloatArray | None,
     estimator: str,
 ) -> tuple[FloatArray, str]:
-    """Return a unit normal for every place, and whose they are.
+    """Return a unit normal at every position, and the origin of the normals.
 
     Parameters
     ----------
     points : ndarray of shape (P, 3)
     thin : Representatives
     noisy : ndarray of shape (P,), bool
-        Where normals are estimated from more neighbours.
+        Mask of positions at which normals are estimated from more neighbours.
     given : ndarray of shape (P, 3), optional
         Normals that are used as they are.
     estimator : {"auto", "open3d", "pca"}
@@ -67,8 +67,8 @@ def normals_of(
     Returns
     -------
     normals : ndarray of shape (P, 3)
-    whose : {"given", "open3d", "pca", "none"}
-        "none" where there are less than three places.
+    origin : {"given", "open3d", "pca", "none"}
+        "none" if there are less than three positions.
     """
     if given is not None:
         return given, "given"
@@ -77,20 +77,20 @@ def normals_of(
         return np.tile([0.0, 0.0, 1.0], (count, 1)), "none"
     kept, near = points[thin.kept], thin.own
     noisy = noisy[thin.kept]
-    normals, whose = _estimated(
+    normals, origin = _estimated(
         kept, near[:, : NOISY_NEIGHBOURS if noisy.all() else NORMAL_NEIGHBOURS], estimator
     )
     more = np.flatnonzero((noisy | (thin.reaches[thin.kept] > 0)) & ~noisy.all())
     normals[more] = pca_normals(kept, near[more], more)
-    if not noisy.all():  # from noise, too, neighbours are steep
+    if not noisy.all():  # noise, too, makes neighbours steep
         poles = pole_normals(kept, near[:, :POLE_NEIGHBOURS], normals)
         normals = np.where(noisy[:, None], normals, poles)
-    return normals[thin.nearest], whose
+    return normals[thin.nearest], origin
 
 
 def _estimated(points: FloatArray, near: IntArray, estimator: str) -> tuple[FloatArray, str]:
-    """Return normals from the neighbours that count, and whose they are."""
-    # Open3D guesses from fewer than four points; three have one plane, whoever finds it.
+    """Return normals from the given neighbours, and their origin."""
+    # Open3D guesses from fewer than four points; three points have one plane for any estimator.
     if estimator != "pca" and len(points) > 3:
         try:
             normals = open3d_normals(points, near)

@@ -1,4 +1,4 @@
-"""Normals where sheets are thin: towards the emptiest side of a point.
+"""Normals of thin sheets: towards the emptiest side of a point.
 
 The kernel is ``native/clouds/poles.cpp``, with the reasons for its constants.
 """
@@ -13,7 +13,7 @@ __all__ = ["pole_normals"]
 
 
 def pole_normals(points: FloatArray, neighbours: IntArray, normals: FloatArray) -> FloatArray:
-    """Return normals (N, 3) in which those that are in doubt point to the emptiest side.
+    """Return normals (N, 3), the uncertain ones turned to the emptiest side.
 
     Parameters
     ----------
@@ -22,14 +22,14 @@ def pole_normals(points: FloatArray, neighbours: IntArray, normals: FloatArray) 
     neighbours : ndarray of shape (N, k), int64
         Nearest first.
     normals : ndarray of shape (N, 3), float64
-        Estimates, of length 1; their sign means nothing.
+        Estimates, of length 1; their sign is arbitrary.
 
     Notes
     -----
-    The constants were chosen on the vertices of eleven meshes taken as clouds. On twelve clouds
-    that had no part in it (vertices of other meshes, random samples of surfaces), the mean error of
-    refined distances fell by more than a twentieth on four and rose by that on three, to at most
-    1.08 times; what stars do against neighbours off the sheet included.
+    The constants were chosen on the vertices of eleven meshes taken as clouds. On twelve other
+    clouds (vertices of other meshes, random samples of surfaces), the mean error of refined
+    distances fell by more than a twentieth on four and rose by that on three, to at most 1.08
+    times. These figures include the penalty of stars for neighbours off the sheet.
 
     References
     ----------

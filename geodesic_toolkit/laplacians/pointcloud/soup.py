@@ -1,4 +1,4 @@
-"""The triangles of all stars of a cloud, and the links where there are none."""
+"""The triangles of all stars of a cloud, and the links between points without triangles."""
 
 from dataclasses import dataclass
 from functools import partial
@@ -16,43 +16,45 @@ from geodesic_toolkit.laplacians.pointcloud.tears import bridges
 
 __all__ = ["Soup", "soup_of"]
 
-FAR_NEIGHBOURS = (120, 400)
-"""Neighbours that a star may look among where points were crowded and it is open, the more where
-the fewer leave it open. Measured on sweeps of 32 beams on a street: refined distances are 1.6 % off
+N_FAR_NEIGHBOURS = (120, 400)
+"""Neighbours of an open star of crowded points; the larger number is used if the star is still open
+with the smaller one. Measured on sweeps of 32 beams on a street: refined distances err by 1.6 %
 with 160, 1.4 % with 400."""
 
-FARTHEST_NEIGHBOURS = 1200
-"""The same of scans, where the last rings are hundreds of their points apart and walls are nearer.
-Measured, refined, on a street between houses, with :data:`FARTHEST` of 8: with 16 beams at 0.1 and
-0.2 degrees 0.17 and 0.23 % of error among 800, 0.07 and 0.23 % among 1200."""
+N_FAR_NEIGHBOURS_OF_SCANS = 1200
+"""The same for scans, in which the last rings are hundreds of spacings of their points apart and
+walls are nearer. Measured, refined, on a street between houses, with
+:data:`MAX_REACHES_OF_FAR_STARS` of 8: with 16 beams at 0.1 and 0.2 degrees 0.17 and 0.23 % of error
+among 800, 0.07 and 0.23 % among 1200."""
 
-SCANS = 0.5
-"""Share of crowded points from which on a cloud is a scan. Measured: 16 beams have 0.7 to 0.9 and
-need so many, other sweeps 0.2 to 0.4; vertices of meshes 0 to 0.3, where so many are a limb:
-camelhead's distances err by 1.13 % with them, and by 0.94 % without."""
+MIN_CROWDED_SHARE_OF_SCANS = 0.5
+"""Minimum share of crowded points in a scan. Measured: sweeps of 16 beams have 0.7 to 0.9 and need
+so many neighbours, other sweeps 0.2 to 0.4; vertices of meshes have 0 to 0.3, and there so many
+neighbours are a limb: camelhead's distances err by 1.13 % with them, and by 0.94 % without."""
 
-AT_ONCE = 5_000
-"""Stars that look among so many at once: their neighbours are not kept."""
+STARS_PER_BATCH = 5_000
+"""Stars that are made at once with so many neighbours, which are not kept."""
 
-FARTHEST = 6.0
-"""Widest circle about a triangle of such a star, in reaches of the crowd. Scan lines get as much as
-3 times farther apart from one to the next, and a crowd between walls reaches no farther than these;
-the blind disc about a spinning scanner is 10 times as wide as its next ring, and more. Measured on
-that street: 4, 6, 8 and 12 leave 1.9, 0.09, 0.07 and 0.07 % of error with 16 beams at 0.1 degrees,
-and 2.2, 0.05, 0.05 and 0.05 % at 0.05 degrees (4 with 400 neighbours)."""
+MAX_REACHES_OF_FAR_STARS = 6.0
+"""Diameter of the widest circle through a triangle of such a star, in reaches of the crowd. The
+distance between scan lines grows up to threefold from one to the next, and a crowd between walls
+reaches as far as these at most; the blind disc around a spinning scanner is 10 times as wide as its
+next ring, or more. Measured on that street: 4, 6, 8 and 12 leave 1.9, 0.09, 0.07 and 0.07 % of
+error with 16 beams at 0.1 degrees, and 2.2, 0.05, 0.05 and 0.05 % at 0.05 degrees (4 with 400
+neighbours)."""
 
-BYSTANDER = 1e-4
-"""Weight of the stars of points that others stand for. They hear of the others, and the others
-hardly of them: forty to one are less than a hundredth."""
+WEIGHT_OF_REPRESENTED_STARS = 1e-4
+"""Weight of the stars of points that have another representative. They receive heat from the other
+points, and have almost no effect on these: forty to one are less than a hundredth."""
 
-STIFFEST = 100.0
-"""Largest width of a link in shares of its length, which is its stiffness. Points a millionth of
-the spacing apart are as good as one, and factors that have to distinguish them come to nothing."""
+MAX_RELATIVE_WIDTH_OF_LINKS = 100.0
+"""Maximum width of a link relative to its length: its stiffness. Points a millionth of the spacing
+apart are almost equal, and factors that have to distinguish them fail."""
 
 
 @dataclass(frozen=True)
 class Soup:
-    """The triangles of all stars, and links to points of none; indices are those of places."""
+    """The triangles of all stars, and links to points without any; indices are of positions."""
 
     triangles: IntArray
     frames: FloatArray
@@ -64,11 +66,11 @@ class Soup:
 
     @property
     def link_widths(self) -> FloatArray:
-        """Widths of links: the spacing of points, but less for links that would be too stiff."""
-        return np.minimum(self.spacing, STIFFEST * self.link_lengths)
+        """The widths of links: the spacing, but less for links that would be too stiff."""
+        return np.minimum(self.spacing, MAX_RELATIVE_WIDTH_OF_LINKS * self.link_lengths)
 
     def parts(self, parts: IntArray) -> CloudParts:
-        """Return what is connected, where `parts` are the (N,) parts of places."""
+        """Return the components, given the component (N,) of each position."""
         stars = (self.triangles, self.frames, self.shares)
         return CloudParts(*stars, self.links, self.link_lengths, parts)
 
@@ -83,7 +85,7 @@ def soup_of(
     smooth: BoolArray,
     oriented: bool,
 ) -> Soup:
-    """Return the stars of all places, without those of curves, and links where there are none.
+    """Return the stars of all positions not on curves, and links of points without triangles.
 
     Parameters
     ----------
@@ -91,26 +93,26 @@ def soup_of(
     normals : ndarray of shape (N, 3)
     thin : Representatives
     k : int
-        Neighbours that a star begins with.
+        Initial number of neighbours of a star.
     curved : ndarray of shape (N,), bool
         Points of curves.
     smooth : ndarray of shape (N,), bool
-        Points whose stars are made more strictly, as there is no noise.
+        Points whose stars are made by stricter rules, as they are without noise.
     oriented : bool
-        Whether normals that face the other way are on another sheet.
+        True if neighbours with an opposite normal are on another sheet.
     """
     count = len(points)
     neighbours = np.ascontiguousarray(thin.neighbours[:, : 2 * k])
     weights = tie_breakers(points, neighbours)
     star = partial(_stars_of, points, normals, smooth, k=k, oriented=oriented, weights=weights)
     triangles, frames, boundary = star(neighbours, np.arange(count))
-    is_scan = np.count_nonzero(thin.reaches) > SCANS * count
-    for far in (*FAR_NEIGHBOURS, FARTHEST_NEIGHBOURS) if is_scan else FAR_NEIGHBOURS:
-        asked = np.flatnonzero(boundary & (thin.reaches > 0))
-        for begin in range(0, len(asked), AT_ONCE):
-            some = asked[begin : begin + AT_ONCE]
+    is_scan = np.count_nonzero(thin.reaches) > MIN_CROWDED_SHARE_OF_SCANS * count
+    for far in (*N_FAR_NEIGHBOURS, N_FAR_NEIGHBOURS_OF_SCANS) if is_scan else N_FAR_NEIGHBOURS:
+        queried = np.flatnonzero(boundary & (thin.reaches > 0))
+        for begin in range(0, len(queried), STARS_PER_BATCH):
+            some = queried[begin : begin + STARS_PER_BATCH]
             wide = nearest_among(points, thin.kept, some, min(far, len(thin.kept) - 1))
-            reaches = FARTHEST * thin.reaches[some]
+            reaches = MAX_REACHES_OF_FAR_STARS * thin.reaches[some]
             grown, grown_frames, boundary[some] = star(wide, some, reaches=reaches)
             stay = ~np.isin(triangles[:, 0], some)
             triangles = np.concatenate([triangles[stay], grown])
@@ -124,14 +126,14 @@ def soup_of(
     ends = np.bincount(links.ravel(), minlength=count) == 1
     boundary = np.where(alone, ends, boundary)
     edges = np.concatenate([triangles[:, :2], triangles[:, ::2], links, links[:, ::-1]])
-    torn = (boundary | alone) & thin.stands
+    torn = (boundary | alone) & thin.is_kept
     across = bridges(
         points, normals, neighbours, edges, torn, oriented=oriented, curved=curved | alone
     )
     links = np.concatenate([links, across])
     steps = points[links[:, 1]] - points[links[:, 0]]
     lengths = np.sqrt(np.einsum("ed,ed->e", steps, steps))
-    shares = np.where(thin.stands[triangles[:, 0]], 1.0, BYSTANDER)
+    shares = np.where(thin.is_kept[triangles[:, 0]], 1.0, WEIGHT_OF_REPRESENTED_STARS)
     spokes = np.concatenate([frames[:, 0], np.hypot(frames[:, 1], frames[:, 2])])
     measured = spokes if len(spokes) else lengths
     spacing = (
@@ -152,7 +154,7 @@ def _stars_of(
     reaches: FloatArray | None = None,
     **options: Any,
 ) -> tuple[IntArray, FloatArray, BoolArray]:
-    """Return the stars of some points, of which the smooth ones are made more strictly."""
+    """Return the stars of some points; those of smooth points are made by stricter rules."""
     is_open = np.zeros(len(centres), dtype=np.bool_)
     stars = []
     for strict in (True, False):

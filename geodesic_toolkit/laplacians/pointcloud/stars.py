@@ -12,7 +12,7 @@ from geodesic_toolkit.geometry.threads import threads_for
 __all__ = ["delaunay_stars", "tie_breakers"]
 
 RELATIVE_JITTER = 1e-8
-"""Perturbation that decides among four points on a circle, in squared nearest distances: more than
+"""Perturbation of four points on a circle, relative to squared nearest distances: larger than
 rounding, so that the stars of a square grid agree on its diagonals."""
 
 
@@ -31,16 +31,16 @@ def delaunay_stars(
     """Return the stars of all points as one triangle soup.
 
     The neighbours of a point are the k nearest that lie on its sheet, at less than 45° from the
-    tangent plane (with oriented normals those that face the other way are left out too). A star is
-    known to be Delaunay where the circle of every triangle lies in the ball of these neighbours;
-    where one does not, all of `neighbours` are taken, beyond the first k of a smooth cloud only
-    those within 27° of the sheet, and triangles that even then reach past them are left out if they
-    are obtuse: they bridge the outside of a boundary, or an empty place.
+    tangent plane (with oriented normals, neighbours with an opposite normal are excluded too). A
+    star is known to be Delaunay if the circle of every triangle lies in the ball of these
+    neighbours; otherwise all of `neighbours` are used, beyond the first k of a smooth cloud only
+    those within 27° of the sheet. Triangles that even then reach past the neighbours are excluded
+    if they are obtuse: they bridge the outside of a boundary, or an empty region.
 
     A star is measured in the tangent plane of its centre: a neighbour keeps its direction there,
     but lies at its distance across the mean of both tangent planes. That is the chord of a circle
-    through both with these normals, and noise along the normals does not lengthen it. Where a
-    neighbour stands off that mean plane, one on the sheet is preferred to it.
+    through both with these normals, and noise along the normals does not lengthen it. A neighbour
+    on the sheet is preferred to one that is off that mean plane.
 
     Parameters
     ----------
@@ -51,17 +51,17 @@ def delaunay_stars(
     neighbours : ndarray of shape (M, m), int64
         Nearest first, more than k if stars are to grow.
     k : int
-        Neighbours to begin with.
+        Initial number of neighbours.
     oriented : bool
-        Whether the sign of a normal means something.
+        True if the signs of the normals are meaningful.
     smooth : bool
-        Whether the points lie on the surface with hardly any noise.
+        True if the points lie on the surface almost without noise.
     centres : ndarray of shape (M,), int64, optional
-        The points whose stars are asked for, ascending; all of them unless given.
+        The points whose stars are made, ascending; all of them unless given.
     reaches : ndarray of shape (M,), float64, optional
-        The widest circle about a triangle of each star, in diameter; any unless given.
+        Maximum diameter of the circle through a triangle of each star; unlimited unless given.
     weights : ndarray of shape (N,), float64, optional
-        What :func:`tie_breakers` returns, where neighbours are not those of all points.
+        Result of :func:`tie_breakers`, needed if `neighbours` are not those of all points.
 
     Returns
     -------
@@ -70,7 +70,7 @@ def delaunay_stars(
     frames : ndarray of shape (E, 3), float64
         The planar frames ``(l, a, b)`` of the triangles, as in `geometry.triangles`.
     open : ndarray of shape (M,), bool
-        Where the star does not surround its point.
+        True if the star does not surround its point.
 
     References
     ----------
@@ -98,7 +98,7 @@ def delaunay_stars(
 
 
 def tie_breakers(points: FloatArray, neighbours: IntArray) -> FloatArray:
-    """Return what squared distances from points are lessened by, (N,): no four lie on a circle.
+    """Return perturbations (N,) of squared distances, so that four points never share a circle.
 
     Parameters
     ----------
@@ -109,6 +109,6 @@ def tie_breakers(points: FloatArray, neighbours: IntArray) -> FloatArray:
     if neighbours.shape[1] == 0:
         return np.zeros(len(points))
     shares = np.random.default_rng(0).random(len(points))  # the same ones every time
-    with np.errstate(invalid="ignore"):  # of coordinates that make no sense
+    with np.errstate(invalid="ignore"):  # from overflowing coordinates
         steps = points[neighbours[:, 0]] - points
     return np.asarray(RELATIVE_JITTER * shares * np.einsum("nd,nd->n", steps, steps))

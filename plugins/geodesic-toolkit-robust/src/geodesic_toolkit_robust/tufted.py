@@ -114,7 +114,9 @@ class RobustLaplacian(gt.LaplaceOperator):
         edges, face_counts = np.unique(sides, axis=0, return_counts=True)
         lengths = _lengths(mesh.vertices, edges)
         if not lengths.any():
-            raise UnsupportedDomainError("every face of the mesh is a single place; it has no area")
+            raise UnsupportedDomainError(
+                "all corners of every face are at one position; the mesh has zero area"
+            )
         # The library gives unreferenced vertices invalid weights: pass the others only.
         used, compact = np.unique(faces, return_inverse=True)
         laplacian, mass = mesh_laplacian(
