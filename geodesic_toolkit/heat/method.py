@@ -314,7 +314,7 @@ class HeatMethod:
         -------
         bool
         """
-        return not self._flow.has_wrong_signs or self._flow.log_solve(load[:, None])[1]
+        return self._flow.is_positive(load)
 
     def _diffuse(
         self, block: Sequence[SourcePoints], workspace: FloatArray | None = None

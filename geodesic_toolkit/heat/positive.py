@@ -97,9 +97,14 @@ class PositiveFlow:
             return log_heat, True
         return self._positive().log_solve(loads), False
 
+    def is_positive(self, load: FloatArray) -> bool:
+        """Return whether all heat of a load (N,) is positive: at once where no weight is wrong."""
+        return (
+            not self._has_wrong_signs or self.own.is_warm(load) or self.log_solve(load[:, None])[1]
+        )
+
     @cached_property
-    def has_wrong_signs(self) -> bool:
-        """True if the diffusion has weights that can make heat negative."""
+    def _has_wrong_signs(self) -> bool:
         return has_wrong_signs(self._diffusion.rows)
 
     @property

@@ -71,6 +71,8 @@ class VectorFlow:
         for _ in range(count + 1):  # each stage finishes a vertex at least
             vectors = self.solve(load)
             sizes = np.abs(vectors)
+            if not settled.any() and sizes.min() > self._least:  # as on most shapes
+                return LogVectors(np.log(sizes), vectors / sizes)
             new = ~settled & (sizes > self._least)
             log_sizes[new] = np.log(sizes[new]) + log_scale
             directions[new] = vectors[new] / sizes[new]

@@ -2,11 +2,14 @@
 #include <cmath>
 #include <limits>
 
+#include "heat/connection.hpp"
 #include "heat/filling.hpp"
 #include "heat/poisson_load.hpp"
 #include "tests/check.hpp"
 #include "tests/examples.hpp"
+#include "triangles/half_edges.hpp"
 #include "triangles/measures.hpp"
+#include "triangles/stiffness.hpp"
 
 using namespace geodesic;
 using namespace geodesic::testing;
@@ -136,4 +139,27 @@ TEST(what_no_heat_reaches_stays_empty) {
   fill(matrix.view(), solution, 1, rows);
   CHECK((solution == std::vector<double>{1.0, 0.0, 0.0, 0.0, 0.0}));
   fill(matrix.view(), solution, 1, {});
+}
+
+TEST(a_connection_without_turning_is_the_stiffness_and_its_real_form_has_it_twice) {
+  const Mesh mesh = sheared_grid(5, 0.4);
+  const Measured measured = measure_triangles(mesh.vertices, mesh.faces);
+  const EdgeSums sums = edge_sums(mesh.faces, sorted_half_edges(mesh.faces, mesh.n_vertices()),
+                                  measured.triangles.frames, measured.triangles.areas);
+  const Matrix stiffness = mirrored({{sums.edges.indptr, sums.edges.indices}, sums.edges.data});
+  const Pattern pattern{stiffness.indptr, stiffness.indices};
+  Array<double> turns(2 * count(std::span(mesh.faces)));
+  for (Index k = 0; k < turns.size(); ++k) turns[k] = k % 2 ? 0.0 : 1.0;
+  const Array<double> entries = connection_laplacian(pattern, mesh.faces, measured.triangles.frames,
+                                                     measured.triangles.areas, turns);
+  for (Index k = 0; k < stiffness.data.size(); ++k) {
+    CHECK(std::abs(entries[2 * k] - stiffness.data[k]) < 1e-12);
+    CHECK(std::abs(entries[2 * k + 1]) < 1e-12);
+  }
+  const Array<double> ones(mesh.n_vertices(), 1.0), none(mesh.n_vertices(), 0.0);
+  const Matrix real = real_form(pattern, entries, ones, none);
+  CHECK(real.indptr.size() == 2 * mesh.n_vertices() + 1);
+  for (Row i = 0; i < 2 * mesh.n_vertices(); ++i)
+    for (Row k = real.indptr[i]; k < real.indptr[i + 1]; ++k)
+      if ((real.indices[k] - i) % 2 != 0) CHECK(std::abs(real.data[k]) < 1e-12);
 }

@@ -3,8 +3,11 @@
 #include <cmath>
 
 #include "paths/candidates.hpp"
+#include "paths/straight.hpp"
 #include "tests/check.hpp"
 #include "tests/examples.hpp"
+#include "triangles/half_edges.hpp"
+#include "triangles/measures.hpp"
 
 using namespace geodesic;
 using namespace geodesic::testing;
@@ -97,4 +100,29 @@ TEST(triangles_of_several_stars_are_counted_once) {
   const Distinct found = distinct_triangles(elements);
   CHECK((found.triangles == std::vector<Index>{0, 1, 2, 1, 2, 3}));
   CHECK((found.stars == std::vector<Index>{2, 1}));
+}
+
+TEST(in_the_plane_a_straightest_line_is_straight_and_ends_at_the_boundary) {
+  const Sheet sheet = square();
+  const Measured measured = measure_triangles(sheet.places, sheet.faces);
+  const Array<double> lengths = edge_lengths(measured.triangles.frames);
+  const Index n_vertices = count(std::span(sheet.places)) / 3;
+  const Twins twin = twins(sorted_half_edges(sheet.faces, n_vertices));
+  const Array<Index> face(1, 2 * (kSide * (kSide / 2) + kSide / 2));
+  const Array<double> weights(3, 1.0 / 3);
+  for (const double length : {0.01, 3.0, 100.0}) {
+    const StraightLines lines = straight_lines(
+        lengths, twin.of, face, weights, Array<double>(1, 0.7), Array<double>(1, length), 1000);
+    double places[2][2] = {{0, 0}, {0, 0}};
+    for (int end = 0; end < 2; ++end) {
+      const Index point = end ? lines.begins[1] - 1 : 0;
+      for (int c = 0; c < 3; ++c)
+        for (int axis = 0; axis < 2; ++axis)
+          places[end][axis] += lines.weights[3 * point + c] *
+                               sheet.places[3 * sheet.faces[3 * lines.faces[point] + c] + axis];
+    }
+    const double gone = std::hypot(places[1][0] - places[0][0], places[1][1] - places[0][1]);
+    CHECK(std::abs(gone + lines.missing[0] - length) < 1e-9);
+    CHECK((lines.missing[0] > 0) == (length > 50));
+  }
 }

@@ -6,6 +6,7 @@
 #include "tests/check.hpp"
 #include "tests/examples.hpp"
 #include "triangles/flips.hpp"
+#include "triangles/frames.hpp"
 #include "triangles/half_edges.hpp"
 #include "triangles/measures.hpp"
 #include "triangles/proper.hpp"
@@ -245,4 +246,46 @@ TEST(faces_at_marked_vertices_are_found_by_number) {
   CHECK(std::ranges::equal(faces_at(faces, marked), std::vector<Index>{0, 1, 2}));
   marked[2] = false;
   CHECK(std::ranges::equal(faces_at(faces, marked), std::vector<Index>{2}));
+}
+
+TEST(in_the_plane_directions_are_those_of_edges_and_flips_carry_them_along) {
+  for (const double shear : {0.0, -4.0}) {
+    const Mesh mesh = sheared_grid(9, shear);
+    Intrinsic its(mesh);
+    const Array<double> normals = vertex_normals(mesh.vertices, mesh.faces);
+    const Array<double> axes = tangent_axes(normals);
+    const Array<bool> mirrored(mesh.n_faces(), false), nowhere(mesh.n_vertices(), false);
+    Directions own =
+        polar_directions(mesh.vertices, mesh.faces, its.lengths, its.twin, mirrored, normals, axes);
+    const Index flips =
+        flip_edges(its.faces, its.lengths, its.twin, nowhere, own.angles, own.scales);
+    CHECK((flips > 0) == (shear < 0));
+    for (Index half = 0; half < own.angles.size(); ++half) {
+      const Index tail = its.faces[next(half)], head = its.faces[previous(half)];
+      const Vector3 step = at(mesh.vertices, head) - at(mesh.vertices, tail);
+      const Vector3 x = at(axes, tail), y = cross(at(normals, tail), x);
+      const double off = own.angles[half] - std::atan2(dot(step, y), dot(step, x));
+      CHECK(std::abs(std::remainder(off, 2 * std::numbers::pi)) < 1e-9);
+    }
+    const Array<double> turns =
+        triangle_turns(its.lengths, bisectors(its.lengths, own.angles, own.scales), mirrored);
+    for (Index f = 0; f < mesh.n_faces(); ++f)
+      for (int c = 1; c < 3; ++c)
+        for (int part = 0; part < 2; ++part)
+          CHECK(std::abs(turns[6 * f + 2 * c + part] - turns[6 * f + part]) < 1e-9);
+  }
+}
+
+TEST(least_rotations_in_the_plane_are_those_of_angles) {
+  const Mesh mesh = sheared_grid(5, 0.3);
+  const Array<double> normals = vertex_normals(mesh.vertices, mesh.faces);
+  const Array<double> axes = tangent_axes(normals);
+  const SpaceTurns its = space_turns(mesh.vertices, mesh.faces, 3, normals, axes, false);
+  for (Index f = 0; f < mesh.n_faces(); ++f) {
+    CHECK(!its.mirrored[f]);
+    const Vector3 step =
+        at(mesh.vertices, mesh.faces[3 * f + 1]) - at(mesh.vertices, mesh.faces[3 * f]);
+    CHECK(std::abs(its.turns[6 * f] - step.x / length(step)) < kClose);  // the x axis is (1, 0, 0)
+    CHECK(std::abs(its.turns[6 * f + 1] + step.y / length(step)) < kClose);
+  }
 }

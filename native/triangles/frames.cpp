@@ -88,7 +88,8 @@ class Fit {
  public:
   Fit(const Vector3& x, const Vector3& y) : x_(x), y_(y) {}
   void add(const Vector3& step, double direction) {
-    const double along = dot(step, x_), aside = dot(step, y_), size = std::hypot(along, aside);
+    const double along = dot(step, x_), aside = dot(step, y_);
+    const double size = std::sqrt(along * along + aside * aside);
     if (!(size > 0)) return;
     const double c = std::cos(direction), s = std::sin(direction);
     real_ += (along * c + aside * s) / size;
