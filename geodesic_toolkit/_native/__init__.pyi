@@ -475,6 +475,23 @@ def straight_lines(
     to half-edge 3 f, and cross `most` edges at most.
     """
 
+def geodesic_through(
+    vertices: Numbers,
+    faces: Indices,
+    stops: Indices,
+    *,
+    closed: bool,
+    held: bool,
+    min_length: float,
+) -> tuple[tuple[Indices, Indices, Numbers], int]:
+    """Return the geodesic that a chain of edges through stops is pulled to, and who is not reached.
+
+    Its points are as those of `best_path`, from the first stop, or where it is closed from any
+    vertex on it back to that; there are none where a closed one shrinks to less than `min_length`.
+    Where it is `held` it runs through the stops. The number is that of the stop that no triangle
+    connects with the one before it, or -1.
+    """
+
 def distinct_triangles(elements: Indices) -> tuple[Indices, Indices]:
     """Return each triangle of elements (E, 3) once, (T, 3), its corners sorted, and how often it is
     there, (T,). Elements (i, j, j) are left out.
