@@ -7,6 +7,7 @@ Catching :class:`GeodesicError` catches all of them; catching the builtin
 __all__ = [
     "CoarseMeshWarning",
     "ConformanceError",
+    "ContractibleLoopError",
     "CurveWarning",
     "FarSourceWarning",
     "FragmentedCloudWarning",
@@ -58,6 +59,10 @@ class InvalidCurveError(InvalidSourceError):
 
 class UnreachableError(GeodesicError, ValueError):
     """Two places that nothing connects, where a way from one to the other was asked for."""
+
+
+class ContractibleLoopError(GeodesicError, ValueError):
+    """A loop that shrinks to a point, where a closed geodesic was asked for."""
 
 
 class InvalidOptionError(GeodesicError, ValueError):

@@ -98,7 +98,7 @@ std::vector<Crossing> around(const Surface& surface, Chain chain, double min_len
     chain.push_back(chain.front());
     return along(surface, chain);
   }
-  const Loop loop = beside_vertices(surface, shortest_loop(surface, ring, min_length), min_length);
+  const Loop loop = shorter_beside(surface, shortest_loop(surface, ring, min_length), min_length);
   return loop.ring.empty() ? std::vector<Crossing>{} : crossings(surface, loop);
 }
 

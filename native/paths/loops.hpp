@@ -26,10 +26,10 @@ Strip ring_without_returns(const Strip& ring);
 // The closed path through a ring, made a geodesic; one shorter than `min_length` counts as a point.
 Loop shortest_loop(const Surface& surface, const Strip& ring, double min_length);
 
-// A shorter closed geodesic, if one is found on the other side of a vertex that this one bends
-// around or of a pointed one; else the same. Where the surface bulges there are several in one
-// class.
-Loop beside_vertices(const Surface& surface, Loop loop, double min_length);
+// A shorter closed geodesic, if one is found beside this one; else the same. Where the surface
+// bulges there are several in one class. It is looked for from the rings on the left and on the
+// right, and on the other side of vertices that this one bends around and of pointed ones.
+Loop shorter_beside(const Surface& surface, Loop loop, double min_length);
 
 // The points of a closed path: its base, where it crosses each edge, its base again.
 std::vector<Crossing> crossings(const Surface& surface, const Loop& loop);

@@ -27,7 +27,7 @@ Run run_around(const Surface& surface, const Strip& strip, Index vertex, Positio
 // it what is beyond a full turn. None where the vertex has no other side.
 Strip other_side(const Surface& surface, const Strip& strip, Index vertex, const Run& run);
 
-// What a run is replaced by, and the vertex and the faces of the run, by which it is known.
+// The replacement of a run, and the key of the run: its vertex and its faces.
 struct Turn {
   Run run;
   Strip faces, key;
@@ -36,7 +36,7 @@ struct Turn {
 using Turns = std::span<const Turn>;
 using Tried = std::set<Strip>;  // keys of turns that do not help
 
-// A strip with turns, which do not overlap and are sorted.
+// Apply turns, which do not overlap and are sorted, to a strip.
 Strip turned(const Strip& strip, Turns turns);
 
 // The turns that shorten a path where they are, as far as they do not overlap.

@@ -1,5 +1,7 @@
 """The best of the ways down from a vertex, straightened; what paths on meshes and clouds share."""
 
+from __future__ import annotations
+
 from dataclasses import dataclass
 
 import numpy as np
@@ -26,6 +28,11 @@ class Way:
     faces: IntArray
     ends: IntArray
     weights: FloatArray
+
+    @property
+    def backward(self) -> Way:
+        """The same way from its end to its start."""
+        return Way(self.faces[::-1], self.ends[::-1], self.weights[::-1])
 
 
 def best_path(
