@@ -70,12 +70,12 @@ class CurveTargets:
 
     def load_graphics(self) -> None:
         """Import what draws, so that it is found missing before the work and not after it."""
-        from geodesic_toolkit.viz.extras import require
+        from geodesic_toolkit.core.optional import require
 
         if self.picture is not None:
-            require("pyvista", "viz", "Pictures")
+            require("pyvista", "viz", "Pictures need")
         if self.html is not None:
-            require("k3d", "viz", "HTML pages")
+            require("k3d", "viz", "HTML pages need")
 
     @property
     def drawn(self) -> bool:

@@ -82,6 +82,15 @@ def test_a_disc_at_a_boundary_ends_there():
     assert disc.is_disc
 
 
+def test_a_cut_next_to_vertices_leaves_no_sliver():
+    square = gt.GeodesicSolver(shapes.grid(21))
+    disc = gt.geodesic_disc(square, 220, 0.25)  # five edges, and vertices 3 by 4 of them away
+    corners = disc.mesh.vertices[disc.mesh.faces]
+    sides = np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2)
+    assert sides.min() > 1e-3
+    assert disc.area == pytest.approx(np.pi / 16, rel=0.02)
+
+
 def test_a_disc_about_a_curve_is_a_band():
     square = gt.GeodesicSolver(shapes.grid(31))
     band = gt.geodesic_disc(square, gt.Curve([[0.5, 0, 0], [0.5, 1, 0]]), 0.2)

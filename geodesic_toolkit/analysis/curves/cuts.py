@@ -14,7 +14,15 @@ from geodesic_toolkit.errors import InvalidOptionError, UnsupportedDomainError
 from geodesic_toolkit.geometry.triangles import proper_faces
 from geodesic_toolkit.interop.conversion import as_domain
 
-__all__ = ["Cuts", "as_field", "as_level", "as_mesh", "cut_triangles", "finite_faces"]
+__all__ = [
+    "Cuts",
+    "areas_of",
+    "as_field",
+    "as_level",
+    "as_mesh",
+    "cut_triangles",
+    "finite_faces",
+]
 
 
 HUGE = np.finfo(np.float64).max / 2
@@ -72,6 +80,12 @@ def as_level(level: Any) -> float:
 def finite_faces(mesh: TriangleMesh, field: FloatArray) -> IntArray:
     """Return the faces (G,) of three vertices, each once, with a value at every corner."""
     return np.flatnonzero(proper_faces(mesh.faces) & np.isfinite(field)[mesh.faces].all(axis=1))
+
+
+def areas_of(vertices: FloatArray, triangles: IntArray) -> FloatArray:
+    """Return the (G,) areas of triangles in space, 0 where corners coincide."""
+    origin, first, second = (vertices[triangles[:, corner]] for corner in range(3))
+    return np.asarray(np.linalg.norm(np.cross(first - origin, second - origin), axis=1) / 2)
 
 
 @dataclass(frozen=True, eq=False)

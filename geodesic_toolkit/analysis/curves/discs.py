@@ -9,19 +9,23 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy.sparse import csr_array
 
-from geodesic_toolkit.analysis.curves.cuts import Cuts, cut_triangles
+from geodesic_toolkit.analysis.curves.cuts import Cuts, areas_of, cut_triangles
 from geodesic_toolkit.analysis.paths.insertion import insert_points
 from geodesic_toolkit.core.frozen import freeze
 from geodesic_toolkit.core.types import FloatArray, IntArray
 from geodesic_toolkit.domains import TriangleMesh
 from geodesic_toolkit.errors import InvalidOptionError, UnsupportedDomainError
 from geodesic_toolkit.geometry.components import connected_by_edges
-from geodesic_toolkit.geometry.triangles import face_areas, frames_from_positions, proper_faces
+from geodesic_toolkit.geometry.triangles import proper_faces
 from geodesic_toolkit.solver.solver import GeodesicSolver, check_solver
 from geodesic_toolkit.sources.kinds import Curve
 from geodesic_toolkit.sources.points import SourcePoints
 
 __all__ = ["GeodesicDisc", "geodesic_disc"]
+
+
+SNAP = 1e-9
+"""Share of an edge within which a cut goes through its end."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -94,7 +98,7 @@ class GeodesicDisc:
     @cached_property
     def area(self) -> float:
         """Area, in squared units of length."""
-        return float(face_areas(frames_from_positions(self.mesh.vertices, self.mesh.faces)).sum())
+        return float(areas_of(self.mesh.vertices, self.mesh.faces).sum())
 
     @cached_property
     def n_boundaries(self) -> int:
@@ -236,7 +240,7 @@ def _within(shape: _Shape, radius: float) -> GeodesicDisc:
         )
     count = len(shape.vertices)
     low, high = cuts.edges[..., 0], cuts.edges[..., 1]
-    at_vertex = np.where(cuts.shares == 0, low, np.where(cuts.shares == 1, high, -1))
+    at_vertex = np.where(cuts.shares < SNAP, low, np.where(cuts.shares > 1 - SNAP, high, -1))
     between = at_vertex < 0
     keys, first, number = np.unique(
         (low * count + high)[between], return_index=True, return_inverse=True

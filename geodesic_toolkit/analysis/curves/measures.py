@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from geodesic_toolkit.analysis.curves.cuts import (
+    areas_of,
     as_field,
     as_level,
     as_mesh,
@@ -13,7 +14,6 @@ from geodesic_toolkit.analysis.curves.cuts import (
     finite_faces,
 )
 from geodesic_toolkit.errors import InvalidSourceError
-from geodesic_toolkit.geometry.triangles import face_areas, frames_from_positions
 from geodesic_toolkit.interop.conversion import as_domain
 from geodesic_toolkit.sources.curves import polyline_length
 from geodesic_toolkit.sources.kinds import Curve
@@ -88,7 +88,7 @@ def area_above(domain: Any, values: ArrayLike, level: float) -> float:
     mesh = as_mesh(domain, "areas")
     field, bound = as_field(values, mesh.n_vertices), as_level(level)
     triangles = mesh.faces[finite_faces(mesh, field)]
-    areas = face_areas(frames_from_positions(mesh.vertices, triangles))
+    areas = areas_of(mesh.vertices, triangles)
     whole = areas[(field[triangles] >= bound).all(axis=1)].sum()
     cuts = cut_triangles(triangles, field, bound)
     tip = cuts.from_alone.prod(axis=1)
