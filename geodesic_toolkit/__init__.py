@@ -14,10 +14,15 @@ __version__ = "0.1.0"
 if TYPE_CHECKING:
     from geodesic_toolkit import errors, testing, viz
     from geodesic_toolkit.analysis.comparison import Comparison, compare
+    from geodesic_toolkit.analysis.curves.discs import GeodesicDisc, geodesic_disc
+    from geodesic_toolkit.analysis.curves.isolines import isolines
+    from geodesic_toolkit.analysis.curves.measures import area_above, curve_length
     from geodesic_toolkit.analysis.exponential import ExpMap, exp_map
     from geodesic_toolkit.analysis.matrix.matrix import distance_matrix
     from geodesic_toolkit.analysis.paths.cloud import CloudPath
-    from geodesic_toolkit.analysis.paths.mesh import GeodesicPath, geodesic_path
+    from geodesic_toolkit.analysis.paths.loops import geodesic_loop
+    from geodesic_toolkit.analysis.paths.mesh import geodesic_path
+    from geodesic_toolkit.analysis.paths.path import GeodesicPath
     from geodesic_toolkit.analysis.residual import eikonal_residual, mean_eikonal_residual
     from geodesic_toolkit.analysis.sampling import farthest_point_sampling, geodesic_voronoi
     from geodesic_toolkit.analysis.signed import signed_distance
@@ -33,7 +38,14 @@ if TYPE_CHECKING:
     from geodesic_toolkit.heat.method import HeatMethod, HeatReport
     from geodesic_toolkit.interop.conversion import as_domain
     from geodesic_toolkit.interop.merging import merge_vertices
-    from geodesic_toolkit.io import read, read_mask, read_points, read_vertices, write
+    from geodesic_toolkit.io import (
+        read,
+        read_mask,
+        read_points,
+        read_vertices,
+        write,
+        write_curves,
+    )
     from geodesic_toolkit.laplacians.base import LaplaceOperator
     from geodesic_toolkit.laplacians.cotan import CotanLaplacian
     from geodesic_toolkit.laplacians.pointcloud.operator import PointCloudLaplacian
@@ -68,6 +80,7 @@ __all__ = [
     "ElementGradient",
     "ExpMap",
     "Factor",
+    "GeodesicDisc",
     "GeodesicPath",
     "GeodesicSolver",
     "Gradient",
@@ -92,18 +105,23 @@ __all__ = [
     "UniformLaplacian",
     "Variant",
     "__version__",
+    "area_above",
     "as_domain",
     "compare",
+    "curve_length",
     "distance_matrix",
     "eikonal_residual",
     "errors",
     "exact_distance",
     "exp_map",
     "farthest_point_sampling",
+    "geodesic_disc",
     "geodesic_distance",
+    "geodesic_loop",
     "geodesic_path",
     "geodesic_voronoi",
     "interpolate",
+    "isolines",
     "mean_eikonal_residual",
     "merge_vertices",
     "operators",
@@ -120,6 +138,7 @@ __all__ = [
     "variants_for",
     "viz",
     "write",
+    "write_curves",
 ]
 
 _HOMES = {
@@ -137,7 +156,8 @@ _HOMES = {
     "ElementGradient": "discretization.element_gradient",
     "ExpMap": "analysis.exponential",
     "Factor": "linear.base",
-    "GeodesicPath": "analysis.paths.mesh",
+    "GeodesicDisc": "analysis.curves.discs",
+    "GeodesicPath": "analysis.paths.path",
     "GeodesicSolver": "solver.solver",
     "Gradient": "discretization.gradient",
     "Graph": "domains",
@@ -160,17 +180,22 @@ _HOMES = {
     "TriangleMesh": "domains",
     "UniformLaplacian": "laplacians.uniform",
     "Variant": "analysis.variants",
+    "area_above": "analysis.curves.measures",
     "as_domain": "interop.conversion",
     "compare": "analysis.comparison",
+    "curve_length": "analysis.curves.measures",
     "distance_matrix": "analysis.matrix.matrix",
     "eikonal_residual": "analysis.residual",
     "exact_distance": "exact",
     "exp_map": "analysis.exponential",
     "farthest_point_sampling": "analysis.sampling",
+    "geodesic_disc": "analysis.curves.discs",
     "geodesic_distance": "solver.convenience",
+    "geodesic_loop": "analysis.paths.loops",
     "geodesic_path": "analysis.paths.mesh",
     "geodesic_voronoi": "analysis.sampling",
     "interpolate": "solver.queries",
+    "isolines": "analysis.curves.isolines",
     "mean_eikonal_residual": "analysis.residual",
     "merge_vertices": "interop.merging",
     "operators": "registry.catalog",
@@ -185,6 +210,7 @@ _HOMES = {
     "thin": "analysis.thinning",
     "variants_for": "analysis.variants",
     "write": "io",
+    "write_curves": "io",
 }
 _SUBPACKAGES = ("errors", "testing", "viz")
 

@@ -7,6 +7,7 @@ Catching :class:`GeodesicError` catches all of them; catching the builtin
 __all__ = [
     "CoarseMeshWarning",
     "ConformanceError",
+    "ContractibleLoopError",
     "CurveWarning",
     "FarSourceWarning",
     "FragmentedCloudWarning",
@@ -58,6 +59,10 @@ class InvalidCurveError(InvalidSourceError):
 
 class UnreachableError(GeodesicError, ValueError):
     """No path connects two points between which one was requested."""
+
+
+class ContractibleLoopError(GeodesicError, ValueError):
+    """A loop that shrinks to a point, where a closed geodesic was asked for."""
 
 
 class InvalidOptionError(GeodesicError, ValueError):

@@ -476,6 +476,23 @@ def straight_lines(
     an angle to half-edge 3 f, and cross at most `most` edges.
     """
 
+def geodesic_through(
+    vertices: Numbers,
+    faces: Indices,
+    stops: Indices,
+    *,
+    closed: bool,
+    held: bool,
+    min_length: float,
+) -> tuple[tuple[Indices, Indices, Numbers], int]:
+    """Return the geodesic that a chain of edges through stops is pulled to, and who is not reached.
+
+    Its points are as those of `best_path`, from the first stop, or where it is closed from any
+    vertex on it back to that; there are none where a closed one shrinks to less than `min_length`.
+    Where it is `held` it runs through the stops. The number is that of the stop that no triangle
+    connects with the one before it, or -1.
+    """
+
 def distinct_triangles(elements: Indices) -> tuple[Indices, Indices]:
     """Return the distinct triangles of elements (E, 3), (T, 3), and their numbers of copies, (T,).
 

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from geodesic_toolkit import _native
-from geodesic_toolkit.analysis.paths.mesh import GeodesicPath
+from geodesic_toolkit.analysis.paths.path import GeodesicPath
 from geodesic_toolkit.core.frozen import FrozenArrays, freeze
 from geodesic_toolkit.core.types import FloatArray, IntArray
 from geodesic_toolkit.domains import TriangleMesh

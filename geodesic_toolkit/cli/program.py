@@ -16,6 +16,8 @@ from geodesic_toolkit.cli.doctor import doctor
 from geodesic_toolkit.cli.exits import INTERRUPTED, WRONG_USAGE, report
 from geodesic_toolkit.cli.extensions import command_of, names_of_commands
 from geodesic_toolkit.cli.interrupts import leave_soon, prompt_interrupts
+from geodesic_toolkit.cli.isolines import isolines
+from geodesic_toolkit.cli.loop import loop
 from geodesic_toolkit.cli.matrix import matrix
 from geodesic_toolkit.cli.output import say, show
 from geodesic_toolkit.cli.plugins import plugins
@@ -87,7 +89,7 @@ def _options(
         raise typer.Exit(WRONG_USAGE)
 
 
-for command in (demo, distance, matrix, compare, plugins, check, doctor):
+for command in (demo, distance, loop, isolines, matrix, compare, plugins, check, doctor):
     app.command()(command)
 
 

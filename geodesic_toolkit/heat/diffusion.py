@@ -126,7 +126,7 @@ class HeatFlow:
     def is_warm(self, load: FloatArray) -> bool:
         """Return whether one solve finds positive heat of a load (N,) at every vertex."""
         system = (self if self.boundary == "neumann" else self._free).systems()[0]
-        return bool(system.factor.solve(load).min() > system.settled)
+        return bool(system.factor.solve(load).min() > system.smallest_final)
 
     def is_cold(self, log_heat: FloatArray, loads: FloatArray) -> bool:
         """Return True if heat (N, K) is not positive at a vertex that its load is connected to."""

@@ -2,6 +2,7 @@
 
 from geodesic_toolkit.core.atomic import check_output, replacing
 from geodesic_toolkit.core.deprecation import deprecated_alias
+from geodesic_toolkit.io.curves import write_curves
 from geodesic_toolkit.io.reading import read
 from geodesic_toolkit.io.tables.points import read_points
 from geodesic_toolkit.io.tables.vertices import read_mask, read_vertices
@@ -19,5 +20,6 @@ __all__ = [
     "read_vertices",
     "replacing",
     "write",
+    "write_curves",
     "write_distances",
 ]

@@ -4,7 +4,12 @@ import numpy as np
 
 from geodesic_toolkit.core.types import BoolArray, FloatArray, IntArray
 
-__all__ = ["bends_of_polyline", "distance_to_segments", "sample_polyline"]
+__all__ = [
+    "bends_of_polyline",
+    "distance_to_segments",
+    "polyline_length",
+    "sample_polyline",
+]
 
 MIN_ANGLE_OF_KINKS = 0.5
 """Minimum turn of a polyline, in radians, at a kink of the curve instead of a bend: the turn along
@@ -16,6 +21,12 @@ staircase, or of a loop too small to have corners.
 WINDOW_OF_CURVATURE = 4.0
 """Length, in mean edge lengths, over which a bend is averaged: steps from face to face are
 noise."""
+
+
+def polyline_length(corners: FloatArray, *, closed: bool = False) -> float:
+    """Return the length of a polyline with corners of shape (P, 3)."""
+    ends = np.concatenate([corners, corners[:1]]) if closed else corners
+    return float(np.linalg.norm(np.diff(ends, axis=0), axis=1).sum())
 
 
 def sample_polyline(corners: FloatArray, step: float) -> tuple[FloatArray, IntArray]:

@@ -17,7 +17,13 @@ from geodesic_toolkit.sources.kinds import Curve, OffsetSources
 from geodesic_toolkit.sources.points import ADVICE_ON_MASKED_SOURCES, SourcePoints, as_vertices
 from geodesic_toolkit.sources.surface_point import SurfacePoint
 
-__all__ = ["CurveSamples", "fronts_beside", "locate_sources", "samples_of"]
+__all__ = [
+    "CurveSamples",
+    "corners_of_curve",
+    "fronts_beside",
+    "locate_sources",
+    "samples_of",
+]
 
 SAMPLES_PER_EDGE = 4
 """Number of samples of a curve per mean edge length."""
@@ -275,10 +281,7 @@ def samples_of(domain: Domain, passable: Domain, curve: Curve, name: str) -> Cur
     """
     from geodesic_toolkit.sources.curves import sample_polyline
 
-    if isinstance(curve.points, tuple):
-        corners = _located(domain, curve.points, name).positions(domain)
-    else:
-        corners = curve.points
+    corners = corners_of_curve(domain, curve, name)
     spacing = _spacing(passable)
     step = spacing / SAMPLES_PER_EDGE
     if curve.closed:
@@ -318,6 +321,19 @@ def _along(domain: Domain, ground: Ground, curve: Curve, name: str) -> SourcePoi
         closed=curve.closed,
     )
     return _between(passable, at, *fronts)
+
+
+def corners_of_curve(domain: Domain, curve: Curve, name: str = "curve") -> FloatArray:
+    """Return where the corners of a curve are in space, (P, 3).
+
+    Raises
+    ------
+    InvalidSourceError
+        Points in faces that the domain does not have.
+    """
+    if isinstance(curve.points, tuple):
+        return _located(domain, curve.points, name).positions(domain)
+    return np.asarray(curve.points)
 
 
 def _normals_at(surface: Domain, at: Located) -> FloatArray:

@@ -13,6 +13,7 @@ from geodesic_toolkit.errors import InvalidOptionError
 from geodesic_toolkit.viz.scene import Scene
 
 __all__ = [
+    "CURVE",
     "INK",
     "MARKER",
     "UNREACHED",
@@ -27,6 +28,9 @@ UNREACHED = (0.78, 0.78, 0.78)
 
 INK = (0.08, 0.08, 0.10)
 """Colour of isolines and text."""
+
+CURVE = (0.93, 0.38, 0.02)
+"""Orange of curves, which no value of the default map has."""
 
 MARKER = (0.86, 0.08, 0.14)
 """Red of the sources."""

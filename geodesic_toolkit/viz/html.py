@@ -19,6 +19,7 @@ from geodesic_toolkit.domains import Domain
 from geodesic_toolkit.errors import MissingDependencyError
 from geodesic_toolkit.viz.camera import choose_views
 from geodesic_toolkit.viz.colours import (
+    CURVE,
     INK,
     MARKER,
     UNREACHED,
@@ -35,6 +36,7 @@ __all__ = ["save_html", "show"]
 
 FIELD_OF_VIEW = 25.0
 LINE_WIDTH = 0.004
+CURVE_WIDTH = 0.012
 MARKER_RADIUS = 0.025
 VIEWER = "static/standalone.js"  # k3d's viewer, an AMD module without dependencies
 ENTRY = "CreateK3DAndLoadBinarySnapshot"  # its function that page.js calls
@@ -47,6 +49,7 @@ def save_html(
     path: str | os.PathLike[str],
     *,
     sources: Any = None,
+    curves: Any = (),
     cmap: Any = "viridis",
     isolines: int | ArrayLike = 20,
     unit: str = "",
@@ -63,7 +66,7 @@ def save_html(
 
     Parameters
     ----------
-    domain, distance, sources, cmap, isolines, unit, title, label, limits, positions
+    domain, distance, sources, curves, cmap, isolines, unit, title, label, limits, positions
         As for :func:`plot`.
     path : str or path-like
         The file to write; it is complete or absent.
@@ -85,7 +88,9 @@ def save_html(
     >>> file.read_text(encoding="utf-8").startswith("<!doctype html>")
     True
     """
-    scene = make_scene(domain, distance, sources=sources, positions=positions, limits=limits)
+    scene = make_scene(
+        domain, distance, sources=sources, curves=curves, positions=positions, limits=limits
+    )
     style = choose_style(scene, cmap, isolines)
     widget = _widget(scene, style, name=label)
     widget.colorbar_object_id = 0  # the page has its own
@@ -111,6 +116,7 @@ def show(
     distance: ArrayLike,
     *,
     sources: Any = None,
+    curves: Any = (),
     cmap: Any = "viridis",
     isolines: int | ArrayLike = 20,
     label: str = "distance",
@@ -122,7 +128,7 @@ def show(
 
     Parameters
     ----------
-    domain, distance, sources, cmap, isolines, label, limits, positions
+    domain, distance, sources, curves, cmap, isolines, label, limits, positions
         As for :func:`plot`.
     height : int
         In pixels.
@@ -147,7 +153,9 @@ def show(
     >>> [item.name for item in widget.objects]
     ['distance', 'isolines', 'sources']
     """
-    scene = make_scene(domain, distance, sources=sources, positions=positions, limits=limits)
+    scene = make_scene(
+        domain, distance, sources=sources, curves=curves, positions=positions, limits=limits
+    )
     widget = _widget(scene, choose_style(scene, cmap, isolines), name=label)
     widget.height = height
     return widget
@@ -200,6 +208,7 @@ def _widget(scene: Scene, style: Style, *, name: str) -> Any:
     items = _points(k3d, scene, style, name) if scene.faces is None else []
     if scene.faces is not None:
         items = [*_faces(k3d, scene, style, name), *_isolines(k3d, scene, style)]
+    items += _curves(k3d, scene)
     if len(scene.sources):
         size = 2 * max(MARKER_RADIUS, 0.0 if scene.faces is not None else 1.3 * scene.ball)
         look = {"shader": "mesh", "mesh_detail": 3, "name": "sources"}
@@ -252,6 +261,11 @@ def _isolines(k3d: Any, scene: Scene, style: Style) -> list[Any]:
         **look,
     )
     return [lines]
+
+
+def _curves(k3d: Any, scene: Scene) -> list[Any]:
+    look = {"shader": "mesh", "radial_segments": 8, "width": CURVE_WIDTH, "name": "curve"}
+    return [k3d.line(_single(line), color=packed(CURVE), **look) for line in scene.curves]
 
 
 def _points(k3d: Any, scene: Scene, style: Style, name: str) -> list[Any]:

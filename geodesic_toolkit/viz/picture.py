@@ -28,6 +28,7 @@ def plot(
     *,
     path: str | os.PathLike[str] | None = None,
     sources: Any = None,
+    curves: Any = (),
     cmap: Any = "viridis",
     isolines: int | ArrayLike = 20,
     views: Sequence[str | ArrayLike] = ("front", "back"),
@@ -49,8 +50,10 @@ def plot(
     path : str or path-like, optional
         The PNG file to write; it is complete or absent.
     sources : optional
-        Sources to mark, as for :meth:`GeodesicSolver.distance`. By default the vertices with value
-        0, if they are few; an empty list marks none.
+        Places to mark, as :meth:`GeodesicSolver.distance` takes them. By default those where the
+        value is exactly 0, if they are few; an empty list marks none.
+    curves : Curve, GeodesicPath, CloudPath, or sequence of them, optional
+        Lines to draw.
     cmap : str or matplotlib Colormap
         Perceptually uniform by default; "brg" or any other name of a colour map of matplotlib.
     isolines : int or array-like of float
@@ -83,7 +86,7 @@ def plot(
     InvalidOptionError
         An unknown colour map, view or size; values that do not fit the domain.
     InvalidSourceError
-        Sources that do not name points of the domain.
+        Sources or curves that name no place.
     MissingDependencyError
         pyvista or matplotlib is not installed, or the system has no OpenGL.
     WriteError
@@ -97,7 +100,9 @@ def plot(
     (100, 200, 3)
     """
     width, height = _checked_size(size)
-    scene = make_scene(domain, distance, sources=sources, positions=positions, limits=limits)
+    scene = make_scene(
+        domain, distance, sources=sources, curves=curves, positions=positions, limits=limits
+    )
     style = choose_style(scene, cmap, isolines)
     require("pyvista", "viz", "Pictures need")
     page = Page((width, height), scene, choose_views(scene, views), titled=bool(title))

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from geodesic_toolkit.core.optional import require
 from geodesic_toolkit.core.types import FloatArray
 from geodesic_toolkit.viz.camera import View
-from geodesic_toolkit.viz.colours import INK, MARKER, UNREACHED, Style, point_colours
+from geodesic_toolkit.viz.colours import CURVE, INK, MARKER, UNREACHED, Style, point_colours
 from geodesic_toolkit.viz.contours import contour_lines, surface
 from geodesic_toolkit.viz.opengl import check_opengl, quiet
 from geodesic_toolkit.viz.page import Page
@@ -78,6 +78,7 @@ class _Stage:
             self._add_isolines(scene, style)
         else:
             self._add_points(scene, style)
+        self._add_curves(scene)
         if len(scene.sources):
             buried = 0.0 if scene.faces is not None else scene.ball  # among the surrounding points
             radius = max(0.55 * self.em / self.scale, 1.1 * buried)
@@ -127,6 +128,19 @@ class _Stage:
         # Tubes: VTK's own lines break up if a segment is shorter than their width.
         tubes = lines.clean().strip().tube(radius=0.055 * self.em / self.scale, n_sides=6)
         self.raised.append((self.plotter.add_mesh(tubes, color=INK, lighting=False), 0.004))
+
+    def _add_curves(self, scene: Scene) -> None:
+        buried = 0.0 if scene.faces is not None else scene.ball  # among the points about it
+        for line in scene.curves:
+            # What lies on a place already has no direction, which a tube must have.
+            moved = np.append(True, (np.diff(line, axis=0) != 0).any(axis=1))
+            if moved.sum() < 2:
+                continue
+            tube = self.pyvista.lines_from_points(line[moved]).tube(
+                radius=0.14 * self.em / self.scale, n_sides=8
+            )
+            actor = self.plotter.add_mesh(tube, color=CURVE, lighting=False)
+            self.raised.append((actor, 0.008 + 4 * buried))
 
     def _add_points(self, scene: Scene, style: Style) -> None:
         """Add points as balls that form a closed surface; dark outlines show their depth."""

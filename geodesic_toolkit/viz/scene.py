@@ -16,6 +16,7 @@ from geodesic_toolkit.domains import Domain, graph_of, positions_of, triangles_o
 from geodesic_toolkit.errors import InvalidOptionError, UnsupportedDomainError
 from geodesic_toolkit.geometry.triangles import proper_faces
 from geodesic_toolkit.sources.locate import locate_sources
+from geodesic_toolkit.sources.polylines import polylines
 
 __all__ = ["Scene", "compacted", "make_scene"]
 
@@ -46,6 +47,8 @@ class Scene:
         Ends of the colour map.
     sources : ndarray of shape (S, 3)
         Positions of the sources in these coordinates.
+    curves : tuple of ndarray of shape (P, 3)
+        Polylines in the frame; of closed ones the last point is the first.
     centre : ndarray of shape (3,)
     radius : float
         ``points * radius + centre`` are the positions in the domain.
@@ -58,6 +61,7 @@ class Scene:
     values: FloatArray
     limits: tuple[float, float]
     sources: FloatArray
+    curves: tuple[FloatArray, ...]
     centre: FloatArray
     radius: float
 
@@ -101,6 +105,7 @@ def make_scene(
     values: ArrayLike,
     *,
     sources: Any = None,
+    curves: Any = (),
     positions: ArrayLike | None = None,
     limits: Sequence[float] | None = None,
 ) -> Scene:
@@ -112,8 +117,10 @@ def make_scene(
     values : array-like of shape (N,)
         The distance, or any other number per vertex; not finite where it has no value.
     sources : optional
-        As for :meth:`GeodesicSolver.distance`. By default the vertices with value 0, if they are
-        few; an empty list marks none.
+        As :meth:`GeodesicSolver.distance` takes them. By default the places where the value is
+        exactly 0, if they are few; an empty list marks none.
+    curves : Curve, GeodesicPath, CloudPath, or sequence of them
+        Lines to draw.
     positions : array-like of shape (N, 3), optional
         Positions at which the vertices of a graph are drawn.
     limits : pair of float, optional
@@ -130,7 +137,7 @@ def make_scene(
     InvalidOptionError
         Values or positions that do not fit the domain, limits that are not an interval.
     InvalidSourceError
-        Sources that do not name points of the domain.
+        Sources or curves that name no place.
     """
     points = _positions(domain, positions)
     field = _field(domain, values)
@@ -158,6 +165,7 @@ def make_scene(
         values=field,
         limits=_limits(field[present], limits),
         sources=_source_positions(domain, sources, framed, field, finite=finite, present=present),
+        curves=tuple((line - centre) / radius for line in polylines(domain, curves)),
         centre=centre,
         radius=radius,
     )

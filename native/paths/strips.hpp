@@ -8,16 +8,9 @@
 // geodesic.
 #pragma once
 
-#include "paths/descent.hpp"
+#include "paths/unfolding.hpp"
 
 namespace geodesic {
-
-// A vertex that a path bends around: the edge of the strip, by number, at which it does, and the
-// angle on the strip's side.
-struct Bend {
-  Index vertex, portal;
-  double angle;
-};
 
 // A point of a path: of a face, on its edge from `left` to `right`, with this share of the latter.
 struct Crossing {
@@ -32,6 +25,9 @@ struct Path {
   double length;
   std::vector<Bend> bends;
 };
+
+// The shortest path through a strip from a corner of the first face to one of the last.
+Path straightened(const Surface& surface, const Strip& strip, Index start, Index end);
 
 // The path from a corner of the first face to one of the last, made a geodesic.
 Path shortest_path(const Surface& surface, const Strip& strip, Index start, Index end);

@@ -1,5 +1,6 @@
 // Shortest paths over triangles in Python.
 #include "paths/candidates.hpp"
+#include "paths/chains.hpp"
 #include "paths/straight.hpp"
 #include "python/bindings.hpp"
 
@@ -64,6 +65,24 @@ void bind_paths(nb::module_& module) {
       },
       "lengths"_a.noconvert(), "twin"_a.noconvert(), "faces"_a.noconvert(), "weights"_a.noconvert(),
       "angles"_a.noconvert(), "distances"_a.noconvert(), "most"_a);
+  module.def(
+      "geodesic_through",
+      [](In<double, 2> vertices, In<Index, 2> faces, In<Index> stops, bool closed, bool held,
+         double min_length) {
+        const Index n = n_rows(vertices);
+        require(vertices.shape(1) == 3 && faces.shape(1) == 3, "three numbers in each row");
+        const auto is_vertex = [n](Index v) { return 0 <= v && v < n; };
+        require(stops.size() > 1 && std::ranges::all_of(span(stops), is_vertex),
+                "two stops or more below the number of vertices");
+        const Drawn drawn = unlocked([&] {
+          const Surface surface(span(vertices), span(faces));
+          return geodesic_through(
+              surface, {{span(stops).begin(), span(stops).end()}, closed, held, min_length});
+        });
+        return nb::make_tuple(give(drawn.points), drawn.unreached);
+      },
+      "vertices"_a.noconvert(), "faces"_a.noconvert(), "stops"_a.noconvert(), nb::kw_only(),
+      "closed"_a, "held"_a, "min_length"_a);
   module.def(
       "distinct_triangles",
       [](In<Index, 2> elements) {

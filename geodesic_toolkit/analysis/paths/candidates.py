@@ -1,5 +1,7 @@
 """The best of the candidate paths from a vertex down to others, straightened."""
 
+from __future__ import annotations
+
 from dataclasses import dataclass
 
 import numpy as np
@@ -26,6 +28,11 @@ class Candidate:
     faces: IntArray
     ends: IntArray
     weights: FloatArray
+
+    @property
+    def backward(self) -> Candidate:
+        """The same path from its end to its start."""
+        return Candidate(self.faces[::-1], self.ends[::-1], self.weights[::-1])
 
 
 def best_path(

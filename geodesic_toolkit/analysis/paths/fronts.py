@@ -8,7 +8,7 @@ from geodesic_toolkit.refinement.wavefronts import WavefrontSweeper
 from geodesic_toolkit.solver.solver import GeodesicSolver
 from geodesic_toolkit.sources.points import SourcePoints
 
-__all__ = ["first_to_arrive", "refined_distance"]
+__all__ = ["first_to_arrive", "one_place", "refined_distance"]
 
 
 def refined_distance(
@@ -24,12 +24,16 @@ def refined_distance(
 
 def first_to_arrive(sources: SourcePoints, back: FloatArray) -> SourcePoints:
     """Return the source with the least offset plus distance to the goal, without its offset."""
-    first = int(np.argmin(sources.starts + sources.weights @ back))
-    around = slice(sources.begins[first], sources.begins[first + 1])
+    return one_place(sources, int(np.argmin(sources.starts + sources.weights @ back)))
+
+
+def one_place(sources: SourcePoints, index: int) -> SourcePoints:
+    """Return one of several places, without its offset."""
+    around = slice(sources.begins[index], sources.begins[index + 1])
     return SourcePoints(
         vertices=sources.vertices[around],
         shares=sources.shares[around],
-        begins=sources.begins[first : first + 2] - sources.begins[first],
+        begins=sources.begins[index : index + 2] - sources.begins[index],
         n_vertices=sources.n_vertices,
         distances=sources.distances[around],
         front_curvatures=sources.curvatures[around],

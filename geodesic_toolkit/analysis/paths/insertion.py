@@ -105,7 +105,9 @@ class _Splitter:
 
     def result(self) -> tuple[IntArray, IntArray]:
         """Return the faces and the old face of each."""
-        whole = np.setdiff1d(np.arange(len(self._original)), list(self._parts))
+        is_whole = np.ones(len(self._original), dtype=np.bool_)
+        is_whole[list(self._parts)] = False
+        whole = np.flatnonzero(is_whole)
         pieces = [self._piece(part) for parts in self._parts.values() for part in parts]
         faces = [self._original[whole], np.array([f for _, f in pieces]).reshape(-1, 3)]
         parents = [whole, np.array([old for old, _ in pieces])]

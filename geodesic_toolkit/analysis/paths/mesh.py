@@ -1,74 +1,59 @@
 """Shortest paths: descent on the refined distance, then straightening across the faces."""
 
-from dataclasses import dataclass
-from functools import cached_property
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
 from scipy.sparse import csr_array, vstack
 
 from geodesic_toolkit.analysis.paths.candidates import best_path
+from geodesic_toolkit.analysis.paths.chains import (
+    Course,
+    located_stops,
+    path_through,
+    unreachable_error,
+)
 from geodesic_toolkit.analysis.paths.cloud import CloudPath, path_on_cloud
 from geodesic_toolkit.analysis.paths.edges import EdgePath, path_along_edges
-from geodesic_toolkit.analysis.paths.fronts import first_to_arrive, refined_distance
-from geodesic_toolkit.analysis.paths.insertion import Insertion, insert_points
-from geodesic_toolkit.analysis.paths.polyline import Polyline, without_repeats
-from geodesic_toolkit.core.types import FloatArray, IntArray
+from geodesic_toolkit.analysis.paths.fronts import first_to_arrive, one_place, refined_distance
+from geodesic_toolkit.analysis.paths.insertion import insert_points
+from geodesic_toolkit.analysis.paths.path import (
+    GeodesicPath,
+    joined_pieces,
+    path_from_candidate,
+    surface_point,
+)
+from geodesic_toolkit.core.types import FloatArray
 from geodesic_toolkit.discretization.data import Discretization
 from geodesic_toolkit.discretization.element_gradient import ElementGradient
 from geodesic_toolkit.domains import PointCloud, TriangleMesh
-from geodesic_toolkit.errors import InvalidSourceError, UnreachableError
+from geodesic_toolkit.errors import (
+    InvalidOptionError,
+    InvalidSourceError,
+)
 from geodesic_toolkit.geometry.triangles import proper_faces
 from geodesic_toolkit.laplacians.cotan import CotanLaplacian
 from geodesic_toolkit.solver.solver import GeodesicSolver, check_solver
 from geodesic_toolkit.sources.kinds import OffsetSources
 from geodesic_toolkit.sources.locate import locate_sources
 from geodesic_toolkit.sources.points import SourcePoints
-from geodesic_toolkit.sources.surface_point import SurfacePoint
 
-__all__ = ["GeodesicPath", "geodesic_path"]
-
-
-@dataclass(frozen=True, eq=False, repr=False)
-class GeodesicPath(Polyline):
-    """A polyline on a triangle mesh, from source to target.
-
-    Between two consecutive points it is straight and within one face.
-
-    Attributes
-    ----------
-    mesh : TriangleMesh
-    surface_points : tuple of SurfacePoint
-        The P points; they can be sources, also as a ``Curve``.
-
-    Examples
-    --------
-    >>> import geodesic_toolkit as gt
-    >>> solver = gt.GeodesicSolver(gt.testing.shapes.grid(5))
-    >>> path = gt.geodesic_path(solver, 0, 23)
-    >>> path
-    GeodesicPath(10 points, length 1.25)
-    >>> solver.distance(path.surface_points).shape  # from a curve
-    (25,)
-    """
-
-    mesh: TriangleMesh
-    surface_points: tuple[SurfacePoint, ...]
-
-    @cached_property
-    def points(self) -> FloatArray:
-        """The (P, 3) positions of the points."""
-        faces = [point.face for point in self.surface_points]
-        weights = np.array([point.barycentric for point in self.surface_points])
-        corners = self.mesh.vertices[self.mesh.faces[faces]]
-        positions: FloatArray = np.einsum("pc,pcd->pd", weights, corners)
-        return positions
+__all__ = ["geodesic_path"]
 
 
 def geodesic_path(
-    solver: GeodesicSolver, source: Any, target: Any
+    solver: GeodesicSolver,
+    source: Any,
+    target: Any = None,
+    *,
+    via: Any = None,
+    through: bool = False,
+    closed: bool = False,
 ) -> GeodesicPath | CloudPath | EdgePath:
     """Return a shortest path on a mesh, a cloud or a graph from the nearest source to a target.
+
+    Without a target the sources are way points, and each piece between one and the next is a
+    shortest path.
 
     Descent on the refined distance from the target passes through a strip of faces. The strip is
     unfolded, the shortest line through it drawn, and the strip moved to the other side of a vertex
@@ -76,6 +61,10 @@ def geodesic_path(
     at least as long. If paths far apart are almost equally long (around different sides of a
     mountain), it may not be the shortest: on scans and models it is longer by a few thousandths at
     most, on crumpled surfaces by up to a few per cent.
+
+    A path `via` places passes holes, hills and valleys on the side of these places: the shortest
+    path along edges through all of them is pulled taut. The result is as short as any path close to
+    it. It leaves the places, unless it must run `through` them.
 
     On a cloud the path runs through the triangles of the local stars. It may keep a bend where
     stars disagree, which a mesh would straighten. It passes through the points as they
@@ -91,9 +80,16 @@ def geodesic_path(
         Its heat orders the vertices; nothing is factorised.
     source : int, array-like, SurfacePoint, sequence of them, Curve or OffsetSources
         As for :meth:`GeodesicSolver.distance`. Among sources with offsets the path begins at the
-        one with the least offset plus length; its length does not include the offset.
-    target : int, array-like of float, or SurfacePoint
+        one with the least offset plus length; its length does not include the offset. Without a
+        target, at least two way points in order.
+    target : int, array-like of float, or SurfacePoint, optional
         One point. On a cloud a point in space is snapped to the nearest point.
+    via : int, array-like, SurfacePoint or sequence of them, optional
+        Places in order between one source and the target, on a mesh.
+    through : bool
+        Keep the places of `via` on the path.
+    closed : bool
+        Go on from the last way point to the first, where there is no target.
 
     Returns
     -------
@@ -103,13 +99,15 @@ def geodesic_path(
     Raises
     ------
     InvalidOptionError
-        `solver` is not a solver.
+        Something else than a solver; options that do not go together.
     UnsupportedDomainError
-        A cloud whose operator makes no triangles; a domain without edges.
+        A cloud whose operator makes no triangles; a kind of domain without edges; way points, or
+        places to go via, on anything but a mesh.
     InvalidSourceError
-        Sources or a target that do not name points; a masked source; several targets.
+        Sources or a target that name no place; a masked source; several targets; a way point that
+        is the one before it.
     UnreachableError
-        No triangle connects the target with a source.
+        No triangle connects the target with a source, or a way point with the next.
 
     References
     ----------
@@ -124,8 +122,28 @@ def geodesic_path(
     >>> path = gt.geodesic_path(solver, 0, [0.0, 0.0, 1.0])
     >>> path.points[-1].round(3)
     array([0., 0., 1.])
+
+    Around the other side of a torus:
+
+    >>> torus = gt.GeodesicSolver(gt.testing.shapes.torus(48, 24))
+    >>> near, far = gt.geodesic_path(torus, 0, 240), gt.geodesic_path(torus, 0, 240, via=[720])
+    >>> round(far.length / near.length, 1)
+    2.8
     """
     check_solver(solver, "a path")
+    if target is None:
+        return _through_all(solver, source, via=via, through=through, closed=closed)
+    if closed:
+        raise InvalidOptionError(
+            "closed=True is for way points alone: geodesic_path(solver, [a, b, c], closed=True)"
+        )
+    if via is not None:
+        stops = located_stops(solver, [(source, "source"), (via, "via"), (target, "target")])
+        path = path_through(solver, stops, Course(held=bool(through)))
+        assert path is not None  # for the type checker: only closed ones shrink to points
+        return path
+    if through:
+        raise InvalidOptionError("through=True is for the places of via=; give some")
     domain = solver.domain
     if isinstance(target, OffsetSources):
         raise InvalidSourceError("target: a target has no offset; offsets are for sources")
@@ -146,12 +164,32 @@ def geodesic_path(
     distance = refined_distance(solver, metric, sources)
     path = _path_on_mesh(domain, distance, back, sources, goal)
     if path is None:
-        seams = f". {solver.seams.finding}; {solver.seams.cure}" if solver.seams else ""
-        raise UnreachableError(
-            f"no face connects the target {target!r} with a source; they are in different "
-            f"components of the mesh, outside all faces, or behind masked vertices{seams}"
-        )
+        raise unreachable_error(solver, f"the target {target!r} with a source")
     return path
+
+
+def _through_all(
+    solver: GeodesicSolver, places: Any, *, via: Any, through: bool, closed: bool
+) -> GeodesicPath:
+    """Return the path of shortest pieces from each way point to the next."""
+    if via is not None or through:
+        raise InvalidOptionError("via= and through= lead to a target; there is none")
+    stops = located_stops(solver, [(places, "way points")], closed=closed)
+    domain = solver.domain
+    assert isinstance(domain, TriangleMesh)  # for the type checker; located_stops has raised
+    points = [one_place(stops, index) for index in range(stops.count)]
+    metric = _with_triangles(solver)
+    distances = [refined_distance(solver, metric, point) for point in points]
+    order = [*range(len(points)), *([0] if closed else [])]
+    pieces = []
+    for here, there in pairwise(order):
+        piece = _path_on_mesh(
+            domain, distances[here], distances[there], points[here], points[there]
+        )
+        if piece is None:
+            raise unreachable_error(solver, f"way point {there} with way point {here}")
+        pieces.append(piece)
+    return joined_pieces(domain, pieces, closed=bool(closed))
 
 
 def _path_on_mesh(
@@ -177,7 +215,7 @@ def _path_on_mesh(
     beside = np.flatnonzero((split.faces == start).any(axis=1))
     if start in ends and len(beside):
         return GeodesicPath(
-            mesh, (_surface_point(mesh, original, split, (int(beside[0]), [start], np.ones(1))),)
+            mesh, (surface_point(mesh, original, split, (int(beside[0]), [start], np.ones(1))),)
         )
     unreached = start in ends or not np.isfinite(height[start])
     if unreached:
@@ -185,11 +223,7 @@ def _path_on_mesh(
     best = best_path(split.vertices, split.faces, height, behind, start=start, ends=ends)
     if best is None:
         return None
-    parts = best.faces[::-1].tolist(), best.ends[::-1].tolist(), best.weights[::-1]
-    points = (_surface_point(mesh, original, split, at) for at in zip(*parts, strict=True))
-    path = GeodesicPath(mesh, tuple(points))
-    kept = without_repeats(path.points, mesh.vertices[mesh.used])
-    return GeodesicPath(mesh, tuple(path.surface_points[index] for index in kept))
+    return path_from_candidate(mesh, original, split, best.backward)
 
 
 def _with_triangles(solver: GeodesicSolver) -> Discretization:
@@ -200,22 +234,3 @@ def _with_triangles(solver: GeodesicSolver) -> Discretization:
     if isinstance(mesh, TriangleMesh) and not three:
         return CotanLaplacian().assemble(mesh)
     return metric
-
-
-def _surface_point(
-    mesh: TriangleMesh,
-    original: IntArray,
-    split: Insertion,
-    at: tuple[int, list[int], FloatArray],
-) -> SurfacePoint:
-    """Return a point of the split mesh as a point of the old face that contains it.
-
-    The point is given by a face of the split mesh, vertices of this face, and their shares.
-    """
-    face, vertices, shares = at
-    whole = int(original[split.parents[face]])
-    weights = np.zeros(3)
-    for vertex, share in zip(vertices, shares.tolist(), strict=True):
-        weights += share * split.weights_on(mesh.faces[whole], vertex)
-    a, b, c = weights.tolist()
-    return SurfacePoint(whole, (a, b, c))

@@ -1,0 +1,166 @@
+"""Paths through places in order: chains of edges that are pulled taut."""
+
+from collections.abc import Iterable
+from dataclasses import dataclass, replace
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+
+from geodesic_toolkit import _native
+from geodesic_toolkit.analysis.paths.candidates import Candidate
+from geodesic_toolkit.analysis.paths.insertion import insert_points
+from geodesic_toolkit.analysis.paths.path import GeodesicPath, path_from_candidate
+from geodesic_toolkit.core.types import IntArray
+from geodesic_toolkit.domains import TriangleMesh
+from geodesic_toolkit.errors import InvalidSourceError, UnreachableError, UnsupportedDomainError
+from geodesic_toolkit.geometry.triangles import proper_faces
+from geodesic_toolkit.solver.solver import GeodesicSolver
+from geodesic_toolkit.sources.kinds import Curve, OffsetSources
+from geodesic_toolkit.sources.points import SourcePoints
+
+__all__ = ["Course", "located_stops", "path_through", "unreachable_error"]
+
+
+SAME_SHARES = 1e-8
+"""Difference of barycentric weights, all together, within which two places are one."""
+
+
+@dataclass(frozen=True)
+class Course:
+    """How a path takes its stops.
+
+    Parameters
+    ----------
+    closed : bool
+        On from the last to the first.
+    held : bool
+        Through them, rather than pulled away from them.
+    min_length : float
+        A closed path that is not held, and is shorter, counts as a point.
+    """
+
+    closed: bool = False
+    held: bool = False
+    min_length: float = 0.0
+
+
+def located_stops(
+    solver: GeodesicSolver, places: Iterable[tuple[Any, str]], *, closed: bool = False
+) -> SourcePoints:
+    """Return places of a mesh in order, from one or several groups that errors call by names.
+
+    Raises
+    ------
+    UnsupportedDomainError
+        Not on a mesh.
+    InvalidSourceError
+        Places that are none, too few, or twice the same in a row.
+    """
+    if not isinstance(solver.domain, TriangleMesh):
+        raise UnsupportedDomainError(
+            "loops and paths through places need a triangle mesh; a "
+            f"{type(solver.domain).__name__} has no surface to pull them over"
+        )
+    groups = []
+    for given, name in places:
+        if isinstance(given, Curve | OffsetSources):
+            raise InvalidSourceError(
+                f"{name}: a path runs through places, not through a {type(given).__name__}"
+            )
+        groups.append(solver.locate(given, name))
+        if name in {"source", "target"} and groups[-1].count != 1:
+            raise InvalidSourceError(
+                f"{name}: a path via places has one {name}, not {groups[-1].count}"
+            )
+    stops = _concatenated(groups)
+    least = 3 if closed else 2
+    if stops.count < least:
+        what = "three places or more say which way around" if closed else "two places or more"
+        raise InvalidSourceError(f"way points: {what}, not {stops.count}")
+    _check_steps(stops, closed=closed)
+    return stops
+
+
+def path_through(
+    solver: GeodesicSolver, stops: SourcePoints, course: Course
+) -> GeodesicPath | None:
+    """Return the geodesic that the shortest way along edges through stops is pulled to.
+
+    None where a closed one shrinks to a point, or to less than the course's least length.
+
+    Raises
+    ------
+    UnreachableError
+        No face connects a stop with the next.
+    """
+    mesh = solver.domain
+    assert isinstance(mesh, TriangleMesh)  # for the type checker; located_stops has raised
+    original = _passable_faces(solver, mesh)
+    split = insert_points(mesh.vertices, mesh.faces[original], stops.weights)
+    (faces, ends, shares), unreached = _native.geodesic_through(
+        np.ascontiguousarray(split.vertices),
+        np.ascontiguousarray(split.faces),
+        split.vertex_of_point,
+        closed=course.closed,
+        held=course.held,
+        min_length=course.min_length,
+    )
+    if unreached >= 0:
+        before = (unreached - 1) % stops.count
+        raise unreachable_error(solver, f"place {unreached} with place {before}")
+    if not len(faces):
+        return None
+    way = Candidate(faces, ends, np.column_stack([1 - shares, shares]))
+    path = path_from_candidate(mesh, original, split, way)
+    if not course.closed:
+        return path
+    return replace(path, surface_points=path.surface_points[:-1], closed=True)
+
+
+def unreachable_error(solver: GeodesicSolver, what: str) -> UnreachableError:
+    """Return the error that says what no face connects, with the cure for seams."""
+    seams = f". {solver.seams.finding}; {solver.seams.cure}" if solver.seams else ""
+    return UnreachableError(
+        f"no face connects {what}; they lie in different components of the mesh, in no face, or "
+        f"behind masked vertices{seams}"
+    )
+
+
+def _passable_faces(solver: GeodesicSolver, mesh: TriangleMesh) -> IntArray:
+    """Return the proper faces that touch no masked vertex."""
+    conducting = proper_faces(mesh.faces)
+    passable = solver.passable
+    if passable is not mesh and isinstance(passable, TriangleMesh):
+        conducting &= passable.used[mesh.faces].all(axis=1)
+    return np.flatnonzero(conducting)
+
+
+def _concatenated(groups: list[SourcePoints]) -> SourcePoints:
+    counts = np.concatenate([np.diff(group.begins) for group in groups])
+    return SourcePoints(
+        vertices=np.concatenate([group.vertices for group in groups]),
+        shares=np.concatenate([group.shares for group in groups]),
+        begins=np.concatenate([[0], np.cumsum(counts)]),
+        n_vertices=groups[0].n_vertices,
+        distances=np.concatenate([group.distances for group in groups]),
+        copy=False,
+    )
+
+
+def _check_steps(stops: SourcePoints, *, closed: bool) -> None:
+    """Raise where a place is the one before it."""
+    parts = [slice(*pair) for pair in pairwise(stops.begins.tolist())]
+    points = [
+        dict(zip(stops.vertices[part].tolist(), stops.shares[part].tolist(), strict=True))
+        for part in parts
+    ]
+    for index in range(0 if closed else 1, stops.count):
+        here, last = points[index], points[index - 1]
+        step = [here.get(vertex, 0.0) - last.get(vertex, 0.0) for vertex in {*here, *last}]
+        if sum(map(abs, step)) <= SAME_SHARES:
+            before = (index - 1) % stops.count
+            cure = "; a closed path joins the last to the first by itself" if index == 0 else ""
+            raise InvalidSourceError(
+                f"way points: place {index} is place {before} again; leave one of them out{cure}"
+            )

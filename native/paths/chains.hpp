@@ -1,0 +1,28 @@
+// Geodesics from chains of edges: pulled taut on the side of places on which the chain passes them.
+#pragma once
+
+#include "paths/strips.hpp"
+
+namespace geodesic {
+
+// Where a path runs through stops, and how the stops are taken.
+struct Course {
+  std::vector<Index> stops;  // vertices; none is next to itself
+  bool is_closed = false;    // from the last to the first
+  bool is_held = false;      // through the stops, rather than pulled away from them
+  double min_length = 0;     // of a closed path that is not held: a shorter one is a point
+};
+
+// The points of a path, none where a closed one shrinks to a point, and the stop that no triangle
+// connects with the one before it, or kNoStop.
+inline constexpr Index kNoStop = -1;
+struct Drawn {
+  std::vector<Crossing> points;
+  Index unreached = kNoStop;
+};
+
+// Stops are joined by the shortest paths along edges; those make the strip of faces, on the side of
+// the lesser angle at each vertex, that the geodesic starts from.
+Drawn geodesic_through(const Surface& surface, const Course& course);
+
+}  // namespace geodesic
