@@ -14,6 +14,7 @@ __version__ = "0.1.0"
 if TYPE_CHECKING:
     from geodesic_toolkit import errors, testing, viz
     from geodesic_toolkit.analysis.comparison import Comparison, compare
+    from geodesic_toolkit.analysis.directions.log_map import LogMap, log_map
     from geodesic_toolkit.analysis.exponential import ExpMap, exp_map
     from geodesic_toolkit.analysis.matrix.matrix import distance_matrix
     from geodesic_toolkit.analysis.paths.cloud import CloudPath
@@ -77,6 +78,7 @@ __all__ = [
     "LaplaceOperator",
     "LinearSolver",
     "Located",
+    "LogMap",
     "OffsetSources",
     "PluginStatus",
     "PointCloud",
@@ -104,6 +106,7 @@ __all__ = [
     "geodesic_path",
     "geodesic_voronoi",
     "interpolate",
+    "log_map",
     "mean_eikonal_residual",
     "merge_vertices",
     "operators",
@@ -146,6 +149,7 @@ _HOMES = {
     "LaplaceOperator": "laplacians.base",
     "LinearSolver": "linear.base",
     "Located": "domains",
+    "LogMap": "analysis.directions.log_map",
     "OffsetSources": "sources.kinds",
     "PluginStatus": "registry.registry",
     "PointCloud": "domains",
@@ -171,6 +175,7 @@ _HOMES = {
     "geodesic_path": "analysis.paths.mesh",
     "geodesic_voronoi": "analysis.sampling",
     "interpolate": "solver.queries",
+    "log_map": "analysis.directions.log_map",
     "mean_eikonal_residual": "analysis.residual",
     "merge_vertices": "interop.merging",
     "operators": "registry.catalog",
