@@ -14,7 +14,9 @@ __version__ = "0.1.0"
 if TYPE_CHECKING:
     from geodesic_toolkit import errors, testing, viz
     from geodesic_toolkit.analysis.comparison import Comparison, compare
+    from geodesic_toolkit.analysis.directions.extension import extend
     from geodesic_toolkit.analysis.directions.log_map import LogMap, log_map
+    from geodesic_toolkit.analysis.directions.transport import parallel_transport
     from geodesic_toolkit.analysis.exponential import ExpMap, exp_map
     from geodesic_toolkit.analysis.matrix.matrix import distance_matrix
     from geodesic_toolkit.analysis.paths.cloud import CloudPath
@@ -101,6 +103,7 @@ __all__ = [
     "errors",
     "exact_distance",
     "exp_map",
+    "extend",
     "farthest_point_sampling",
     "geodesic_distance",
     "geodesic_path",
@@ -110,6 +113,7 @@ __all__ = [
     "mean_eikonal_residual",
     "merge_vertices",
     "operators",
+    "parallel_transport",
     "read",
     "read_mask",
     "read_points",
@@ -170,6 +174,7 @@ _HOMES = {
     "eikonal_residual": "analysis.residual",
     "exact_distance": "exact",
     "exp_map": "analysis.exponential",
+    "extend": "analysis.directions.extension",
     "farthest_point_sampling": "analysis.sampling",
     "geodesic_distance": "solver.convenience",
     "geodesic_path": "analysis.paths.mesh",
@@ -179,6 +184,7 @@ _HOMES = {
     "mean_eikonal_residual": "analysis.residual",
     "merge_vertices": "interop.merging",
     "operators": "registry.catalog",
+    "parallel_transport": "analysis.directions.transport",
     "read": "io",
     "read_mask": "io",
     "read_points": "io",

@@ -456,6 +456,7 @@ class Tracer:
         labels: Rows,
         period: float,
         clockwise: bool,
+        directions: bool,
     ) -> tuple[Numbers, Numbers, Numbers, Rows, Rows, Rows, Numbers]:
         """Return angles, spreads, arrivals, labels (N,), and from where they came.
 

@@ -100,7 +100,7 @@ void bind_tracer(nb::module_& module) {
           "carry",
           [](const Tracer& self, In<double> distances, In<double> kappas, In<Index> vertices,
              In<double> known, In<double> angles, In<double> spreads, In<double> arrivals,
-             In<Row> labels, double period, bool clockwise) {
+             In<Row> labels, double period, bool clockwise, bool directions) {
             require(n_rows(distances) == self.n_vertices() && kappas.size() == distances.size(),
                     "a distance and a curvature for each vertex");
             const std::size_t n_seeds = vertices.size();
@@ -114,7 +114,8 @@ void bind_tracer(nb::module_& module) {
             const Seeds seeds{span(vertices), span(known),    span(angles),
                               span(spreads),  span(arrivals), span(labels)};
             Carried carried = unlocked([&] {
-              return self.carry({span(distances), span(kappas)}, seeds, {period, clockwise});
+              return self.carry({span(distances), span(kappas)}, seeds,
+                                {period, clockwise, directions});
             });
             return nb::make_tuple(give(std::move(carried.angles)), give(std::move(carried.spreads)),
                                   give(std::move(carried.arrivals)),
@@ -123,7 +124,8 @@ void bind_tracer(nb::module_& module) {
           },
           "distances"_a.noconvert(), "kappas"_a.noconvert(), "vertices"_a.noconvert(),
           "known"_a.noconvert(), "angles"_a.noconvert(), "spreads"_a.noconvert(),
-          "arrivals"_a.noconvert(), "labels"_a.noconvert(), "period"_a, "clockwise"_a);
+          "arrivals"_a.noconvert(), "labels"_a.noconvert(), "period"_a, "clockwise"_a,
+          "directions"_a);
 }
 
 }  // namespace

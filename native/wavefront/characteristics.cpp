@@ -105,7 +105,7 @@ class Way {
     }
     for (Index v = 0; v < n_vertices(); ++v)
       if (!states_[v].is_fixed && front_[v].distance < kInfinity) ways_[v] = way_to(v);
-    for (Index p = 0; p < count(seeds.vertices); ++p)
+    for (Index p = 0; p < count(seeds.vertices) && circle_.directions; ++p)
       if (is_point(seeds, p)) begin_about(static_cast<Row>(seeds.vertices[p]), seeds.labels[p]);
   }
 
@@ -338,9 +338,9 @@ class Way {
     const double radius = front_[way.a].radius;
     state.angle = from.angle;
     state.label = from.label;
-    if (radius == 0) {
+    if (radius == 0 && circle_.directions) {
       state.spread = way.step;
-    } else if (reflex_[way.a]) {
+    } else if (radius == 0 || reflex_[way.a]) {
       state.spread = kShadow;
     } else {
       const double widened = 1 + way.step / radius - curvature_[v] * squared(way.step) / 2;
@@ -348,20 +348,20 @@ class Way {
     }
   }
 
-  // Angles are spread over the angle at the centre of the front by 1 / q, which is linear along the
-  // edge.
+  // Angles are spread over the angle at the centre of the front, by so many that go to one of that;
+  // linearly along the edge. In the shadow of a corner these are none.
   void carry_across(Row v) {
     const Characteristic& way = ways_[v];
     const State &from_a = states_[way.a], &from_b = states_[way.b];
     State& state = states_[v];
-    const double q_a = from_a.spread / way.radius_a, q_b = from_b.spread / way.radius_b;
-    const double part = way.share * (2 * q_b + (q_a - q_b) * way.share) / (q_a + q_b);
+    const double at_a = way.radius_a / from_a.spread, at_b = way.radius_b / from_b.spread;
+    const double here = at_a + (at_b - at_a) * way.share, all = at_a + at_b;
+    const double part = all > 0 ? way.share * (at_a + here) / all : way.share;
     state.angle = from_a.angle + part * within_turn(from_b.angle - from_a.angle, circle_);
     state.label = from_a.label;
-    const double q = q_a + (q_b - q_a) * way.share;
     const double bend = (curvature_[way.a] + curvature_[way.b] + curvature_[v]) / 3;
-    const double spread = q * way.radius * (1 - bend * squared(way.step) / 2);
-    state.spread = std::max(spread, kFocus * way.step);
+    const double spread = way.radius / here * (1 - bend * squared(way.step) / 2);
+    state.spread = std::min(std::max(spread, kFocus * way.step), kShadow);
   }
 
   // Whether the ends of an edge have been reached by fronts that have nothing to do with each

@@ -31,8 +31,9 @@ struct Seeds {
 
 // The numbers that angles are counted by.
 struct Circle {
-  double period;   // angles that differ by it are the same; infinite for places along a line
-  bool clockwise;  // whether angles fall from a to b for all corners, seen from a front
+  double period;    // angles that differ by it are the same; infinite for places along a line
+  bool clockwise;   // whether angles fall from a to b for all corners, seen from a front
+  bool directions;  // whether they are directions at points
 };
 
 // What has been carried to vertices: no number, and no label, where nothing connects.

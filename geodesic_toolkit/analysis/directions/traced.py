@@ -5,6 +5,7 @@ from typing import cast
 
 import numpy as np
 
+from geodesic_toolkit.analysis.directions.curves import Course, places_of
 from geodesic_toolkit.analysis.directions.seeds import Surroundings, surroundings
 from geodesic_toolkit.core.types import FloatArray, IntArray
 from geodesic_toolkit.discretization.element_gradient import ElementGradient
@@ -13,7 +14,13 @@ from geodesic_toolkit.geometry.frames import Frames
 from geodesic_toolkit.solver.solver import GeodesicSolver, check_solver
 from geodesic_toolkit.sources.points import SourcePoints
 
-__all__ = ["Traced", "refines", "trace"]
+__all__ = ["Traced", "refines", "trace", "trace_curve"]
+
+SHADOW = 1e100
+"""Spread of what comes from one place on a curve, as from a kink or an end."""
+
+TURNING = 0.9
+"""Distance times curvature of a front from which on it is a circle about one place."""
 
 
 def refines(solver: object, what: str, refine: object) -> bool:
@@ -96,7 +103,46 @@ def trace(solver: GeodesicSolver, points: SourcePoints) -> Traced:
         points.rows.astype(np.int32),
         2 * np.pi,
         not gradient.stars and not frames.surface_mirrored.any(),
+        True,
     )
     return Traced(
         fronts.distances, angles, arrivals, spreads, labels.astype(np.int64), sources, frames
     )
+
+
+def trace_curve(solver: GeodesicSolver, points: SourcePoints, course: Course) -> FloatArray:
+    """Return how far along a curve, (N,), the nearest place on it is; NaN where nothing connects.
+
+    Parameters
+    ----------
+    solver : GeodesicSolver
+        Of a mesh or a cloud.
+    points : SourcePoints
+        The curve as it has been located.
+    course : Course
+        The same curve.
+
+    Raises
+    ------
+    UnsupportedDomainError
+        As for :func:`trace`.
+    """
+    fronts = solver.method.fronts(points)
+    with np.errstate(invalid="ignore"):  # at an end of the curve it is not a number
+        turning = points.curvatures * points.distances
+    is_circle = ~(turning < TURNING)
+    spreads = 1 / (1 - np.where(is_circle, 0.0, turning))
+    along, _, _, labels, _, _, _ = solver.tracer.carry(
+        fronts.swept,
+        fronts.curvatures,
+        points.vertices,
+        points.distances,
+        course.places_of(places_of(solver.passable)[points.vertices]),
+        np.where(is_circle, SHADOW, spreads),
+        np.full(len(points.vertices), np.nan),
+        np.zeros(len(points.vertices), dtype=np.int32),
+        course.period,
+        False,
+        False,
+    )
+    return np.where(labels < 0, np.nan, along)
