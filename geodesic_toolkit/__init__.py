@@ -16,7 +16,9 @@ if TYPE_CHECKING:
     from geodesic_toolkit.analysis.comparison import Comparison, compare
     from geodesic_toolkit.analysis.directions.extension import extend
     from geodesic_toolkit.analysis.directions.log_map import LogMap, log_map
+    from geodesic_toolkit.analysis.directions.means import GeodesicMean, geodesic_mean
     from geodesic_toolkit.analysis.directions.transport import parallel_transport
+    from geodesic_toolkit.analysis.directions.voronoi import CentroidalVoronoi, centroidal_voronoi
     from geodesic_toolkit.analysis.exponential import ExpMap, exp_map
     from geodesic_toolkit.analysis.matrix.matrix import distance_matrix
     from geodesic_toolkit.analysis.paths.cloud import CloudPath
@@ -59,6 +61,7 @@ if TYPE_CHECKING:
 __all__ = [
     "CG",
     "Analysis",
+    "CentroidalVoronoi",
     "CloudPath",
     "Comparison",
     "CotanLaplacian",
@@ -71,6 +74,7 @@ __all__ = [
     "ElementGradient",
     "ExpMap",
     "Factor",
+    "GeodesicMean",
     "GeodesicPath",
     "GeodesicSolver",
     "Gradient",
@@ -97,6 +101,7 @@ __all__ = [
     "Variant",
     "__version__",
     "as_domain",
+    "centroidal_voronoi",
     "compare",
     "distance_matrix",
     "eikonal_residual",
@@ -106,6 +111,7 @@ __all__ = [
     "extend",
     "farthest_point_sampling",
     "geodesic_distance",
+    "geodesic_mean",
     "geodesic_path",
     "geodesic_voronoi",
     "interpolate",
@@ -132,6 +138,7 @@ __all__ = [
 _HOMES = {
     "CG": "linear.cg",
     "Analysis": "linear.base",
+    "CentroidalVoronoi": "analysis.directions.voronoi",
     "CloudPath": "analysis.paths.cloud",
     "Comparison": "analysis.comparison",
     "CotanLaplacian": "laplacians.cotan",
@@ -144,6 +151,7 @@ _HOMES = {
     "ElementGradient": "discretization.element_gradient",
     "ExpMap": "analysis.exponential",
     "Factor": "linear.base",
+    "GeodesicMean": "analysis.directions.means",
     "GeodesicPath": "analysis.paths.mesh",
     "GeodesicSolver": "solver.solver",
     "Gradient": "discretization.gradient",
@@ -169,6 +177,7 @@ _HOMES = {
     "UniformLaplacian": "laplacians.uniform",
     "Variant": "analysis.variants",
     "as_domain": "interop.conversion",
+    "centroidal_voronoi": "analysis.directions.voronoi",
     "compare": "analysis.comparison",
     "distance_matrix": "analysis.matrix.matrix",
     "eikonal_residual": "analysis.residual",
@@ -177,6 +186,7 @@ _HOMES = {
     "extend": "analysis.directions.extension",
     "farthest_point_sampling": "analysis.sampling",
     "geodesic_distance": "solver.convenience",
+    "geodesic_mean": "analysis.directions.means",
     "geodesic_path": "analysis.paths.mesh",
     "geodesic_voronoi": "analysis.sampling",
     "interpolate": "solver.queries",

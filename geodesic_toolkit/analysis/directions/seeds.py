@@ -2,10 +2,12 @@
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from weakref import WeakKeyDictionary
 
 import numpy as np
 
-from geodesic_toolkit.core.types import FloatArray, IntArray
+from geodesic_toolkit import _native
+from geodesic_toolkit.core.types import BoolArray, FloatArray, IntArray
 from geodesic_toolkit.domains import Domain, TriangleMesh
 from geodesic_toolkit.geometry.frames import ComplexArray, Frames
 from geodesic_toolkit.sources.points import SourcePoints
@@ -14,6 +16,12 @@ __all__ = ["Surroundings", "surroundings"]
 
 MOST_CROSSINGS = 8
 """Edges that a source is unfolded across at most, one after the other."""
+
+_HIDDEN: WeakKeyDictionary[TriangleMesh, BoolArray] = WeakKeyDictionary()
+"""What :func:`_hidden` has found out about meshes."""
+
+RINGS = 4
+"""Rings of faces about a source that it is unfolded in."""
 
 REACH = 2.0
 """How far away vertices are told of a source, in lengths to the farthest corner of its face."""
@@ -49,7 +57,9 @@ class Surroundings:
         return np.asarray(along[:, 0] + 1j * along[:, 1])
 
 
-def surroundings(domain: Domain, frames: Frames, points: SourcePoints) -> Surroundings:
+def surroundings(
+    domain: Domain, frames: Frames, points: SourcePoints, *, unfold: bool = True
+) -> Surroundings:
     """Return the surroundings of sources.
 
     Parameters
@@ -59,58 +69,98 @@ def surroundings(domain: Domain, frames: Frames, points: SourcePoints) -> Surrou
         Of its vertices.
     points : SourcePoints
         No curve.
+    unfold : bool
+        Whether to look for more vertices in sight of a point; not where it is one of many.
     """
-    first = points.vertices[points.begins[:-1]]
+    first, rows = points.vertices[points.begins[:-1]], points.rows
     axes = np.stack([frames.x_axes[first], frames.y_axes[first]], axis=1)
     none = np.zeros(len(points.vertices))
     if len(first) == len(points.vertices):
         return Surroundings(points, axes, none, none)
     assert isinstance(domain, TriangleMesh)  # sources between the points of a cloud there are none
-    parts = []
-    for point in range(points.count):
-        own = slice(points.begins[point], points.begins[point + 1])
-        ends, shares = points.vertices[own], points.shares[own]
-        if len(ends) == 1:
-            parts.append((ends, shares, points.distances[own], np.zeros(1), np.zeros(1)))
-            continue
-        place = shares @ domain.vertices[ends]
-        steps = domain.vertices[ends] - place
-        axes[point] = _axes_between(steps, frames.normals[ends])
-        flat = dict(zip(ends.tolist(), steps @ axes[point].T @ [1, 1j], strict=True))
-        flat.update(_Unfolding(domain, place, axes[point]).beyond(flat))
-        around, where = np.array(list(flat)), np.array(list(flat.values()))
-        lengths = np.append(points.distances[own], np.abs(where[len(ends) :]))
-        arrivals = np.angle(frames.to_frames(domain.vertices[around] - place, around))
-        more = np.zeros(len(around) - len(ends))
-        parts.append((around, np.append(shares, more), lengths, np.angle(where), arrivals))
-    vertices, weights, distances, angles, arrivals = (
-        np.concatenate(columns) for columns in zip(*parts, strict=True)
+    corners, sizes = domain.vertices[points.vertices], np.diff(points.begins)
+    places = np.add.reduceat(points.shares[:, None] * corners, points.begins[:-1])
+    steps = corners - places[rows]
+    for size in (2, 3):
+        own = np.flatnonzero(sizes == size)
+        entries = points.begins[own][:, None] + np.arange(size)
+        axes[own] = _axes_between(steps[entries], frames.normals[points.vertices[entries]])
+    flat = np.einsum("kd,kad->ka", steps, axes[rows]) @ [1, 1j]
+    between = sizes[rows] > 1
+    angles = np.where(between, np.angle(flat), 0.0)
+    arrivals = np.where(between, np.angle(frames.to_frames(steps, points.vertices)), 0.0)
+    hidden = np.logical_or.reduceat(_hidden(domain)[points.vertices], points.begins[:-1])
+    odd = np.flatnonzero((sizes == 2) | ((sizes > 1) & hidden)) if unfold else sizes[:0]
+    if not len(odd):
+        return Surroundings(points, axes, angles, arrivals)
+    beside = _thirds(_near(domain.faces, points.vertices[np.isin(rows, odd)], domain.n_vertices))
+    more: list[tuple[int, int, complex]] = []
+    for point in odd.tolist():
+        entry = slice(points.begins[point], points.begins[point + 1])
+        known = dict(zip(points.vertices[entry].tolist(), flat[entry].tolist(), strict=True))
+        unfolding = _Unfolding(domain.vertices, beside, places[point], axes[point])
+        more += [(point, vertex, at) for vertex, at in unfolding.beyond(known).items()]
+    new_rows, around = (np.array([item[i] for item in more], dtype=np.int64) for i in (0, 1))
+    where = np.array([item[2] for item in more], dtype=np.complex128)
+    order = np.argsort(np.append(rows, new_rows), kind="stable")
+    away = domain.vertices[around] - places[new_rows]
+    seen = SourcePoints(
+        np.append(points.vertices, around)[order],
+        np.append(points.shares, np.zeros(len(around)))[order],
+        np.append(0, np.cumsum(sizes + np.bincount(new_rows, minlength=points.count))),
+        points.n_vertices,
+        np.append(points.distances, np.abs(where))[order],
+        points.starts,
     )
-    begins = np.append(0, np.cumsum([len(part[0]) for part in parts]))
-    seen = SourcePoints(vertices, weights, begins, points.n_vertices, distances, points.starts)
-    return Surroundings(seen, axes, angles, arrivals)
+    return Surroundings(
+        seen,
+        axes,
+        np.append(angles, np.angle(where))[order],
+        np.append(arrivals, np.angle(frames.to_frames(away, around)))[order],
+    )
 
 
 def _axes_between(steps: FloatArray, normals: FloatArray) -> FloatArray:
-    """Return two axes in the plane of a triangle, or in that of an edge and a mean normal."""
-    along = _unit(steps[1] - steps[0])
-    up = normals.sum(axis=0)
-    if len(steps) == 3:
-        own = np.cross(along, steps[2] - steps[0])
-        up = own if own @ up >= 0 else -own
-    return np.stack([along, _unit(np.cross(up, along))])
+    """Return two axes (P, 2, 3) in planes of triangles, or in those of edges and mean normals."""
+    along = _unit(steps[:, 1] - steps[:, 0])
+    up = normals.sum(axis=1)
+    if steps.shape[1] == 3:
+        own = np.cross(along, steps[:, 2] - steps[:, 0])
+        up = np.where((np.einsum("pd,pd->p", own, up) < 0)[:, None], -own, own)
+    return np.stack([along, _unit(np.cross(up, along))], axis=1)
 
 
-def _unit(vector: FloatArray) -> FloatArray:
-    size = float(np.linalg.norm(vector))
-    return vector / size if size > 0 else vector
+def _hidden(mesh: TriangleMesh) -> BoolArray:
+    """Return the (N,) vertices of faces that have an edge to be flipped, or a neighbour has."""
+    if mesh not in _HIDDEN:
+        faces = np.ascontiguousarray(mesh.faces)
+        twin, _ = _native.sorted_half_edges(faces, mesh.n_vertices).twins()
+        corners = mesh.vertices[faces]
+        angles = np.empty(faces.shape)
+        for c in range(3):
+            u, v = (corners[:, (c + k) % 3] - corners[:, c] for k in (1, 2))
+            across = np.linalg.norm(np.cross(u, v), axis=1)
+            angles[:, c] = np.arctan2(across, np.einsum("fd,fd->f", u, v))
+        opposite = np.where(twin >= 0, angles.ravel()[twin], 0.0).reshape(-1, 3)
+        obtuse = np.asarray((angles + opposite > np.pi).any(axis=1))
+        beside = ((twin >= 0) & obtuse[twin // 3]).reshape(-1, 3)
+        found = np.zeros(mesh.n_vertices, dtype=np.bool_)
+        found[faces[obtuse | beside.any(axis=1)]] = True
+        _HIDDEN[mesh] = found
+    return _HIDDEN[mesh]
+
+
+def _unit(vectors: FloatArray) -> FloatArray:
+    sizes = np.linalg.norm(vectors, axis=-1, keepdims=True)
+    return np.asarray(np.divide(vectors, sizes, out=np.zeros_like(vectors), where=sizes > 0))
 
 
 @dataclass(frozen=True, eq=False)
 class _Unfolding:
     """The faces about a point of a mesh, laid into the plane of its frame, with it at 0."""
 
-    mesh: TriangleMesh
+    vertices: FloatArray
+    thirds: dict[tuple[int, int], list[int]]
     place: FloatArray
     axes: FloatArray
 
@@ -125,28 +175,12 @@ class _Unfolding:
             if len(ends) == 2:
                 side = self._direction(third).imag < 0
                 corners[third] = found[third] = self._apex(flat, ends[0], ends[1], third, side)
-            if not self._is_flipped(list(corners)):
-                continue
             for face in _edges(list(corners)):
                 if set(face[:2]) != set(ends):
                     cone = _sorted(corners[face[0]], corners[face[1]])
                     found.update(self._across(corners, face, cone, MOST_CROSSINGS))
         reach = REACH * max(map(abs, flat.values()))
         return {vertex: at for vertex, at in found.items() if len(ends) == 2 or abs(at) < reach}
-
-    def _is_flipped(self, corners: list[int]) -> bool:
-        """Whether an edge of a face, or of a neighbour, has obtuse angles opposite."""
-        for one, other, inner in _edges(corners):
-            for apex in self._opposite(one, other):
-                if apex == inner:
-                    continue
-                if self._is_obtuse(one, other, inner, apex):
-                    return True
-                for face in ((one, apex, other), (other, apex, one)):
-                    for further in self._opposite(*face[:2]):
-                        if further != face[2] and self._is_obtuse(*face, further):
-                            return True
-        return False
 
     def _across(
         self,
@@ -186,27 +220,35 @@ class _Unfolding:
         return complex(flat[one] + (x - 1j * y if right else x + 1j * y) * edge / length)
 
     def _opposite(self, one: int, other: int) -> list[int]:
-        faces = self._around(one)
-        beside = faces[(faces == other).any(axis=1)]
-        return [int(v) for v in np.unique(beside[(beside != one) & (beside != other)])]
-
-    def _around(self, vertex: int) -> IntArray:
-        return np.asarray(self.mesh.faces[(self.mesh.faces == vertex).any(axis=1)])
+        return self.thirds.get((min(one, other), max(one, other)), [])
 
     def _direction(self, vertex: int) -> complex:
-        along = self.axes @ (self.mesh.vertices[vertex] - self.place)
+        along = self.axes @ (self.vertices[vertex] - self.place)
         return complex(along[0], along[1])
 
     def _length(self, one: int, other: int) -> float:
-        return float(np.linalg.norm(self.mesh.vertices[one] - self.mesh.vertices[other]))
+        return float(np.linalg.norm(self.vertices[one] - self.vertices[other]))
 
-    def _is_obtuse(self, one: int, other: int, first: int, second: int) -> bool:
-        """Whether the angles opposite an edge are more than π together."""
-        total = 0.0
-        for apex in (first, second):
-            u, v = (self.mesh.vertices[end] - self.mesh.vertices[apex] for end in (one, other))
-            total += float(np.arctan2(np.linalg.norm(np.cross(u, v)), u @ v))
-        return total > np.pi
+
+def _near(faces: IntArray, vertices: IntArray, count: int) -> IntArray:
+    """Return the faces within a few rings of some vertices."""
+    near = np.zeros(count, dtype=np.bool_)
+    near[vertices] = True
+    for _ in range(RINGS):
+        touched = near[faces].any(axis=1)
+        near[faces[touched]] = True
+    return np.asarray(faces[touched])
+
+
+def _thirds(faces: IntArray) -> dict[tuple[int, int], list[int]]:
+    """Return the third corners of the faces at each edge, lower end first."""
+    thirds: dict[tuple[int, int], list[int]] = {}
+    for face in faces.tolist():
+        for one, other, third in _edges(face):
+            opposite = thirds.setdefault((min(one, other), max(one, other)), [])
+            if third not in opposite and third not in (one, other):
+                opposite.append(third)
+    return thirds
 
 
 def _edges(corners: list[int]) -> list[tuple[int, int, int]]:

@@ -70,7 +70,7 @@ class Traced:
     frames: Frames
 
 
-def trace(solver: GeodesicSolver, points: SourcePoints) -> Traced:
+def trace(solver: GeodesicSolver, points: SourcePoints, *, unfold: bool = True) -> Traced:
     """Return refined distances from sources, with the geodesics.
 
     Parameters
@@ -79,6 +79,8 @@ def trace(solver: GeodesicSolver, points: SourcePoints) -> Traced:
         Of a mesh or a cloud; its heat gives the order of the sweeps.
     points : SourcePoints
         No curve.
+    unfold : bool
+        As for :func:`surroundings`.
 
     Raises
     ------
@@ -88,7 +90,7 @@ def trace(solver: GeodesicSolver, points: SourcePoints) -> Traced:
     tracer, frames, gradient = solver.tracer, solver.frames, solver.method.metric.on_surface
     assert isinstance(gradient, ElementGradient)  # for the type checker; the tracer has made sure
     assert frames.surface_mirrored is not None
-    sources = surroundings(solver.passable, frames, points)
+    sources = surroundings(solver.passable, frames, points, unfold=unfold)
     fronts = solver.method.fronts(points, sources.points)
     points = sources.points
     known = points.distances + points.starts[points.rows]
