@@ -78,7 +78,9 @@ def oriented_normals(points: FloatArray, normals: FloatArray, edges: IntArray) -
     tops = by_height[np.append(part[1:] != part[:-1], True)]
     key = np.unique(edges.min(axis=1) * count + edges.max(axis=1))
     tails, heads = np.divmod(key, count)
-    unlike = 2 - np.abs(np.einsum("ed,ed->e", normals[tails], normals[heads]))  # an entry of 0 is not an edge
+    unlike = 2 - np.abs(
+        np.einsum("ed,ed->e", normals[tails], normals[heads])
+    )  # an entry of 0 is not an edge
     # One more vertex, above the others, makes one tree of all parts.
     rows, columns = np.append(tails, tops), np.append(heads, np.full(len(tops), count))
     weights = np.append(unlike, np.ones(len(tops)))

@@ -4,7 +4,7 @@ import pickle
 
 import numpy as np
 import pytest
-from curved_shapes import degrees_between, irregular_plate, irregular_sphere, moebius, pyramid
+from curved_shapes import degrees_between, irregular_plate, irregular_sphere, moebius
 from geodesics import irregular_cylinder, log_on_sphere, shoot_on_ellipsoid
 from hypothesis import given, settings
 from hypothesis import strategies as st
@@ -134,7 +134,7 @@ def test_geodesics_of_an_ellipsoid_lead_where_logarithms_say():
 
 @pytest.mark.parametrize("sides", [3, 5, 9])
 def test_about_a_cone_point_angles_are_scaled_to_a_full_turn(sides):
-    mesh = pyramid(sides, rings=6)
+    mesh = shapes.pyramid(sides, rings=6)
     found = log_of(mesh, 0)
     ring = np.unwrap(found.angle[1 : 1 + sides])
     np.testing.assert_allclose(np.diff(ring), np.diff(ring)[0], atol=1e-6)

@@ -6,7 +6,6 @@ from curved_shapes import (
     degrees_between,
     irregular_plate,
     irregular_sphere,
-    pyramid,
     transported_on_sphere,
 )
 
@@ -72,7 +71,7 @@ def test_vectors_keep_their_lengths_and_stay_tangent():
 
 
 def test_along_the_sides_of_a_pyramid_nothing_turns():
-    mesh = pyramid(6, rings=8)
+    mesh = shapes.pyramid(6, rings=8)
     source = 1 + 3 * 6
     along = mesh.vertices[1 + 4 * 6] - mesh.vertices[source]
     got = carried(mesh, source, along)
