@@ -17,6 +17,11 @@ if TYPE_CHECKING:
     from geodesic_toolkit.analysis.curves.discs import GeodesicDisc, geodesic_disc
     from geodesic_toolkit.analysis.curves.isolines import isolines
     from geodesic_toolkit.analysis.curves.measures import area_above, curve_length
+    from geodesic_toolkit.analysis.directions.extension import extend
+    from geodesic_toolkit.analysis.directions.log_map import LogMap, log_map
+    from geodesic_toolkit.analysis.directions.means import GeodesicMean, geodesic_mean
+    from geodesic_toolkit.analysis.directions.transport import parallel_transport
+    from geodesic_toolkit.analysis.directions.voronoi import CentroidalVoronoi, centroidal_voronoi
     from geodesic_toolkit.analysis.exponential import ExpMap, exp_map
     from geodesic_toolkit.analysis.matrix.matrix import distance_matrix
     from geodesic_toolkit.analysis.paths.cloud import CloudPath
@@ -68,6 +73,7 @@ if TYPE_CHECKING:
 __all__ = [
     "CG",
     "Analysis",
+    "CentroidalVoronoi",
     "CloudPath",
     "Comparison",
     "CotanLaplacian",
@@ -81,6 +87,7 @@ __all__ = [
     "ExpMap",
     "Factor",
     "GeodesicDisc",
+    "GeodesicMean",
     "GeodesicPath",
     "GeodesicSolver",
     "Gradient",
@@ -90,6 +97,7 @@ __all__ = [
     "LaplaceOperator",
     "LinearSolver",
     "Located",
+    "LogMap",
     "OffsetSources",
     "PluginStatus",
     "PointCloud",
@@ -107,6 +115,7 @@ __all__ = [
     "__version__",
     "area_above",
     "as_domain",
+    "centroidal_voronoi",
     "compare",
     "curve_length",
     "distance_matrix",
@@ -114,17 +123,21 @@ __all__ = [
     "errors",
     "exact_distance",
     "exp_map",
+    "extend",
     "farthest_point_sampling",
     "geodesic_disc",
     "geodesic_distance",
     "geodesic_loop",
+    "geodesic_mean",
     "geodesic_path",
     "geodesic_voronoi",
     "interpolate",
     "isolines",
+    "log_map",
     "mean_eikonal_residual",
     "merge_vertices",
     "operators",
+    "parallel_transport",
     "read",
     "read_mask",
     "read_points",
@@ -144,6 +157,7 @@ __all__ = [
 _HOMES = {
     "CG": "linear.cg",
     "Analysis": "linear.base",
+    "CentroidalVoronoi": "analysis.directions.voronoi",
     "CloudPath": "analysis.paths.cloud",
     "Comparison": "analysis.comparison",
     "CotanLaplacian": "laplacians.cotan",
@@ -157,6 +171,7 @@ _HOMES = {
     "ExpMap": "analysis.exponential",
     "Factor": "linear.base",
     "GeodesicDisc": "analysis.curves.discs",
+    "GeodesicMean": "analysis.directions.means",
     "GeodesicPath": "analysis.paths.path",
     "GeodesicSolver": "solver.solver",
     "Gradient": "discretization.gradient",
@@ -166,6 +181,7 @@ _HOMES = {
     "LaplaceOperator": "laplacians.base",
     "LinearSolver": "linear.base",
     "Located": "domains",
+    "LogMap": "analysis.directions.log_map",
     "OffsetSources": "sources.kinds",
     "PluginStatus": "registry.registry",
     "PointCloud": "domains",
@@ -182,23 +198,28 @@ _HOMES = {
     "Variant": "analysis.variants",
     "area_above": "analysis.curves.measures",
     "as_domain": "interop.conversion",
+    "centroidal_voronoi": "analysis.directions.voronoi",
     "compare": "analysis.comparison",
     "curve_length": "analysis.curves.measures",
     "distance_matrix": "analysis.matrix.matrix",
     "eikonal_residual": "analysis.residual",
     "exact_distance": "exact",
     "exp_map": "analysis.exponential",
+    "extend": "analysis.directions.extension",
     "farthest_point_sampling": "analysis.sampling",
     "geodesic_disc": "analysis.curves.discs",
     "geodesic_distance": "solver.convenience",
     "geodesic_loop": "analysis.paths.loops",
+    "geodesic_mean": "analysis.directions.means",
     "geodesic_path": "analysis.paths.mesh",
     "geodesic_voronoi": "analysis.sampling",
     "interpolate": "solver.queries",
     "isolines": "analysis.curves.isolines",
+    "log_map": "analysis.directions.log_map",
     "mean_eikonal_residual": "analysis.residual",
     "merge_vertices": "interop.merging",
     "operators": "registry.catalog",
+    "parallel_transport": "analysis.directions.transport",
     "read": "io",
     "read_mask": "io",
     "read_points": "io",

@@ -418,6 +418,53 @@ class Sweeper:
     ) -> None:
         """Write the distances from K source sets, (K, N), in the order of their heat, (N, K)."""
 
+def directions_of(
+    elements: Indices, lengths: Numbers, turns: Numbers, mirrored: Bools, twin: Indices
+) -> tuple[Numbers, Numbers]:
+    """Return the direction of each half-edge at its tail, and by what angles are scaled there.
+
+    From the turns (E, 6) of corners into triangles, as `triangle_turns` returns them.
+    """
+
+@final
+class Tracer:
+    """Triangles with the directions of their edges, for what fronts carry along."""
+
+    def __init__(
+        self,
+        elements: Indices,
+        frames: Numbers,
+        stars: bool,
+        add_missed: bool,
+        boundary: Bools,
+        flat: Numbers,
+        angles: Numbers,
+        scales: Numbers,
+        curvature: Numbers,
+        reflex: Bools,
+    ) -> None:
+        """Make them ready: `flat` are the lengths (E, 3) by which angles between edges go."""
+
+    def carry(
+        self,
+        distances: Numbers,
+        kappas: Numbers,
+        vertices: Indices,
+        known: Numbers,
+        angles: Numbers,
+        spreads: Numbers,
+        arrivals: Numbers,
+        labels: Rows,
+        period: float,
+        clockwise: bool,
+        directions: bool,
+    ) -> tuple[Numbers, Numbers, Numbers, Rows, Rows, Rows, Numbers]:
+        """Return angles, spreads, arrivals, labels (N,), and from where they came.
+
+        The latter are the ends of the edge that the front to a vertex crossed, -1 at sources, and
+        the share of the second.
+        """
+
 # -- point clouds ----------------------------------------------------------------------------------
 
 def delaunay_stars(

@@ -5,6 +5,7 @@ Based on Heat Flow*, ACM Transactions on Graphics 32, 2013, https://doi.org/10.1
 """
 
 from collections.abc import Callable, Iterable, Sequence
+from functools import cached_property
 from typing import Any, TypeAlias
 
 import numpy as np
@@ -20,7 +21,7 @@ from geodesic_toolkit.heat.diffusion import Boundary, HeatReport
 from geodesic_toolkit.heat.graphs import ScaledGradient, instead_of_heat, limit_to_edges
 from geodesic_toolkit.heat.poisson import PoissonStep
 from geodesic_toolkit.heat.positive import PositiveFlow, worse
-from geodesic_toolkit.heat.refined import RefinedStep
+from geodesic_toolkit.heat.refined import Fronts, RefinedStep
 from geodesic_toolkit.heat.time_step import time_steps
 from geodesic_toolkit.linear.base import LinearSolver
 from geodesic_toolkit.linear.memory import array_bytes, require_memory
@@ -235,6 +236,23 @@ class HeatMethod:
         self._warn_of(worst)
         return distances
 
+    def fronts(self, points: SourcePoints, around: SourcePoints | None = None) -> Fronts:
+        """Return the fronts of one source set, be distances refined or not.
+
+        Parameters
+        ----------
+        points : SourcePoints
+        around : SourcePoints, optional
+            The same with more vertices around them, for fronts to begin at.
+
+        Raises
+        ------
+        UnsupportedDomainError
+            The metric is not made of triangles.
+        """
+        heat, _ = self._diffuse([points])
+        return self._sweeps.fronts(heat, points, points if around is None else around)
+
     def log_heat(
         self, sources: ArrayLike | SourcePoints, *, only_order: bool = False
     ) -> FloatArray:
@@ -395,6 +413,11 @@ class HeatMethod:
             if self.refine and self.flows
             else None
         )
+
+    @cached_property
+    def _sweeps(self) -> RefinedStep:
+        """The refined step, or where distances are plain one without bounds."""
+        return self._refined or RefinedStep(self.metric, None, None)
 
     @property
     def n_vertices(self) -> int:

@@ -1,7 +1,11 @@
 """The refined step, in place of steps 2 and 3: fronts in the order of the heat, and bounds."""
 
 from collections.abc import Sequence
+from typing import NamedTuple
 
+import numpy as np
+
+from geodesic_toolkit.core.arrays import empty
 from geodesic_toolkit.core.types import FloatArray
 from geodesic_toolkit.discretization.data import Discretization
 from geodesic_toolkit.discretization.heat import Heat
@@ -11,7 +15,25 @@ from geodesic_toolkit.refinement.polyhedra import SmallParts
 from geodesic_toolkit.refinement.wavefronts import WavefrontSweeper
 from geodesic_toolkit.sources.points import SourcePoints
 
-__all__ = ["RefinedStep"]
+__all__ = ["Fronts", "RefinedStep"]
+
+
+class Fronts(NamedTuple):
+    """The fronts of one source set, as they came to each vertex.
+
+    Attributes
+    ----------
+    distances : ndarray of shape (N,), float64
+        Refined, exact on small parts, and held to bounds.
+    swept : ndarray of shape (N,), float64
+        The same as sweeps left them.
+    curvatures : ndarray of shape (N,), float64
+        The geodesic curvature κ of the front there; ``inf`` at a point.
+    """
+
+    distances: FloatArray
+    swept: FloatArray
+    curvatures: FloatArray
 
 
 class RefinedStep:
@@ -41,6 +63,18 @@ class RefinedStep:
         large = distances.size >= MIN_VERTICES_PER_THREAD
         n_threads = min(len(block), PROCESSORS) if large else 1
         self._sweeper.fill(distances, heat, block, n_threads=n_threads)
+        self._hold(distances, block, n_threads)
+
+    def fronts(self, heat: Heat, points: SourcePoints, around: SourcePoints) -> Fronts:
+        """Return the fronts of one source set, with the vertices around it that they begin at."""
+        swept = empty((1, len(heat.values)), np.float64)
+        curvatures = np.empty_like(swept)
+        self._sweeper.fill(swept, heat, [around], kappas=curvatures)
+        distances = swept.copy()
+        self._hold(distances, [points], 1)
+        return Fronts(distances[0], swept[0], curvatures[0])
+
+    def _hold(self, distances: FloatArray, block: Sequence[SourcePoints], n_threads: int) -> None:
         if self._small_parts is not None:
             self._small_parts.fill(distances, block)
         if self._bounds is not None:

@@ -26,6 +26,7 @@ from geodesic_toolkit.discretization.data import Discretization
 from geodesic_toolkit.discretization.element_gradient import ElementGradient
 from geodesic_toolkit.discretization.heat import Heat
 from geodesic_toolkit.errors import UnsupportedDomainError
+from geodesic_toolkit.geometry.frames import ComplexArray
 from geodesic_toolkit.geometry.intrinsic import MOST_SIDES
 from geodesic_toolkit.sources.points import SourcePoints
 
@@ -148,6 +149,7 @@ class WavefrontSweeper:
         block: Sequence[SourcePoints],
         *,
         n_threads: int = 1,
+        kappas: FloatArray | None = None,
     ) -> None:
         """Write refined distances from each of K source sets.
 
@@ -161,6 +163,8 @@ class WavefrontSweeper:
             Distances at and around the points are taken as exact.
         n_threads : int, optional
             Threads that share the sets.
+        kappas : ndarray of shape (K, N), float64, optional
+            Takes the geodesic curvature of the front at each vertex.
         """
         count = self._gradient.n_vertices
         fronts = [self._fronts_at(points) for points in block]
@@ -179,7 +183,42 @@ class WavefrontSweeper:
             steady=int(count < MIN_VERTICES_OF_EARLY_RETURNS),
             most_sweeps=MAX_SWEEPS,
             distances=distances,
+            kappas=kappas,
             n_threads=n_threads,
+        )
+
+    def tracer(self, turns: ComplexArray, mirrored: BoolArray) -> _native.Tracer:
+        """Return the triangles with the directions of their edges, for what fronts carry along.
+
+        Parameters
+        ----------
+        turns : ndarray of shape (E, 3), complex128
+            From tangent frames at the corners into the triangles, as :class:`Frames` has them.
+        mirrored : ndarray of shape (E,), bool
+        """
+        gradient, stars = self._gradient, self._gradient.stars
+        flat = _native.edge_lengths(gradient.inverse_frames)
+        paired = not stars and 0 < gradient.elements.size <= MOST_SIDES
+        twin = self._twins()[0] if paired else np.zeros(0, dtype=np.int64)
+        pairs = np.ascontiguousarray(turns).view(np.float64)
+        angles, scales = _native.directions_of(gradient.elements, flat, pairs, mirrored, twin)
+        held = self._held
+        if held is not None:
+            _native.flip_edges_with_directions(
+                gradient.elements.copy(), flat, twin, held, angles, scales
+            )
+        elements, frames, _ = self._triangles
+        return _native.Tracer(
+            elements,
+            frames,
+            stars,
+            bool(len(self.metric.surface_frames)),
+            self.metric.boundary,
+            flat,
+            angles,
+            scales,
+            self._curvature,
+            self._reflex,
         )
 
     def _fronts_at(self, points: SourcePoints) -> tuple[IntArray, FloatArray, FloatArray]:
@@ -234,7 +273,7 @@ class WavefrontSweeper:
         Intermediate data, which take the same memory again, are not kept.
         """
         fronts = _native.Sweeper(self._corners, self._curvature, self._reflex)
-        for name in ("_corners", "_curvature", "_reflex", "_defects", "_triangles"):
+        for name in ("_corners", "_curvature", "_reflex", "_defects", "_triangles", "_held"):
             self.__dict__.pop(name, None)
         return fronts
 
@@ -262,19 +301,32 @@ class WavefrontSweeper:
         elements, inverse, areas = gradient.elements, gradient.inverse_frames, gradient.measure
         if len(given):
             return elements, given, areas
-        if self.metric.triangulation == "intrinsic Delaunay":
-            return elements, inverse, areas  # nothing to flip
-        paired = not gradient.stars and 0 < elements.size <= MOST_SIDES
-        if not paired or not (inverse[:, 0] * inverse[:, 2]).all():
-            return elements, inverse, areas
-        twin, coherent = _native.sorted_half_edges(elements, gradient.n_vertices).twins()
-        if not coherent:
+        held = self._held
+        if held is None:
             return elements, inverse, areas
         faces, lengths = elements.copy(), _native.edge_lengths(inverse)
-        sharp = ~self.metric.boundary & (np.abs(self._defects) > MIN_DEFECT_OF_CORNERS)
-        if not _native.flip_edges(faces, lengths, twin, sharp):
+        if not _native.flip_edges(faces, lengths, self._twins()[0], held):
             return elements, inverse, areas
         return faces, *_native.measure_lengths(lengths)
+
+    @cached_property
+    def _held(self) -> BoolArray | None:
+        """The (N,) vertices whose edges are not flipped; None where nothing is."""
+        gradient = self._gradient
+        if len(self.metric.surface_frames) or self.metric.triangulation == "intrinsic Delaunay":
+            return None  # in the latter case nothing is left to flip
+        paired = not gradient.stars and 0 < gradient.elements.size <= MOST_SIDES
+        inverse = gradient.inverse_frames
+        if not paired or not (inverse[:, 0] * inverse[:, 2]).all():
+            return None
+        if not self._twins()[1]:
+            return None
+        return np.asarray(~self.metric.boundary & (np.abs(self._defects) > MIN_DEFECT_OF_CORNERS))
+
+    def _twins(self) -> tuple[IntArray, bool]:
+        """Return the half-edges that half-edges are glued to, and whether neighbours agree."""
+        gradient = self._gradient
+        return _native.sorted_half_edges(gradient.elements, gradient.n_vertices).twins()
 
     @cached_property
     def _defects(self) -> FloatArray:

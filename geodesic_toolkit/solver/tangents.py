@@ -9,6 +9,7 @@ from geodesic_toolkit.solver.on_surface import SurfaceSolver
 if TYPE_CHECKING:
     from scipy.sparse import csr_array
 
+    from geodesic_toolkit._native import Tracer
     from geodesic_toolkit.geometry.frames import Frames
     from geodesic_toolkit.vector_heat import VectorHeatMethod
 
@@ -28,6 +29,7 @@ class TangentSolver(SurfaceSolver):
         super()._forget()
         self._frames: Frames | None = None
         self._vector_heat: dict[float, VectorHeatMethod] = {}
+        self._tracer: Tracer | None = None
 
     @property
     def frames(self) -> "Frames":
@@ -79,6 +81,26 @@ class TangentSolver(SurfaceSolver):
         return self._vectors(
             TIME_FACTOR_OF_NORMALS if isinstance(self.passable, TriangleMesh) else 1.0
         )
+
+    @property
+    def tracer(self) -> "Tracer":
+        """What carries directions along refined distances.
+
+        Raises
+        ------
+        UnsupportedDomainError
+            As for :attr:`frames`; a metric that is not made of triangles.
+        """
+        frames, made = self.frames, self._assembly
+        with self._lock:
+            if self._tracer is None:
+                from geodesic_toolkit.refinement.wavefronts import WavefrontSweeper
+
+                sweeper = WavefrontSweeper(made.method.metric)
+                assert frames.surface_turns is not None  # for the type checker; set on creation
+                assert frames.surface_mirrored is not None
+                self._tracer = sweeper.tracer(frames.surface_turns, frames.surface_mirrored)
+            return self._tracer
 
     def _vectors(self, time_factor: float) -> "VectorHeatMethod":
         frames, made = self.frames, self._assembly

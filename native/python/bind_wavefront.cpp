@@ -2,6 +2,8 @@
 #include <nanobind/stl/optional.h>
 
 #include "python/bindings.hpp"
+#include "triangles/measures.hpp"
+#include "wavefront/characteristics.hpp"
 #include "wavefront/curvature.hpp"
 #include "wavefront/sweeper.hpp"
 
@@ -42,6 +44,90 @@ void require_sources(const Sources& sources, Index n_sets, Index n_vertices) {
           "vertices of the sources below their number");
 }
 
+Corners gathered(std::span<const Index> elements, std::span<const double> frames, bool stars,
+                 bool add_missed, std::span<const bool> boundary) {
+  require(elements.size() < std::size_t{1} << 31, "fewer than 2^31 corners");
+  Corners corners = gather_corners(elements, frames, stars, count(boundary));
+  if (add_missed) add_missed_triangles(corners);
+  if (!stars) close_rims(corners, boundary);
+  return corners;
+}
+
+void bind_tracer(nb::module_& module) {
+  module.def(
+      "directions_of",
+      [](In<Index, 2> elements, In<double, 2> lengths, In<double, 2> turns, In<bool> mirrored,
+         In<Index> twin) {
+        require(elements.shape(1) == 3 && have_one_shape(lengths, elements) &&
+                    turns.size() == 2 * elements.size() && mirrored.size() == elements.shape(0),
+                "three lengths and three turns for each element, and whether it is mirrored");
+        require(twin.size() == 0 || twin.size() == elements.size(),
+                "a twin for each half-edge, or none");
+        Directions directions = unlocked([&] {
+          return directions_of(span(elements), span(lengths), span(turns), span(mirrored),
+                               span(twin));
+        });
+        return nb::make_tuple(give(std::move(directions.angles)),
+                              give(std::move(directions.scales)));
+      },
+      "elements"_a.noconvert(), "lengths"_a.noconvert(), "turns"_a.noconvert(),
+      "mirrored"_a.noconvert(), "twin"_a.noconvert());
+  nb::class_<Tracer>(module, "Tracer")
+      .def(
+          "__init__",
+          [](Tracer* self, In<Index, 2> elements, In<double, 2> frames, bool stars, bool add_missed,
+             In<bool> boundary, In<double, 2> flat, In<double> angles, In<double> scales,
+             In<double> curvature, In<bool> reflex) {
+            require_elements(elements, frames);
+            require(have_one_shape(flat, elements) && angles.size() == elements.size() &&
+                        scales.size() == elements.size(),
+                    "a length, an angle and a scale for each half-edge of an element");
+            require(curvature.size() == boundary.size() && reflex.size() == boundary.size(),
+                    "a curvature for each vertex, and whether fronts turn about it");
+            unlocked([&] {
+              Corners corners = gathered(span(elements), span(frames), stars, add_missed, span(boundary));
+              Array<Bearing> bearings =
+                  bearings_of(corners, span(elements), edge_lengths(span(frames)), span(flat),
+                              {span(angles), span(scales)});
+              new (self)
+                  Tracer(std::move(corners), std::move(bearings), span(curvature), span(reflex));
+            });
+          },
+          "elements"_a.noconvert(), "frames"_a.noconvert(), "stars"_a, "add_missed"_a,
+          "boundary"_a.noconvert(), "flat"_a.noconvert(), "angles"_a.noconvert(),
+          "scales"_a.noconvert(), "curvature"_a.noconvert(), "reflex"_a.noconvert())
+      .def(
+          "carry",
+          [](const Tracer& self, In<double> distances, In<double> kappas, In<Index> vertices,
+             In<double> known, In<double> angles, In<double> spreads, In<double> arrivals,
+             In<Row> labels, double period, bool clockwise, bool directions) {
+            require(n_rows(distances) == self.n_vertices() && kappas.size() == distances.size(),
+                    "a distance and a curvature for each vertex");
+            const std::size_t n_seeds = vertices.size();
+            require(known.size() == n_seeds && angles.size() == n_seeds &&
+                        spreads.size() == n_seeds && arrivals.size() == n_seeds &&
+                        labels.size() == n_seeds,
+                    "a distance, an angle, a spread, an arrival and a label for each seed");
+            require(std::ranges::all_of(span(vertices),
+                                        [&](Index v) { return 0 <= v && v < self.n_vertices(); }),
+                    "seeds below the number of vertices");
+            const Seeds seeds{span(vertices), span(known),    span(angles),
+                              span(spreads),  span(arrivals), span(labels)};
+            Carried carried = unlocked([&] {
+              return self.carry({span(distances), span(kappas)}, seeds,
+                                {period, clockwise, directions});
+            });
+            return nb::make_tuple(give(std::move(carried.angles)), give(std::move(carried.spreads)),
+                                  give(std::move(carried.arrivals)),
+                                  give(std::move(carried.labels)), give(std::move(carried.a)),
+                                  give(std::move(carried.b)), give(std::move(carried.shares)));
+          },
+          "distances"_a.noconvert(), "kappas"_a.noconvert(), "vertices"_a.noconvert(),
+          "known"_a.noconvert(), "angles"_a.noconvert(), "spreads"_a.noconvert(),
+          "arrivals"_a.noconvert(), "labels"_a.noconvert(), "period"_a, "clockwise"_a,
+          "directions"_a);
+}
+
 }  // namespace
 
 void bind_wavefront(nb::module_& module) {
@@ -58,13 +144,8 @@ void bind_wavefront(nb::module_& module) {
       [](In<Index, 2> elements, In<double, 2> frames, bool stars, bool add_missed,
          In<bool> boundary) {
         require_elements(elements, frames);
-        require(elements.size() < std::size_t{1} << 31, "fewer than 2^31 corners");
-        return unlocked([&] {
-          Corners corners = gather_corners(span(elements), span(frames), stars, n_rows(boundary));
-          if (add_missed) add_missed_triangles(corners);
-          if (!stars) close_rims(corners, span(boundary));
-          return corners;
-        });
+        return unlocked(
+            [&] { return gathered(span(elements), span(frames), stars, add_missed, span(boundary)); });
       },
       "elements"_a.noconvert(), "frames"_a.noconvert(), "stars"_a, "add_missed"_a,
       "boundary"_a.noconvert());
@@ -139,6 +220,7 @@ void bind_wavefront(nb::module_& module) {
           "known"_a.noconvert(), "curvatures"_a.noconvert(), "tolerances"_a.noconvert(),
           "returns"_a, "steady"_a, "most_sweeps"_a, "distances"_a.noconvert(),
           "kappas"_a.noconvert() = nb::none(), "n_threads"_a = 1);
+  bind_tracer(module);
 }
 
 }  // namespace geodesic

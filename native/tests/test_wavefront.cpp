@@ -9,6 +9,7 @@
 #include "triangles/half_edges.hpp"
 #include "triangles/measures.hpp"
 #include "triangles/vector3.hpp"
+#include "wavefront/characteristics.hpp"
 #include "wavefront/corners.hpp"
 #include "wavefront/curvature.hpp"
 #include "wavefront/sweeper.hpp"
@@ -108,4 +109,42 @@ TEST(angles_about_the_vertices_of_a_plane_lack_nothing) {
       inner.push_back(v);
   const Array<double> defects = angle_defects(flat.mesh.faces, measured.triangles.frames, boundary);
   for (const Index v : inner) CHECK(std::abs(defects[v]) < 1e-12);
+}
+
+TEST(directions_at_a_source_are_carried_to_all_of_a_plane) {
+  const Flat flat;
+  const Measured measured = measure_triangles(flat.mesh.vertices, flat.mesh.faces);
+  const Array<double> lengths = edge_lengths(measured.triangles.frames);
+  const std::span<const Index> faces = flat.mesh.faces;
+  const auto direction = [&](Index from, Index to) {
+    const Vector3 step = at(flat.mesh.vertices, to) - at(flat.mesh.vertices, from);
+    return std::atan2(step.y, step.x);
+  };
+  std::vector<double> angles, scales(count(faces), 1.0);
+  for (Index half = 0; half < count(faces); ++half) {
+    const Index face = half - half % 3;
+    angles.push_back(direction(faces[face + (half + 1) % 3], faces[face + (half + 2) % 3]));
+  }
+  Corners corners = gather_corners(faces, measured.triangles.frames, false, flat.n);
+  Array<Bearing> bearings = bearings_of(corners, faces, lengths, lengths, {angles, scales});
+  const Tracer tracer(std::move(corners), std::move(bearings), Array<double>(flat.n, 0.0),
+                      Array<bool>(flat.n, false));
+  const Index source = flat.vertices[1];
+  std::vector<double> distances(flat.exact.begin() + flat.n, flat.exact.begin() + 2 * flat.n);
+  std::vector<double> kappas;
+  for (const double distance : distances) kappas.push_back(1 / distance);
+  const std::vector<Index> vertices{source};
+  const std::vector<double> none{0.0};
+  const std::vector<Row> labels{3};
+  const Carried carried =
+      tracer.carry({distances, kappas}, {vertices, none, none, none, none, labels},
+                   {2 * 3.14159265358979323846, true, true});
+  double worst = 0.0;
+  for (Index v = 0; v < flat.n; ++v) {
+    CHECK(carried.labels[v] == 3);
+    if (v == source) continue;
+    worst = std::max(worst, std::abs(std::sin(carried.angles[v] - direction(source, v))));
+    worst = std::max(worst, std::abs(std::sin(carried.arrivals[v] - direction(source, v))));
+  }
+  CHECK(worst < 1e-9);
 }

@@ -1,0 +1,210 @@
+"""Means of places on a surface: where the sum of powers of distances is least."""
+
+from dataclasses import dataclass
+from typing import Any, final
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from geodesic_toolkit.analysis.directions.traced import trace
+from geodesic_toolkit.analysis.exponential import exp_map
+from geodesic_toolkit.core.frozen import FrozenArrays, freeze
+from geodesic_toolkit.core.types import FloatArray
+from geodesic_toolkit.domains import TriangleMesh
+from geodesic_toolkit.errors import (
+    InvalidOptionError,
+    InvalidSourceError,
+    UnreachableError,
+    UnsupportedDomainError,
+)
+from geodesic_toolkit.solver.solver import GeodesicSolver, check_solver
+from geodesic_toolkit.sources.points import SourcePoints
+from geodesic_toolkit.sources.surface_point import SurfacePoint
+
+__all__ = ["GeodesicMean", "geodesic_mean"]
+
+MOST_STEPS = 50
+"""Steps off the best vertex; means of squares take 3 or 4, medians some more."""
+
+LEAST_WAY = 1e-6
+"""Distance, in mean edge lengths, up to which a median is at a site, which then holds it."""
+
+
+@final
+@dataclass(frozen=True, eq=False)
+class GeodesicMean(FrozenArrays):
+    """The place from which the weighted sum of powers of distances to some sites is least.
+
+    Attributes
+    ----------
+    point : SurfacePoint
+    position : ndarray of shape (3,), float64
+        Where it is in space.
+    energy : float
+        The sum there.
+    steps : int
+        Steps that led there from the best vertex.
+    vertex_energy : ndarray of shape (N,), float64
+        The sum at every vertex; ``inf`` where some site does not connect.
+    """
+
+    point: SurfacePoint
+    position: FloatArray
+    energy: float
+    steps: int
+    vertex_energy: FloatArray
+
+    def __post_init__(self) -> None:
+        freeze(self.position)
+        freeze(self.vertex_energy)
+
+    def __repr__(self) -> str:
+        return f"GeodesicMean({self.point!r}, energy {self.energy:.6g})"
+
+
+def geodesic_mean(
+    solver: GeodesicSolver,
+    sites: Any,
+    *,
+    weights: ArrayLike | None = None,
+    power: float = 2,
+    tolerance: float = 1e-3,
+) -> GeodesicMean:
+    """Return the mean of some places on a mesh, or their median.
+
+    The distances from all sites tell the best vertex, which is not a local optimum far from it;
+    from there steps along logarithmic maps lead off the vertices.
+
+    Parameters
+    ----------
+    solver : GeodesicSolver
+        Of a mesh.
+    sites : array-like, SurfacePoint, or sequence of them
+        As :meth:`GeodesicSolver.distance` takes sources.
+    weights : array-like of shape (P,), optional
+        How much each site counts; not negative, and not all zero.
+    power : {2, 1}
+        Of the distance: 2 is the mean of Fréchet and Karcher, 1 the median.
+    tolerance : float
+        Step, in mean edge lengths, below which none follows.
+
+    Returns
+    -------
+    GeodesicMean
+
+    Raises
+    ------
+    InvalidOptionError
+        Something else than a solver; an option outside its values.
+    UnsupportedDomainError
+        Something else than a mesh; a surface with one side.
+    InvalidSourceError
+        No site, or something that names no place.
+    UnreachableError
+        No vertex connects with all sites.
+
+    References
+    ----------
+    H. Karcher, *Riemannian center of mass and mollifier smoothing*, 1977,
+    https://doi.org/10.1002/cpa.3160300502
+
+    E. Weiszfeld, F. Plastria, *On the point for which the sum of the distances to n given points is
+    minimum*, 2009, https://doi.org/10.1007/s10479-008-0352-z
+
+    Examples
+    --------
+    >>> import geodesic_toolkit as gt
+    >>> solver = gt.GeodesicSolver(gt.testing.shapes.grid(9))
+    >>> gt.geodesic_mean(solver, [0, 8, 80]).position.round(3)
+    array([0.667, 0.333, 0.   ])
+    """
+    check_solver(solver, "geodesic_mean")
+    mesh = solver.passable
+    if not isinstance(mesh, TriangleMesh):
+        raise UnsupportedDomainError(
+            f"a mean lies in a face of a mesh, and a {type(mesh).__name__} has none"
+        )
+    if power not in (1, 2) or not tolerance > 0:
+        raise InvalidOptionError(
+            f"power must be 1 or 2, and tolerance positive, not {power!r} and {tolerance!r}"
+        )
+    points = solver.locate(sites, "sites")
+    if points.front_curvatures is not None or points.delayed:
+        raise InvalidSourceError("sites: means are of points, not of a curve or offsets")
+    share = _weights(weights, points.count)
+    alone = [_only(points, site) for site in range(points.count)]
+    vertex_energy = share @ solver.method.distances(alone) ** power
+    vertex_energy[~mesh.used] = np.inf
+    start = int(vertex_energy.argmin())
+    if not np.isfinite(vertex_energy[start]):
+        raise UnreachableError("no vertex connects with all sites; they lie in different parts")
+    place, energy = SourcePoints.at_vertices(np.array([start]), mesh.n_vertices), np.inf
+    spacing = solver.method.metric.spacing
+    best, step = place, 0
+    for step in range(MOST_STEPS + 1):
+        ways, vectors = _logarithms(solver, place, points)
+        now = float(share @ ways**power)
+        if step > 0 and not now < energy:
+            break
+        best, energy = place, now
+        move = _step(share, ways, vectors, power, LEAST_WAY * spacing)
+        if np.linalg.norm(move) < tolerance * spacing:
+            break
+        place = solver.locate(exp_map(solver, place, move).points[0])
+    point = exp_map(solver, best, np.zeros(3))
+    return GeodesicMean(point.points[0], point.positions[0].copy(), energy, step, vertex_energy)
+
+
+def _step(
+    share: FloatArray, ways: FloatArray, vectors: FloatArray, power: float, least: float
+) -> FloatArray:
+    """Return where the sum decreases, and how far: to the mean, or by a step of Weiszfeld's."""
+    if power == 2:
+        return np.asarray(share @ vectors / share.sum())
+    apart = ways > least
+    pull = share[apart] / ways[apart]
+    total, held = pull @ vectors[apart], float(share[~apart].sum())
+    size = float(np.linalg.norm(total))
+    if size <= held:
+        return np.zeros(3)
+    return np.asarray((1 - held / size) * total / pull.sum())
+
+
+def _weights(values: ArrayLike | None, count: int) -> FloatArray:
+    if values is None:
+        return np.ones(count)
+    try:
+        weights = np.asarray(values, dtype=np.float64)
+    except (TypeError, ValueError) as error:
+        raise InvalidOptionError(f"weights must be numbers: {error}") from error
+    sound = weights.shape == (count,) and bool((np.isfinite(weights) & (weights >= 0)).all())
+    if not sound or not weights.any():
+        raise InvalidOptionError(
+            f"weights must be {count} finite numbers, one for each site, not negative, and not all "
+            "zero"
+        )
+    return weights
+
+
+def _only(points: SourcePoints, site: int) -> SourcePoints:
+    """Return one of several points."""
+    own = slice(points.begins[site], points.begins[site + 1])
+    return SourcePoints(
+        points.vertices[own],
+        points.shares[own],
+        np.array([0, own.stop - own.start]),
+        points.n_vertices,
+        points.distances[own],
+    )
+
+
+def _logarithms(
+    solver: GeodesicSolver, place: SourcePoints, sites: SourcePoints
+) -> tuple[FloatArray, FloatArray]:
+    """Return how far sites are from a place, (P,), and their logarithms there in space, (P, 3)."""
+    traced = trace(solver, place)
+    around = sites.vertices
+    where = traced.distances[around] * np.exp(1j * traced.angles[around])
+    between = np.add.reduceat(sites.shares * where, sites.begins[:-1])
+    pairs = np.column_stack([between.real, between.imag])
+    return np.abs(between), pairs @ traced.sources.axes[0]

@@ -1,0 +1,66 @@
+// Characteristics of swept fronts: the ways that they took, and what is carried along these.
+//
+// After sweeps each vertex knows its distance and the curvature of the front. Looked at once more,
+// they tell through which edge the front came to a vertex, where it crossed that edge, and in which
+// direction it arrived. From vertex to vertex such a way carries what belongs to its source:
+// - an angle: the direction in which the shortest geodesic leaves a point, which is constant along
+//   it, so that angle and distance are the logarithmic map; of a curve the place on it;
+// - the spread of geodesics, how far those are apart at the vertex that leave a unit of angle
+//   apart: a Jacobi field, which tells how angles are spread over an edge;
+// - the number of the source.
+#pragma once
+
+#include "wavefront/bearings.hpp"
+
+namespace geodesic {
+
+// What sweeps of one set of sources have left at vertices.
+struct SweptFronts {
+  std::span<const double> distances, kappas;
+};
+
+// Vertices at and around sources, as they were given to the sweeps with their distances. The angle
+// of each, the spread, the direction of arrival and the number of its source count unless the
+// sweeps have found a shorter way to it. About a vertex of distance zero itself all directions are
+// known.
+struct Seeds {
+  std::span<const Index> vertices;
+  std::span<const double> distances, angles, spreads, arrivals;
+  std::span<const Row> labels;
+};
+
+// The numbers that angles are counted by.
+struct Circle {
+  double period;    // angles that differ by it are the same; infinite for places along a line
+  bool clockwise;   // whether angles fall from a to b for all corners, seen from a front
+  bool directions;  // whether they are directions at points
+};
+
+// What has been carried to vertices: no number, and no label, where nothing connects.
+//
+// The front came to a vertex between vertices `a` and `b`, of which the second has `share` of the
+// angle that the front spans at its centre; from `a` alone where both are the same, and from
+// nowhere at sources.
+struct Carried {
+  Array<double> angles, spreads, arrivals, shares;
+  Array<Row> labels, a, b;
+};
+
+class Tracer {
+ public:
+  // Curvature of the surface at vertices, and whether fronts turn about them.
+  Tracer(Corners corners, Array<Bearing> bearings, std::span<const double> curvature,
+         std::span<const bool> reflex);
+
+  Index n_vertices() const { return curvature_.size(); }
+
+  Carried carry(const SweptFronts& fronts, const Seeds& seeds, const Circle& circle) const;
+
+ private:
+  Corners corners_;
+  Array<Bearing> bearings_;
+  Array<double> curvature_;
+  Array<bool> reflex_;
+};
+
+}  // namespace geodesic
