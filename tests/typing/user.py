@@ -50,7 +50,7 @@ def distances(solver: gt.GeodesicSolver) -> None:
 
 def analysis(solver: gt.GeodesicSolver, folder: Path) -> None:
     path = gt.geodesic_path(solver, 0, 9)
-    assert_type(path, gt.GeodesicPath | gt.CloudPath)
+    assert_type(path, gt.GeodesicPath | gt.CloudPath | gt.EdgePath)
     assert_type(path.points, Floats)
     assert_type(path.length, float)
     assert_type(gt.distance_matrix(solver, [0, 1], out=folder / "D.npy"), Any)
