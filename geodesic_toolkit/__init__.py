@@ -25,6 +25,7 @@ if TYPE_CHECKING:
     from geodesic_toolkit.analysis.exponential import ExpMap, exp_map
     from geodesic_toolkit.analysis.matrix.matrix import distance_matrix
     from geodesic_toolkit.analysis.paths.cloud import CloudPath
+    from geodesic_toolkit.analysis.paths.edges import EdgePath
     from geodesic_toolkit.analysis.paths.loops import geodesic_loop
     from geodesic_toolkit.analysis.paths.mesh import geodesic_path
     from geodesic_toolkit.analysis.paths.path import GeodesicPath
@@ -38,7 +39,7 @@ if TYPE_CHECKING:
     from geodesic_toolkit.discretization.edge_gradient import EdgeGradient
     from geodesic_toolkit.discretization.element_gradient import ElementGradient
     from geodesic_toolkit.discretization.gradient import Gradient
-    from geodesic_toolkit.domains import Domain, Graph, PointCloud, TriangleMesh
+    from geodesic_toolkit.domains import Domain, Graph, Located, PointCloud, TriangleMesh
     from geodesic_toolkit.exact import exact_distance
     from geodesic_toolkit.heat.method import HeatMethod, HeatReport
     from geodesic_toolkit.interop.conversion import as_domain
