@@ -228,7 +228,7 @@ def _limits(field: FloatArray, limits: Sequence[float] | None) -> tuple[float, f
         except (TypeError, ValueError) as error:
             raise InvalidOptionError(f"limits must be two numbers, not {limits!r}") from error
         if not (np.isfinite([low, high]).all() and low < high):
-            raise InvalidOptionError(f"limits must be two increasing numbers, not {limits!r}")
+            raise InvalidOptionError(f"limits must be finite and increasing, not {limits!r}")
         return low, high
     finite = field[np.isfinite(field)]
     if len(finite) == 0:

@@ -260,7 +260,7 @@ def test_a_device_is_not_replaced():
 
 
 def test_a_path_that_no_system_has_is_an_error_of_ours():
-    with pytest.raises(WriteError, match="no path"):
+    with pytest.raises(WriteError, match="not a path"):
         check_output("nul\0.ply", (".ply",))
 
 

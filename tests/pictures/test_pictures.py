@@ -347,15 +347,15 @@ def test_a_coarse_cloud_has_fewer_levels_but_round_ones():
     ("options", "message"),
     [
         ({"size": (10, 100)}, "100 to 8000 pixels"),
-        ({"size": 400}, "size is"),
+        ({"size": 400}, "size must be"),
         ({"views": "front"}, "views is a sequence"),
         ({"views": []}, "views is a sequence"),
         ({"views": ["front"] * 13}, "at most 12 views"),
         ({"views": ["sideways"]}, "a view is 'front'"),
         ({"views": [(0, 0, 0)]}, "a view is 'front'"),
-        ({"limits": (1, 0)}, "two increasing numbers"),
+        ({"limits": (1, 0)}, "finite and increasing"),
         ({"limits": "ab"}, "limits must be two numbers"),
-        ({"limits": (0, np.inf)}, "limits must be two numbers"),
+        ({"limits": (0, np.inf)}, "finite and increasing"),
     ],
 )
 def test_options_out_of_range_are_refused(sphere, angles, options, message):

@@ -139,4 +139,4 @@ def test_what_cannot_be_welded_is_refused(soup, arguments, reason):
 def test_only_meshes_are_welded(graph_file):
     status, _, said = command("distance", graph_file, "--source", 0, "--weld", 0)
     assert status != 0
-    assert "this is a Graph" in said
+    assert "the input is a Graph" in said

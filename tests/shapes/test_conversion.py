@@ -131,7 +131,7 @@ def test_pyvista_surfaces():
     assert_cloud(gt.as_domain(cloud))
     cloud.point_data["Normals"] = VERTICES
     assert_cloud(gt.as_domain(cloud), normals=VERTICES)
-    with pytest.raises(InvalidDomainError, match="no faces, only lines"):
+    with pytest.raises(InvalidDomainError, match="it has lines, but no faces"):
         gt.as_domain(pv.Line())
 
 
