@@ -150,7 +150,7 @@ KERNEL_TESTS = (
     "tests/shapes/test_cloud_kernels.py",
     "tests/distances/test_wavefronts.py",
 )
-"""Tests in Python that hand kernels arrays of every kind: what sanitizers look at."""
+"""Tests in Python that give kernels arrays of every kind, for sanitizers."""
 
 
 def python_options(session: nox.Session) -> list[str]:
@@ -258,7 +258,7 @@ def plugins(session: nox.Session) -> None:
     wheels = Path(session.create_tmp()) / "wheels"
     shutil.rmtree(wheels, ignore_errors=True)
     # The kernels for this processor alone, as other sessions have them: `builds` tries every level.
-    # What builds them is in this environment, and what is built the next run finds again.
+    # The build tools are in this environment, and the next run finds the objects again.
     here = ["--no-isolation", "-Ccmake.define.GT_LEVELS=host"]
     for project, options in [(ROOT, here), *((plugin, []) for plugin in PLUGINS)]:
         build = ["-m", "build", "--wheel", "--outdir", str(wheels), *options, str(project)]

@@ -4,7 +4,7 @@ python benchmarks/heat_family_curves.py            two meshes, 80 paths and 40 l
 python benchmarks/heat_family_curves.py --few      a quarter of it
 
 Real meshes come from ../shared/data, or the folder that GT_DATA names. A loop is laid along edges
-through four random vertices. What potpourri3d returns for a loop that contracts is a curve that
+through four random vertices. For a loop that contracts potpourri3d returns a curve that
 goes there and back along an edge or two, or around a single vertex; ours is an error then.
 """
 

@@ -46,7 +46,7 @@ fig.add_axes((0, 0, 1, 1)).imshow(picture)
 plt.axis("off")
 
 # %%
-# What lies within a radius of a point is a mesh of its own. Once it reaches around the tube it is
+# The vertices within a radius of a point form a mesh of their own. Once it reaches around the tube it is
 # a topological disc no more.
 
 for radius in (1.0, 2.0):

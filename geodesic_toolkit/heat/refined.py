@@ -24,7 +24,7 @@ class Fronts(NamedTuple):
     Attributes
     ----------
     distances : ndarray of shape (N,), float64
-        Refined, exact on small parts, and held to bounds.
+        Refined, exact on small parts, and within bounds.
     swept : ndarray of shape (N,), float64
         The same as sweeps left them.
     curvatures : ndarray of shape (N,), float64

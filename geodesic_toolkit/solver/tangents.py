@@ -84,7 +84,7 @@ class TangentSolver(SurfaceSolver):
 
     @property
     def tracer(self) -> "Tracer":
-        """What carries directions along refined distances.
+        """The method that carries directions along refined distances.
 
         Raises
         ------

@@ -1,4 +1,4 @@
-"""Curves of every kind as polylines in space: what pictures draw and files hold."""
+"""Curves of every kind as polylines in space, for pictures and files."""
 
 from collections.abc import Sequence
 from typing import Any
@@ -20,7 +20,7 @@ def polylines(domain: Domain, curves: Any) -> list[FloatArray]:
     Parameters
     ----------
     domain : Domain
-        What they lie on.
+        The domain of the curves.
     curves : Curve, GeodesicPath, CloudPath, or sequence of them
 
     Returns
@@ -31,7 +31,7 @@ def polylines(domain: Domain, curves: Any) -> list[FloatArray]:
     Raises
     ------
     InvalidSourceError
-        Something that is no curve; points in faces that the domain does not have.
+        An object that is not a curve; points in faces that the domain does not have.
 
     Examples
     --------

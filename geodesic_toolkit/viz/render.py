@@ -132,7 +132,7 @@ class _Stage:
     def _add_curves(self, scene: Scene) -> None:
         buried = 0.0 if scene.faces is not None else scene.ball  # among the points about it
         for line in scene.curves:
-            # What lies on a place already has no direction, which a tube must have.
+            # A point on the one before has no direction, which a tube must have.
             moved = np.append(True, (np.diff(line, axis=0) != 0).any(axis=1))
             if moved.sum() < 2:
                 continue
