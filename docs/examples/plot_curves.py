@@ -46,8 +46,8 @@ fig.add_axes((0, 0, 1, 1)).imshow(picture)
 plt.axis("off")
 
 # %%
-# The vertices within a radius of a point form a mesh of their own. Once it reaches around the tube it is
-# a topological disc no more.
+# The vertices within a radius of a point form a mesh of their own. It is not a topological disc
+# once it reaches around the tube.
 
 for radius in (1.0, 2.0):
     disc = gt.geodesic_disc(solver, 0, radius)
