@@ -1,4 +1,4 @@
-"""Curves of every kind as polylines in space: what pictures draw and files hold."""
+"""Curves of every kind as polylines in space, for pictures and files."""
 
 from collections.abc import Sequence
 from typing import Any
@@ -20,18 +20,18 @@ def polylines(domain: Domain, curves: Any) -> list[FloatArray]:
     Parameters
     ----------
     domain : Domain
-        What they lie on.
+        The domain of the curves.
     curves : Curve, GeodesicPath, CloudPath, or sequence of them
 
     Returns
     -------
     list of ndarray
-        Of closed ones the last point is the first.
+        Closed polylines repeat the first point at the end.
 
     Raises
     ------
     InvalidSourceError
-        Something that is no curve; points in faces that the domain does not have.
+        An object that is not a curve; points in faces that do not exist in the domain.
 
     Examples
     --------
