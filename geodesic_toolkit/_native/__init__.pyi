@@ -532,7 +532,7 @@ def geodesic_through(
     held: bool,
     min_length: float,
 ) -> tuple[tuple[Indices, Indices, Numbers], int]:
-    """Return the geodesic that a chain of edges through stops is pulled to, and unreached stops.
+    """Shorten a chain of edges through stops to a geodesic; return it and the unreached stop.
 
     Its points are as those of `best_path`, from the first stop, or where it is closed from any
     vertex on it back to that; there are none where a closed one shrinks to less than `min_length`.

@@ -26,12 +26,12 @@ def polylines(domain: Domain, curves: Any) -> list[FloatArray]:
     Returns
     -------
     list of ndarray
-        Of closed ones the last point is the first.
+        Closed polylines repeat the first point at the end.
 
     Raises
     ------
     InvalidSourceError
-        An object that is not a curve; points in faces that the domain does not have.
+        An object that is not a curve; points in faces that do not exist in the domain.
 
     Examples
     --------

@@ -158,7 +158,7 @@ def test_a_path_on_a_cloud_needs_points_that_are_there():
     solver = solver_of(np.vstack([shapes.grid(5).vertices, [[np.nan] * 3]]))
     with pytest.raises(InvalidSourceError, match="target: point 25 of the PointCloud is missing"):
         gt.geodesic_path(solver, 0, 25)
-    with pytest.raises(InvalidSourceError, match="a SurfacePoint lies on a TriangleMesh"):
+    with pytest.raises(InvalidSourceError, match="a SurfacePoint needs a TriangleMesh"):
         gt.geodesic_path(solver, 0, gt.SurfacePoint(0, (1.0, 0.0, 0.0)))
 
 

@@ -115,5 +115,5 @@ def test_a_solver_with_small_parts_travels():
 
 def test_a_search_that_does_not_end_is_given_up(monkeypatch):
     monkeypatch.setattr("geodesic_toolkit.refinement.polyhedra.MOST_WINDOWS", 0)
-    with pytest.raises(SolverError, match="not found among 0 windows"):
+    with pytest.raises(SolverError, match="not found with 0 windows"):
         gt.geodesic_distance(box(1, 1, 1), 0)

@@ -153,7 +153,7 @@ def test_a_graph_has_no_positions_to_snap_to():
     solver = gt.GeodesicSolver(gt.Graph(3, [[0, 1], [1, 2]]))
     with pytest.raises(InvalidSourceError, match="has no positions"):
         solver.distance([0.0, 0.0, 0.0])
-    with pytest.raises(InvalidSourceError, match="lies on a TriangleMesh"):
+    with pytest.raises(InvalidSourceError, match="needs a TriangleMesh"):
         solver.distance(gt.SurfacePoint(0, (1, 0, 0)))
 
 

@@ -192,7 +192,7 @@ def test_three_whole_floats_are_refused_with_both_ways_to_say_what_they_are(ask)
     square = shapes.grid(11)
     says = (
         r"sources: \[5.0, 7.0, 9.0\] may be three vertices or one point; give vertices as "
-        r"integers, \[5, 7, 9\] \(of an array: sources.astype\(int\)\), and the point as an "
+        r"integers, \[5, 7, 9\] \(for an array: sources.astype\(int\)\), and the point as an "
         r"array of shape \(1, 3\), \[\[5.0, 7.0, 9.0\]\]"
     )
     with pytest.raises(InvalidSourceError, match=says):

@@ -240,7 +240,7 @@ def skewed(stiffness):
         ({"stiffness": csr_array(np.full((9, 9), np.nan))}, "stiffness entry 0 is not finite"),
         ({"stiffness": skewed(parts()["stiffness"])}, "not symmetric"),
         ({"stiffness": csr_array(-parts()["stiffness"])}, "positive semidefinite"),
-        ({"gradient": DISCRETIZATIONS["cotan"].gradient}, "the gradient is for 162 vertices"),
+        ({"gradient": DISCRETIZATIONS["cotan"].gradient}, "the gradient has 162 vertices"),
     ],
 )
 def test_what_breaks_the_contract_is_refused(change, message):

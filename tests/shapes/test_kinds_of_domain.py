@@ -304,7 +304,7 @@ def test_errors_of_the_core_s_own_kinds_advise_no_change_of_their_class():
         (
             lambda s: s.distance(gt.SurfacePoint(0, (1.0, 0.0, 0.0))),
             InvalidSourceError,
-            "not on a Bare",
+            "not a Bare",
         ),
         (lambda s: gt.write("d.ply", s.domain, np.zeros(12)), InvalidOptionError, "a Bare has no"),
         (lambda s: make_scene(s.domain, np.zeros(12)), UnsupportedDomainError, "no positions to"),

@@ -392,7 +392,7 @@ def test_parts_that_lie_among_others_are_counted_and_reported():
     )
     notes = {**cloud.notes(near, 1.0), "open_stars": 7}
     assert (notes["parts"], notes["torn_off"]) == (2, 50)
-    with pytest.warns(FragmentedCloudWarning, match="2 parts, and 50 of 200 points are not"):
+    with pytest.warns(FragmentedCloudWarning, match="2 components, and 50 of 200 points are not"):
         warn_of_fragments(notes, 200)
     with warnings.catch_warnings():
         warnings.simplefilter("error")
