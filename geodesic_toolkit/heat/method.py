@@ -237,13 +237,17 @@ class HeatMethod:
         return distances
 
     def fronts(self, points: SourcePoints, around: SourcePoints | None = None) -> Fronts:
-        """Return the fronts of one source set, be distances refined or not.
+        """Return the fronts of one source set, whether distances are refined or not.
 
         Parameters
         ----------
         points : SourcePoints
         around : SourcePoints, optional
             The same with more vertices around them, for fronts to begin at.
+
+        Returns
+        -------
+        Fronts
 
         Raises
         ------

@@ -244,7 +244,7 @@ def test_exact_distance_has_any_unit(unit):
 
 def test_exact_distance_gives_a_search_up_that_does_not_end(monkeypatch):
     monkeypatch.setattr("geodesic_toolkit.exact.MOST_WINDOWS", 1)
-    with pytest.raises(SolverError, match="not found among 1280 windows; refine=True"):
+    with pytest.raises(SolverError, match="not found with 1280 windows; refine=True"):
         gt.exact_distance(shapes.icosphere(3), 0)
 
 

@@ -90,7 +90,7 @@ def test_plugins_shows_broken_ones(tmp_path):
     )
     listing = run_process("plugins", PYTHONPATH=str(tmp_path))
     assert listing.returncode == 0
-    assert "halfbaked.nowhere" in listing.stdout
+    assert "halfbaked.missing" in listing.stdout
     rows = json.loads(run_process("plugins", "--json", PYTHONPATH=str(tmp_path)).stdout)["plugins"]
     broken = [row for row in rows if row["state"] == "error"]
     assert [(row["kind"], row["name"], row["version"]) for row in broken] == [

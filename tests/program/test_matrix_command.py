@@ -22,7 +22,7 @@ from geodesic_toolkit import errors
 from geodesic_toolkit.analysis.matrix import matrix as matrix_module
 from geodesic_toolkit.analysis.matrix import stores
 from geodesic_toolkit.cli import interrupts
-from geodesic_toolkit.cli.matrix import Result, _deaf_children, _processes
+from geodesic_toolkit.cli.matrix import Result, _children_that_ignore_interrupts, _processes
 from geodesic_toolkit.cli.welding import Welded
 from geodesic_toolkit.io import read_vertices
 from geodesic_toolkit.testing import shapes
@@ -231,12 +231,12 @@ def test_the_end_of_the_program_finds_no_thread_of_a_pool_that_was_interrupted()
 
 def test_interrupts_are_ignored_while_processes_start_and_only_in_the_main_thread():
     usual = signal.getsignal(signal.SIGINT)
-    with _deaf_children():
+    with _children_that_ignore_interrupts():
         assert signal.getsignal(signal.SIGINT) == signal.SIG_IGN
     assert signal.getsignal(signal.SIGINT) == usual
 
     def elsewhere():
-        with _deaf_children():
+        with _children_that_ignore_interrupts():
             return signal.getsignal(signal.SIGINT)
 
     with ThreadPoolExecutor(1) as pool:
