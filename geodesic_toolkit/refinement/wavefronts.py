@@ -199,7 +199,7 @@ class WavefrontSweeper:
         gradient, stars = self._gradient, self._gradient.stars
         flat = _native.edge_lengths(gradient.inverse_frames)
         paired = not stars and 0 < gradient.elements.size <= MOST_SIDES
-        twin = self._twins()[0] if paired else np.zeros(0, dtype=np.int64)
+        twin = self._twins[0] if paired else np.zeros(0, dtype=np.int64)
         pairs = np.ascontiguousarray(turns).view(np.float64)
         angles, scales = _native.directions_of(gradient.elements, flat, pairs, mirrored, twin)
         held = self._held
@@ -273,7 +273,15 @@ class WavefrontSweeper:
         Intermediate data, which take the same memory again, are not kept.
         """
         fronts = _native.Sweeper(self._corners, self._curvature, self._reflex)
-        for name in ("_corners", "_curvature", "_reflex", "_defects", "_triangles", "_held"):
+        for name in (
+            "_corners",
+            "_curvature",
+            "_reflex",
+            "_defects",
+            "_triangles",
+            "_held",
+            "_twins",
+        ):
             self.__dict__.pop(name, None)
         return fronts
 
@@ -305,7 +313,7 @@ class WavefrontSweeper:
         if held is None:
             return elements, inverse, areas
         faces, lengths = elements.copy(), _native.edge_lengths(inverse)
-        if not _native.flip_edges(faces, lengths, self._twins()[0], held):
+        if not _native.flip_edges(faces, lengths, self._twins[0], held):
             return elements, inverse, areas
         return faces, *_native.measure_lengths(lengths)
 
@@ -319,10 +327,11 @@ class WavefrontSweeper:
         inverse = gradient.inverse_frames
         if not paired or not (inverse[:, 0] * inverse[:, 2]).all():
             return None
-        if not self._twins()[1]:
+        if not self._twins[1]:
             return None
         return np.asarray(~self.metric.boundary & (np.abs(self._defects) > MIN_DEFECT_OF_CORNERS))
 
+    @cached_property
     def _twins(self) -> tuple[IntArray, bool]:
         """Return the half-edges that half-edges are glued to, and whether neighbours agree."""
         gradient = self._gradient
