@@ -119,6 +119,8 @@ class Located(FrozenArrays):
 
 def check_present(domain: Domain, vertices: IntArray, name: str) -> None:
     """Raise an `InvalidSourceError` that begins with `name` if one of the vertices is missing."""
+    if type(domain).present is Domain.present:
+        return  # all vertices; the default costs 25 µs of a source
     is_present = domain.present[vertices]
     if not is_present.all():
         raise InvalidSourceError(
