@@ -85,7 +85,8 @@ void bind_tracer(nb::module_& module) {
             require(curvature.size() == boundary.size() && reflex.size() == boundary.size(),
                     "a curvature for each vertex, and whether fronts turn about it");
             unlocked([&] {
-              Corners corners = gathered(span(elements), span(frames), stars, add_missed, span(boundary));
+              Corners corners =
+                  gathered(span(elements), span(frames), stars, add_missed, span(boundary));
               Array<Bearing> bearings =
                   bearings_of(corners, span(elements), edge_lengths(span(frames)), span(flat),
                               {span(angles), span(scales)});
@@ -144,8 +145,9 @@ void bind_wavefront(nb::module_& module) {
       [](In<Index, 2> elements, In<double, 2> frames, bool stars, bool add_missed,
          In<bool> boundary) {
         require_elements(elements, frames);
-        return unlocked(
-            [&] { return gathered(span(elements), span(frames), stars, add_missed, span(boundary)); });
+        return unlocked([&] {
+          return gathered(span(elements), span(frames), stars, add_missed, span(boundary));
+        });
       },
       "elements"_a.noconvert(), "frames"_a.noconvert(), "stars"_a, "add_missed"_a,
       "boundary"_a.noconvert());
