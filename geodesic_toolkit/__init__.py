@@ -35,6 +35,7 @@ if TYPE_CHECKING:
     from geodesic_toolkit.analysis.tangent_frames import TangentFrames, tangent_frames
     from geodesic_toolkit.analysis.thinning import Thinned, thin
     from geodesic_toolkit.analysis.variants import Variant, variants_for
+    from geodesic_toolkit.analysis.volume import VolumeDistance, signed_distance_volume
     from geodesic_toolkit.discretization.data import Discretization
     from geodesic_toolkit.discretization.edge_gradient import EdgeGradient
     from geodesic_toolkit.discretization.element_gradient import ElementGradient
@@ -113,6 +114,7 @@ __all__ = [
     "TriangleMesh",
     "UniformLaplacian",
     "Variant",
+    "VolumeDistance",
     "__version__",
     "area_above",
     "as_domain",
@@ -145,6 +147,7 @@ __all__ = [
     "read_vertices",
     "readers",
     "signed_distance",
+    "signed_distance_volume",
     "solvers",
     "tangent_frames",
     "testing",
@@ -197,6 +200,7 @@ _HOMES = {
     "TriangleMesh": "domains",
     "UniformLaplacian": "laplacians.uniform",
     "Variant": "analysis.variants",
+    "VolumeDistance": "analysis.volume",
     "area_above": "analysis.curves.measures",
     "as_domain": "interop.conversion",
     "centroidal_voronoi": "analysis.directions.voronoi",
@@ -227,6 +231,7 @@ _HOMES = {
     "read_vertices": "io",
     "readers": "registry.catalog",
     "signed_distance": "analysis.signed",
+    "signed_distance_volume": "analysis.volume",
     "solvers": "registry.catalog",
     "tangent_frames": "analysis.tangent_frames",
     "thin": "analysis.thinning",
