@@ -1,4 +1,4 @@
-"""Fronts across the across=True needs a graph with corners that sample something measure straight lines."""
+"""Fronts across the corners of graphs that sample something measure straight lines."""
 
 import numpy as np
 import pytest
