@@ -94,7 +94,9 @@ def assembled(
         reason += f"; exact on components of up to {MOST_FACES} faces"
     method = HeatMethod(
         metric,
-        diffusion=measures.diffusion(metric) if flows is None else flows.assemble(passable),
+        diffusion=measures.diffusion(metric)
+        if flows is None
+        else _discretized(flows, domain, mask)[1],
         time=time,
         time_factor=time_factor,
         boundary=boundary,

@@ -71,6 +71,16 @@ def test_stars_of_a_cloud_do_not_close_over_a_wall_of_a_few_points(half_width, r
     assert solver.diagnosis.notes["masked"] == wall.sum()
 
 
+@pytest.mark.parametrize("half_width", [0.06, 0.1])
+def test_heat_of_another_operator_does_not_close_over_a_wall_of_a_cloud_either(half_width):
+    points = shapes.grid(21).vertices
+    wall = (np.abs(points[:, 0] - 0.5) < half_width) & (points[:, 1] < 0.72)
+    options = {"operator": PCA, "mask": wall, "refine": False}
+    own = gt.GeodesicSolver(gt.PointCloud(points), **options)
+    other = gt.GeodesicSolver(gt.PointCloud(points), diffusion=PCA, **options)
+    np.testing.assert_allclose(other.heat(0), own.heat(0), rtol=1e-3, atol=1e-12)
+
+
 def test_a_point_between_masked_points_of_a_cloud_has_no_distance():
     points = shapes.grid(11).vertices
     solver = gt.GeodesicSolver(gt.PointCloud(points), operator=PCA, mask=points[:, 0] > 0.55)
