@@ -1,4 +1,4 @@
-"""The directive ``constants``: every tuned constant of the package, with the text below it."""
+"""The directive ``constants``: every tuned constant with its text, of Python and of kernels."""
 
 import ast
 import re
@@ -11,7 +11,13 @@ from docutils import nodes
 from sphinx.application import Sphinx
 from sphinx.util.docutils import SphinxDirective
 
-PACKAGE = Path(__file__).parents[2] / "geodesic_toolkit"
+ROOT = Path(__file__).parents[2]
+PACKAGE, NATIVE = ROOT / "geodesic_toolkit", ROOT / "native"
+OF_KERNELS = re.compile(
+    r"^((?:[ ]*//.*\n)+)[ ]*(?:inline |static )?constexpr (?:double|int|Index|Row|std::size_t)"
+    r" k(\w+)\s*=\s*([^;]*\d[^;]*);",
+    re.MULTILINE,
+)
 
 
 class Constant(NamedTuple):
@@ -39,21 +45,29 @@ def constants_of(module: Path) -> Iterator[Constant]:
             yield Constant(name.lstrip("_"), value, below.value.value.strip())
 
 
+def constants_of_kernels(source: Path) -> Iterator[Constant]:
+    """Yield the constants of a C++ file that are numbers and have a comment above them."""
+    for above, name, value in OF_KERNELS.findall(source.read_text(encoding="utf-8")):
+        text = " ".join(line.strip().removeprefix("//").strip() for line in above.splitlines())
+        yield Constant(f"k{name}", " ".join(value.split()), text)
+
+
 class Constants(SphinxDirective):
     """Show a section for each module that has constants, in the order of the folders."""
 
     def run(self) -> list[nodes.Node]:
         """Return the sections."""
         sections = []
-        for module in sorted(PACKAGE.rglob("*.py")):
-            found = list(constants_of(module))
+        kernels = [path for path in NATIVE.rglob("*.?pp") if path.parent.name != "tests"]
+        for module in [*sorted(PACKAGE.rglob("*.py")), *sorted(kernels)]:
+            read = constants_of if module.suffix == ".py" else constants_of_kernels
             self.env.note_dependency(str(module))
-            if found:
+            if found := list(read(module)):
                 sections.append(self._section(module, found))
         return sections
 
     def _section(self, module: Path, constants: list[Constant]) -> nodes.section:
-        place = module.relative_to(PACKAGE).as_posix()
+        place = module.relative_to(PACKAGE if module.suffix == ".py" else ROOT).as_posix()
         section = nodes.section(ids=[f"constants-{nodes.make_id(place)}"], names=[place])
         section += nodes.title(place, place)
         for constant in constants:

@@ -43,7 +43,7 @@ def read(path: str | os.PathLike[str]) -> Domain:
                                  and at open edges those that differ by rounding
     mesh, msh, vtk, vtu          a :class:`TriangleMesh`, for a solid its surface (meshio)
     gii; pial, white, inflated,  a :class:`TriangleMesh` (nibabel); surfaces of FreeSurfer are
-    sphere, orig and so on       recognised by their first bytes, not by their names
+    sphere, orig and so on       recognised by their names, or by their first bytes
     pcd, pts, las, laz           a :class:`PointCloud`, missing points (NaN) kept (laspy
                                  for the last two)
     xyz, txt, asc, csv           a :class:`PointCloud`: rows ``x y z``, optionally normals,

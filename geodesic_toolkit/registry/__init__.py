@@ -1,6 +1,6 @@
 """Operators, linear solvers and readers by name, including those of plugins.
 
-Imports the base classes of laplacians and linear solvers; built-in ones are found on demand.
+Imports laplacians and linear solvers, for the meaning of "auto"; plugins are loaded on demand.
 """
 
 from geodesic_toolkit.registry.registry import PluginStatus, Registry

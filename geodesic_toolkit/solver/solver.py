@@ -62,8 +62,8 @@ class GeodesicSolver(TangentSolver):
         quadrangles of a graph. "auto" refines if the elements are triangles, and on graphs that are
         made of lines, as trees and streets, or whose factor would take too long; it lets fronts
         cross graphs whose corners do not leave gaps, as grids, voxels, meshes and neighbour graphs.
-        `diagnosis` has the reason. If `time`, `time_factor` or `diffusion` are given, "auto" uses
-        heat.
+        `diagnosis` has the reason. On graphs "auto" uses heat if `time`, `time_factor` or
+        `diffusion` are given; refined distances use only the order of the heat.
     mask : array-like of shape (N,), bool, optional
         True at vertices that paths may not cross: faces and edges that touch one are removed, and
         its distance is ``inf``. The rest of the shape has a boundary there.

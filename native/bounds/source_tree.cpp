@@ -7,7 +7,7 @@
 namespace geodesic {
 namespace {
 
-// SourceTree in a leaf.
+// Number of positions in a leaf.
 constexpr Index kLeafSize = 8;
 
 }  // namespace

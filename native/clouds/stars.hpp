@@ -12,7 +12,7 @@
 
 namespace geodesic {
 
-// How stars are made; delaunay_stars in geometry/stars.py documents it.
+// Options of stars; delaunay_stars in laplacians/pointcloud/stars.py documents them.
 struct StarOptions {
   Index k;        // neighbours that a star begins with
   bool oriented;  // whether the sign of a normal means something
