@@ -1,4 +1,4 @@
-// SourceTree in space from which distances begin, arranged to be asked for the nearest.
+// Source positions in space, arranged in a tree to be searched for the nearest.
 #pragma once
 
 #include <limits>
@@ -8,7 +8,7 @@
 
 namespace geodesic {
 
-// SourceTree, (P, 3), and the distance that is read at each.
+// Source positions, (P, 3), and the distance at each.
 struct SourceValues {
   std::span<const double> positions, distances;
   Index size() const { return count(distances); }
