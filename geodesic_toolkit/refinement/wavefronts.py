@@ -333,7 +333,7 @@ class WavefrontSweeper:
 
     @cached_property
     def _twins(self) -> tuple[IntArray, bool]:
-        """The twin of each half-edge, and whether neighbours agree; flips need a copy of the former."""
+        """The twins of half-edges, and whether neighbours agree; flips change a copy of twins."""
         gradient = self._gradient
         return _native.sorted_half_edges(gradient.elements, gradient.n_vertices).twins()
 
