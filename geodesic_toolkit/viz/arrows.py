@@ -13,7 +13,7 @@ __all__ = ["spread_arrows"]
 SPACING_OF_ARROWS = 0.11
 """Least distance between arrows, in coordinates where the shape has radius 1."""
 
-LONGEST_ARROW = 0.13
+LONGEST_ARROW = 0.11
 """Length of the longest arrow in these coordinates."""
 
 

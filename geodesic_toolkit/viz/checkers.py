@@ -15,11 +15,15 @@ __all__ = ["Checkers"]
 SIDE_OF_TEXTURE = 2048
 """Width and height of the texture in pixels, which all renderers accept."""
 
+MAX_STRETCH_OF_EDGES = 2.0
+"""Ratio of the length of an edge in the coordinates to that in space above which the map jumps."""
+
 N_CELLS = 16
 """Number of cells along the longest logarithm, unless their size is given."""
 
-SHADE_OF_CELLS = 0.55
-"""Brightness of every second cell, relative to the others."""
+SHARE_OF_COLOUR = 0.4
+"""Share of colour in every second cell; the rest is white, as darker cells near a source, where the
+default map is dark, would be black."""
 
 
 @final
@@ -27,8 +31,9 @@ SHADE_OF_CELLS = 0.55
 class Checkers(FrozenArrays):
     """A checkerboard in tangent coordinates, which :func:`plot` draws on a mesh or a point cloud.
 
-    Faces with corners that are more than a cell apart in these coordinates have no pattern: the
-    cut locus of the source passes through them, where the logarithmic map jumps.
+    Faces with corners that are more than a cell apart in these coordinates, and more than twice as
+    far as in space, have no pattern: the cut locus of the source passes through them, where the
+    logarithmic map jumps.
 
     Parameters
     ----------
@@ -87,11 +92,14 @@ class Checkers(FrozenArrays):
         radii = np.hypot(*self.coordinates.T)
         return float(radii[np.isfinite(radii)].max())
 
-    def patterned(self, faces: IntArray) -> BoolArray:
-        """Return a mask of the faces (F, 3) with finite corners no more than a cell apart."""
-        corners = self.coordinates[faces]
-        sides = np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2)
-        return np.asarray((sides <= self.size).all(axis=1))  # NaN is not
+    def patterned(self, points: FloatArray, faces: IntArray) -> BoolArray:
+        """Return a mask of the faces (F, 3) that the pattern covers, for points (N, 3) in space."""
+        sides, edges = (
+            np.linalg.norm(table[faces] - np.roll(table[faces], 1, axis=1), axis=2)
+            for table in (self.coordinates, points)
+        )
+        allowed = np.maximum(self.size, MAX_STRETCH_OF_EDGES * edges)
+        return np.asarray((sides <= allowed).all(axis=1))  # NaN is not
 
     def texture(self, table: FloatArray, limits: tuple[float, float]) -> NDArray[np.uint8]:
         """Return the texture, of shape (S, S, 3), coloured by distance from its centre.
@@ -107,19 +115,20 @@ class Checkers(FrozenArrays):
         radii = np.hypot(x, y)
         place = np.clip((radii - limits[0]) / (limits[1] - limits[0]), 0.0, 1.0)
         colours = table[np.round(place * (len(table) - 1)).astype(np.int64)]
-        return np.asarray(np.round(255 * colours * self._shades(x, y)), dtype=np.uint8)
+        own = 1 - self._shares(x, y) * (1 - colours)
+        return np.asarray(np.round(255 * own), dtype=np.uint8)
 
-    def shades(self) -> FloatArray:
-        """Return the brightness of the cell of each vertex, of shape (N, 1)."""
-        return self._shades(*np.nan_to_num(self.coordinates).T)
+    def shares(self) -> FloatArray:
+        """Return the share of colour, the rest being white, at each vertex, of shape (N, 1)."""
+        return self._shares(*np.nan_to_num(self.coordinates).T)
 
-    def _shades(self, x: FloatArray, y: FloatArray) -> FloatArray:
+    def _shares(self, x: FloatArray, y: FloatArray) -> FloatArray:
         if self.sectors:
             cells = np.floor(np.hypot(x, y) / self.size)
             cells = cells + np.floor(np.arctan2(y, x) * self.sectors / (2 * np.pi))
         else:
             cells = np.floor(x / self.size) + np.floor(y / self.size)
-        return np.where(cells % 2 == 0, 1.0, SHADE_OF_CELLS)[..., None]
+        return np.where(cells % 2 == 0, 1.0, SHARE_OF_COLOUR)[..., None]
 
     def texture_coordinates(self) -> FloatArray:
         """Return the place of each vertex in the texture, of shape (N, 2), from 0 to 1."""

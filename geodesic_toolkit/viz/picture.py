@@ -58,7 +58,7 @@ def plot(
     curves : Curve, GeodesicPath, CloudPath, or sequence of them, optional
         Lines to draw.
     arrows : array-like of shape (N, 3), optional
-        A vector at each vertex, of which a spread selection is drawn, the longest about a fifteenth
+        A vector at each vertex, of which a spread selection is drawn, the longest about a twentieth
         of the size of the shape.
     checkers : Checkers, optional
         A pattern on a mesh, coloured by distance from its origin, or on a point cloud: for the

@@ -127,7 +127,9 @@ class _Stage:
         assert scene.faces is not None
         if scene.checkers is None:
             return np.zeros(len(scene.faces), dtype=np.bool_)
-        patterned = scene.face_reached & scene.checkers.patterned(scene.faces)
+        patterned = scene.face_reached & scene.checkers.patterned(
+            scene.radius * scene.points, scene.faces
+        )
         if patterned.any():
             mesh, used = surface(scene.points, scene.faces[patterned])
             mesh.active_texture_coordinates = scene.checkers.texture_coordinates()[used]
@@ -164,7 +166,7 @@ class _Stage:
             return
         marks = self.pyvista.PolyData(places)
         marks["vectors"] = vectors
-        arrow = self.pyvista.Arrow(tip_length=0.4, tip_radius=0.16, shaft_radius=0.06)
+        arrow = self.pyvista.Arrow(tip_length=0.38, tip_radius=0.13, shaft_radius=0.045)
         glyphs = marks.glyph(orient="vectors", scale="vectors", factor=1.0, geom=arrow)
         actor = self.plotter.add_mesh(glyphs, color=CURVE, ambient=0.6, smooth_shading=True)
         self.raised.append((actor, 0.012 + 4 * (0.0 if scene.faces is not None else scene.ball)))

@@ -1,13 +1,17 @@
-"""Colours of signed values: white at zero, blue on one side, red on the other."""
+"""Colours of signed values: blue on one side of zero, red on the other."""
 
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
+from geodesic_toolkit.core.optional import require
 from geodesic_toolkit.errors import InvalidOptionError
 
 __all__ = ["two_sided"]
+
+HALF_GAP = 0.1
+"""Share of the colours at each side of white that are omitted, so that sides differ at 0 too."""
 
 
 def two_sided(values: ArrayLike) -> dict[str, Any]:
@@ -29,6 +33,8 @@ def two_sided(values: ArrayLike) -> dict[str, Any]:
     ------
     InvalidOptionError
         Something that is not an array of numbers.
+    MissingDependencyError
+        matplotlib is not installed.
 
     Examples
     --------
@@ -43,8 +49,12 @@ def two_sided(values: ArrayLike) -> dict[str, Any]:
     except (TypeError, ValueError) as error:
         raise InvalidOptionError(f"the values cannot be read as numbers: {error}") from error
     largest = float(sizes[np.isfinite(sizes)].max(initial=0.0)) or 1.0
+    colormaps = require("matplotlib", "viz", "Colour maps need").colormaps
+    colors = require("matplotlib.colors", "viz", "Colour maps need")
+    places = np.linspace(-1.0, 1.0, 256)
+    places = 0.5 + places * (0.5 - HALF_GAP) + np.sign(places) * HALF_GAP
     return {
-        "cmap": "RdBu",
+        "cmap": colors.ListedColormap(colormaps["RdBu"](places), name="two_sided"),
         "limits": (-largest, largest),
         "sources": [],
         "label": "signed distance",

@@ -91,9 +91,7 @@ def _domain(
     return cloud(path, points, np.concatenate(known) if len(known) == len(normals) else None)
 
 
-def _cells(
-    file: "_File", section: ET.Element | None, n_vertices: int
-) -> tuple[IntArray, IntArray]:
+def _cells(file: "_File", section: ET.Element | None, n_vertices: int) -> tuple[IntArray, IntArray]:
     """Return the sizes of cells and their corners."""
     if section is None:
         return np.zeros(0, dtype=np.int64), np.zeros(0, dtype=np.int64)
