@@ -15,7 +15,7 @@ __all__ = ["Checkers"]
 SIDE_OF_TEXTURE = 2048
 """Width and height of the texture in pixels, which all renderers accept."""
 
-MAX_STRETCH_OF_EDGES = 2.0
+MAX_STRETCH_OF_EDGES = 4.0
 """Ratio of the length of an edge in the coordinates to that in space above which the map jumps."""
 
 N_CELLS = 16
@@ -31,8 +31,8 @@ default map is dark, would be black."""
 class Checkers(FrozenArrays):
     """A checkerboard in tangent coordinates, which :func:`plot` draws on a mesh or a point cloud.
 
-    Faces with corners that are more than a cell apart in these coordinates, and more than twice as
-    far as in space, have no pattern: the cut locus of the source passes through them, where the
+    Faces with corners that are more than a cell apart in these coordinates, and more than four
+    times as far as in space, have no pattern: the cut locus of the source passes through them, where the
     logarithmic map jumps.
 
     Parameters

@@ -66,7 +66,7 @@ def test_faces_across_a_jump_of_the_map_have_no_pattern():
     across = beyond.any(axis=1) & ~beyond.all(axis=1)
     np.testing.assert_array_equal(covered, ~across)
     coarse = gt.viz.Checkers(CENTRED, size=0.01).patterned(SQUARE.vertices, SQUARE.faces)
-    assert coarse.all()  # cells smaller than faces are no jump
+    assert coarse.all()  # cells smaller than faces are not a jump
 
 
 @pytest.mark.parametrize(
