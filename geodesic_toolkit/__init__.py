@@ -47,11 +47,13 @@ if TYPE_CHECKING:
     from geodesic_toolkit.interop.merging import merge_vertices
     from geodesic_toolkit.io import (
         read,
+        read_curves,
         read_mask,
         read_points,
         read_vertices,
         write,
         write_curves,
+        write_log_map,
     )
     from geodesic_toolkit.laplacians.base import LaplaceOperator
     from geodesic_toolkit.laplacians.cotan import CotanLaplacian
@@ -142,6 +144,7 @@ __all__ = [
     "operators",
     "parallel_transport",
     "read",
+    "read_curves",
     "read_mask",
     "read_points",
     "read_vertices",
@@ -156,6 +159,7 @@ __all__ = [
     "viz",
     "write",
     "write_curves",
+    "write_log_map",
 ]
 
 _HOMES = {
@@ -226,6 +230,7 @@ _HOMES = {
     "operators": "registry.catalog",
     "parallel_transport": "analysis.directions.transport",
     "read": "io",
+    "read_curves": "io",
     "read_mask": "io",
     "read_points": "io",
     "read_vertices": "io",
@@ -238,6 +243,7 @@ _HOMES = {
     "variants_for": "analysis.variants",
     "write": "io",
     "write_curves": "io",
+    "write_log_map": "io",
 }
 _SUBPACKAGES = ("errors", "testing", "viz")
 

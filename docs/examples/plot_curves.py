@@ -21,6 +21,7 @@ around = gt.geodesic_loop(solver, [0, 16, 32])
 along = gt.geodesic_loop(solver, [0, 32 * 48, 64 * 48])
 print(f"around the tube: {around.length:.3f}, a circle has {2 * np.pi * 0.5:.3f}")
 print(f"along the tube: {along.length:.3f}, a circle has {2 * np.pi * 1.5:.3f}")
+assert abs(around.length / np.pi - 1) < 0.01
 
 # %%
 # Not every loop goes around something. One that does not shrinks to a point, and is an error.

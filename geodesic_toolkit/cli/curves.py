@@ -1,4 +1,4 @@
-"""What the commands of curves share: places, files of lines, pictures of them."""
+"""Shared parts of the commands of curves: places, files of lines, pictures of them."""
 
 import math
 from collections.abc import Sequence
@@ -35,7 +35,7 @@ Page = Annotated[
 
 @dataclass(frozen=True, kw_only=True)
 class CurveTargets:
-    """Where curves go.
+    """The output files of curves.
 
     Parameters
     ----------
@@ -79,7 +79,7 @@ class CurveTargets:
 
     @property
     def drawn(self) -> bool:
-        """Whether there is something to draw."""
+        """True if there is a picture or page to draw."""
         return self.picture is not None or self.html is not None
 
     def write(

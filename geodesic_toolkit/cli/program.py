@@ -17,10 +17,12 @@ from geodesic_toolkit.cli.exits import INTERRUPTED, WRONG_USAGE, report
 from geodesic_toolkit.cli.extensions import command_of, names_of_commands
 from geodesic_toolkit.cli.interrupts import leave_soon, prompt_interrupts
 from geodesic_toolkit.cli.isolines import isolines
+from geodesic_toolkit.cli.logmap import logmap
 from geodesic_toolkit.cli.loop import loop
 from geodesic_toolkit.cli.matrix import matrix
 from geodesic_toolkit.cli.output import say, show
 from geodesic_toolkit.cli.plugins import plugins
+from geodesic_toolkit.cli.signed import signed
 
 __all__ = ["app", "main"]
 
@@ -89,7 +91,21 @@ def _options(
         raise typer.Exit(WRONG_USAGE)
 
 
-for command in (demo, distance, loop, isolines, matrix, compare, plugins, check, doctor):
+COMMANDS = (
+    demo,
+    distance,
+    signed,
+    logmap,
+    loop,
+    isolines,
+    matrix,
+    compare,
+    plugins,
+    check,
+    doctor,
+)
+
+for command in COMMANDS:
     app.command()(command)
 
 

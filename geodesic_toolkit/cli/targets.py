@@ -117,6 +117,7 @@ class Targets:
         parts: "FloatArray | None" = None,
         asked: "tuple[Domain, FloatArray] | None" = None,
         like: Path | None = None,
+        **look: Any,
     ) -> None:
         """Write everything: numbers first, so that they are safe if a picture fails.
 
@@ -132,6 +133,8 @@ class Targets:
             Points and the distances there, for the tables; pictures still show the `domain`.
         like : Path, optional
             The file of the points of the tables, whose attributes are kept.
+        **look
+            Further options of picture and page.
 
         Raises
         ------
@@ -152,11 +155,13 @@ class Targets:
         if self.drawn:
             from geodesic_toolkit import viz
 
-            look: dict[str, Any] = {} if self.cmap is None else {"cmap": self.cmap}
+            look = {"sources": sources, **look}
+            if self.cmap is not None:
+                look["cmap"] = self.cmap
             with run.step("rendering"):
                 if self.picture is not None:
-                    viz.plot(domain, distances, path=self.picture, sources=sources, **look)
+                    viz.plot(domain, distances, path=self.picture, **look)
                 if self.html is not None:
-                    viz.save_html(domain, distances, self.html, sources=sources, **look)
+                    viz.save_html(domain, distances, self.html, **look)
                 if self.parts is not None and parts is not None:
                     viz.plot(domain, parts, path=self.parts, sources=sources, **viz.OF_PARTS)

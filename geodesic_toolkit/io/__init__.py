@@ -2,7 +2,9 @@
 
 from geodesic_toolkit.core.atomic import check_output, replacing
 from geodesic_toolkit.core.deprecation import deprecated_alias
+from geodesic_toolkit.io.curve_files import read_curves
 from geodesic_toolkit.io.curves import write_curves
+from geodesic_toolkit.io.log_maps import write_log_map
 from geodesic_toolkit.io.reading import read
 from geodesic_toolkit.io.tables.points import read_points
 from geodesic_toolkit.io.tables.vertices import read_mask, read_vertices
@@ -15,6 +17,7 @@ write_distances = deprecated_alias(
 __all__ = [
     "check_output",
     "read",
+    "read_curves",
     "read_mask",
     "read_points",
     "read_vertices",
@@ -22,4 +25,5 @@ __all__ = [
     "write",
     "write_curves",
     "write_distances",
+    "write_log_map",
 ]

@@ -56,8 +56,8 @@ def write(
     ================ ====================================================================
     .ply             binary: vertices and faces, or points with their normals, with a
                      vertex property ``distance`` (``inf`` if no source reaches it) and
-                     colours (viridis, if matplotlib is installed; grey if no source
-                     reaches the vertex)
+                     colours (viridis, or red to blue if there are negative values; if
+                     matplotlib is installed; grey if no source reaches the vertex)
     .pcd, .las, .laz points with a field ``distance`` (laspy)
     .vtp, .vtk, .vtu vertices and faces, or points, with the point data ``distance``, for
                      ParaView (vtk)
@@ -248,8 +248,10 @@ def _colours(field: FloatArray) -> NDArray[np.uint8] | None:
     except ImportError:
         return None
     reached = np.isfinite(field)
-    largest = field[reached].max(initial=0.0)
-    share = np.clip(np.where(reached, field, 0.0) / (largest if largest > 0 else 1.0), 0.0, 1.0)
-    colours: NDArray[np.uint8] = np.round(255 * colormaps["viridis"](share)[:, :3]).astype(np.uint8)
+    share = np.where(reached, field, 0.0)
+    share /= np.abs(share).max(initial=0.0) or 1.0
+    signed = bool((share < 0).any())
+    table = colormaps["RdBu"]((share + 1) / 2) if signed else colormaps["viridis"](share)
+    colours: NDArray[np.uint8] = np.round(255 * table[:, :3]).astype(np.uint8)
     colours[~reached] = GREY
     return colours

@@ -8,21 +8,34 @@ import importlib
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from geodesic_toolkit.viz.checkers import Checkers
     from geodesic_toolkit.viz.desktop import polyscope
     from geodesic_toolkit.viz.html import save_html, show
     from geodesic_toolkit.viz.parts import OF_PARTS, by_part
     from geodesic_toolkit.viz.picture import plot
+    from geodesic_toolkit.viz.sides import two_sided
 
 _HOMES = {
+    "Checkers": "checkers",
     "OF_PARTS": "parts",
     "by_part": "parts",
     "plot": "picture",
     "polyscope": "desktop",
     "save_html": "html",
     "show": "html",
+    "two_sided": "sides",
 }
 
-__all__ = ["OF_PARTS", "by_part", "plot", "polyscope", "save_html", "show"]
+__all__ = [
+    "OF_PARTS",
+    "Checkers",
+    "by_part",
+    "plot",
+    "polyscope",
+    "save_html",
+    "show",
+    "two_sided",
+]
 
 
 def __getattr__(name: str) -> Any:

@@ -160,6 +160,8 @@ def point_colours(scene: Scene, style: Style) -> FloatArray:
         after = np.clip(np.searchsorted(levels, values), 1, max(len(levels) - 1, 1))
         nearest = levels[np.stack([after - 1, np.minimum(after, len(levels) - 1)])]
         colours[np.abs(values - nearest).min(axis=0) < scene.band] *= 0.5
+    if scene.checkers is not None:
+        colours = 1 - scene.checkers.shares() * (1 - colours)
     colours[~scene.reached] = UNREACHED
     return colours
 

@@ -12,6 +12,7 @@ from geodesic_toolkit.core.optional import require
 from geodesic_toolkit.domains import Domain
 from geodesic_toolkit.errors import InvalidOptionError
 from geodesic_toolkit.viz.camera import choose_views
+from geodesic_toolkit.viz.checkers import Checkers
 from geodesic_toolkit.viz.colours import choose_style
 from geodesic_toolkit.viz.page import Page
 from geodesic_toolkit.viz.render import render
@@ -29,6 +30,8 @@ def plot(
     path: str | os.PathLike[str] | None = None,
     sources: Any = None,
     curves: Any = (),
+    arrows: ArrayLike | None = None,
+    checkers: Checkers | None = None,
     cmap: Any = "viridis",
     isolines: int | ArrayLike = 20,
     views: Sequence[str | ArrayLike] = ("front", "back"),
@@ -54,6 +57,12 @@ def plot(
         value is exactly 0, if they are few; an empty list marks none.
     curves : Curve, GeodesicPath, CloudPath, or sequence of them, optional
         Lines to draw.
+    arrows : array-like of shape (N, 3), optional
+        A vector at each vertex, of which a spread selection is drawn, the longest about a twentieth
+        of the size of the shape.
+    checkers : Checkers, optional
+        A pattern on a mesh, coloured by distance from its origin, or on a point cloud: for the
+        distance of a logarithmic map.
     cmap : str or matplotlib Colormap
         Perceptually uniform by default; "brg" or any other name of a colour map of matplotlib.
     isolines : int or array-like of float
@@ -84,7 +93,7 @@ def plot(
     UnsupportedDomainError
         The domain has no positions.
     InvalidOptionError
-        An unknown colour map, view or size; values that do not fit the domain.
+        An unknown colour map, view or size; values, arrows or checkers that do not fit the domain.
     InvalidSourceError
         Sources or curves that name no place.
     MissingDependencyError
@@ -101,7 +110,14 @@ def plot(
     """
     width, height = _checked_size(size)
     scene = make_scene(
-        domain, distance, sources=sources, curves=curves, positions=positions, limits=limits
+        domain,
+        distance,
+        sources=sources,
+        curves=curves,
+        positions=positions,
+        limits=limits,
+        arrows=arrows,
+        checkers=checkers,
     )
     style = choose_style(scene, cmap, isolines)
     require("pyvista", "viz", "Pictures need")

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from geodesic_toolkit.core.optional import require
-from geodesic_toolkit.core.types import FloatArray
+from geodesic_toolkit.core.types import BoolArray, FloatArray
 from geodesic_toolkit.viz.camera import View
 from geodesic_toolkit.viz.colours import CURVE, INK, MARKER, UNREACHED, Style, point_colours
 from geodesic_toolkit.viz.contours import contour_lines, surface
@@ -79,6 +79,7 @@ class _Stage:
         else:
             self._add_points(scene, style)
         self._add_curves(scene)
+        self._add_arrows(scene)
         if len(scene.sources):
             buried = 0.0 if scene.faces is not None else scene.ball  # among the surrounding points
             radius = max(0.55 * self.em / self.scale, 1.1 * buried)
@@ -105,8 +106,9 @@ class _Stage:
         assert scene.faces is not None
         colors = require("matplotlib.colors", "viz", "Pictures need")
         reached = scene.face_reached
-        if reached.any():
-            mesh, used = surface(scene.points, scene.faces[reached])
+        plain = reached & ~self._add_checkers(scene, style)
+        if plain.any():
+            mesh, used = surface(scene.points, scene.faces[plain])
             self.plotter.add_mesh(
                 mesh,
                 scalars=scene.values[used],
@@ -119,6 +121,22 @@ class _Stage:
         if not reached.all():
             mesh, _ = surface(scene.points, scene.faces[~reached])
             self.plotter.add_mesh(mesh, color=UNREACHED, **SHADING)
+
+    def _add_checkers(self, scene: Scene, style: Style) -> BoolArray:
+        """Add the faces with a pattern, if there are any, and return a mask of them."""
+        assert scene.faces is not None
+        if scene.checkers is None:
+            return np.zeros(len(scene.faces), dtype=np.bool_)
+        patterned = scene.face_reached & scene.checkers.patterned(
+            scene.radius * scene.points, scene.faces
+        )
+        if patterned.any():
+            mesh, used = surface(scene.points, scene.faces[patterned])
+            mesh.active_texture_coordinates = scene.checkers.texture_coordinates()[used]
+            texture = self.pyvista.Texture(scene.checkers.texture(style.table, scene.limits))
+            texture.interpolate = True
+            self.plotter.add_mesh(mesh, texture=texture, **SHADING)
+        return patterned
 
     def _add_isolines(self, scene: Scene, style: Style) -> None:
         points, segments = contour_lines(scene, style.levels)
@@ -141,6 +159,17 @@ class _Stage:
             )
             actor = self.plotter.add_mesh(tube, color=CURVE, lighting=False)
             self.raised.append((actor, 0.008 + 4 * buried))
+
+    def _add_arrows(self, scene: Scene) -> None:
+        places, vectors = scene.arrows
+        if not len(places):
+            return
+        marks = self.pyvista.PolyData(places)
+        marks["vectors"] = vectors
+        arrow = self.pyvista.Arrow(tip_length=0.38, tip_radius=0.13, shaft_radius=0.045)
+        glyphs = marks.glyph(orient="vectors", scale="vectors", factor=1.0, geom=arrow)
+        actor = self.plotter.add_mesh(glyphs, color=CURVE, ambient=0.6, smooth_shading=True)
+        self.raised.append((actor, 0.012 + 4 * (0.0 if scene.faces is not None else scene.ball)))
 
     def _add_points(self, scene: Scene, style: Style) -> None:
         """Add points as balls that form a closed surface; dark outlines show their depth."""

@@ -17,6 +17,8 @@ from geodesic_toolkit.errors import InvalidOptionError, UnsupportedDomainError
 from geodesic_toolkit.geometry.triangles import proper_faces
 from geodesic_toolkit.sources.locate import locate_sources
 from geodesic_toolkit.sources.polylines import polylines
+from geodesic_toolkit.viz.arrows import spread_arrows
+from geodesic_toolkit.viz.checkers import Checkers
 
 __all__ = ["Scene", "compacted", "make_scene"]
 
@@ -49,6 +51,10 @@ class Scene:
         Positions of the sources in these coordinates.
     curves : tuple of ndarray of shape (P, 3)
         Polylines in the frame; of closed ones the last point is the first.
+    arrows : (ndarray of shape (A, 3), ndarray of shape (A, 3))
+        Positions and vectors of arrows in these coordinates.
+    checkers : Checkers, optional
+        The pattern of the faces.
     centre : ndarray of shape (3,)
     radius : float
         ``points * radius + centre`` are the positions in the domain.
@@ -62,6 +68,8 @@ class Scene:
     limits: tuple[float, float]
     sources: FloatArray
     curves: tuple[FloatArray, ...]
+    arrows: tuple[FloatArray, FloatArray]
+    checkers: Checkers | None
     centre: FloatArray
     radius: float
 
@@ -108,6 +116,8 @@ def make_scene(
     curves: Any = (),
     positions: ArrayLike | None = None,
     limits: Sequence[float] | None = None,
+    arrows: ArrayLike | None = None,
+    checkers: Checkers | None = None,
 ) -> Scene:
     """Return the scene of a domain and its values.
 
@@ -125,6 +135,8 @@ def make_scene(
         Positions at which the vertices of a graph are drawn.
     limits : pair of float, optional
         Ends of the colour map; the extremes of the values by default.
+    arrows : array-like of shape (N, 3), optional
+    checkers : Checkers, optional
 
     Returns
     -------
@@ -135,7 +147,8 @@ def make_scene(
     UnsupportedDomainError
         The domain has no positions, and none were given.
     InvalidOptionError
-        Values or positions that do not fit the domain, limits that are not an interval.
+        Values, positions, arrows or checkers that do not fit the domain, limits that are not an
+        interval.
     InvalidSourceError
         Sources or curves that name no place.
     """
@@ -157,6 +170,7 @@ def make_scene(
     centre = low + (high - low) / 2
     radius = float(np.linalg.norm((high - low) / 2)) or 1.0
     framed = (np.where(finite[:, None], points, centre) - centre) / radius
+    _check_checkers(checkers, domain)
     return Scene(
         points=framed,
         present=present,
@@ -166,6 +180,8 @@ def make_scene(
         limits=_limits(field[present], limits),
         sources=_source_positions(domain, sources, framed, field, finite=finite, present=present),
         curves=tuple((line - centre) / radius for line in polylines(domain, curves)),
+        arrows=spread_arrows(framed, present, np.zeros_like(framed) if arrows is None else arrows),
+        checkers=checkers,
         centre=centre,
         radius=radius,
     )
@@ -181,6 +197,17 @@ def compacted(rows: IntArray) -> tuple[IntArray, IntArray]:
     """
     used, own = np.unique(rows, return_inverse=True)
     return used, np.asarray(own, dtype=np.int64).reshape(rows.shape)
+
+
+def _check_checkers(checkers: Checkers | None, domain: Domain) -> None:
+    if checkers is None:
+        return
+    if not isinstance(checkers, Checkers):
+        raise InvalidOptionError(f"checkers must be gt.viz.Checkers, not {checkers!r}")
+    if len(checkers.coordinates) != domain.n_vertices:
+        raise InvalidOptionError(
+            f"checkers of {len(checkers.coordinates)} vertices do not fit {domain!r}"
+        )
 
 
 def _positions(domain: Domain, positions: ArrayLike | None) -> FloatArray:

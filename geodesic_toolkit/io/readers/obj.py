@@ -5,27 +5,27 @@ which make other readers split vertices along seams, do not cut the surface.
 """
 
 import re
+from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
 
+from geodesic_toolkit.core.types import FloatArray
 from geodesic_toolkit.domains import Domain, TriangleMesh
 from geodesic_toolkit.errors import ReadError
 from geodesic_toolkit.io.common import cloud, floats, integers, text_of, triangulate
 
-__all__ = ["read_obj"]
+__all__ = ["read_obj", "read_obj_lines"]
 
 
 def read_obj(path: Path) -> Domain:
     """Read an OBJ file: its ``v`` and ``f`` lines, and ``vn`` if it has only points."""
-    text = re.sub(rb"\\\r?\n", b" ", text_of(path))
     coordinates: list[bytes] = []
     normals: list[bytes] = []
     corners: list[bytes] = []
     sizes: list[int] = []
     seen: list[int] = []  # number of vertices before each face, for negative indices
-    for line in text.splitlines():
-        keyword, *words = line.partition(b"#")[0].split() or [b""]
+    for keyword, *words in _rows(path):
         if keyword == b"v":
             if len(words) < 3:
                 raise ReadError(
@@ -55,3 +55,31 @@ def read_obj(path: Path) -> Domain:
             f"{len(vertices)}, numbered from 1, or from -1 backwards"
         )
     return TriangleMesh(vertices, triangulate(path, vertices, counts, indices))
+
+
+def read_obj_lines(path: Path) -> list[FloatArray]:
+    """Return the polylines of an OBJ file, each of shape (P, 3): its ``l`` lines."""
+    rows = [(keyword, words) for keyword, *words in _rows(path)]
+    coordinates = [word for keyword, words in rows if keyword == b"v" for word in words[:3]]
+    if len(coordinates) % 3:
+        raise ReadError("a vertex has less than 3 coordinates")
+    vertices = floats(coordinates, "vertex coordinates").reshape(-1, 3)
+    lines = []
+    for keyword, words in rows:
+        if keyword == b"l":
+            numbers = integers([word.partition(b"/")[0] for word in words], "the points of lines")
+            outside = (numbers < 1) | (numbers > len(vertices))
+            if outside.any():
+                raise ReadError(
+                    f"line {len(lines)} refers to vertex {numbers[outside][0]}; there are "
+                    f"{len(vertices)}, numbered from 1"
+                )
+            lines.append(vertices[numbers - 1])
+    return lines
+
+
+def _rows(path: Path) -> Iterator[list[bytes]]:
+    """Yield the keyword and the words of each line, without comments."""
+    text = re.sub(rb"\\\r?\n", b" ", text_of(path))
+    for line in text.splitlines():
+        yield line.partition(b"#")[0].split() or [b""]

@@ -16,7 +16,7 @@ from geodesic_toolkit.errors import ReadError
 from geodesic_toolkit.geometry.polygons import strip_triangles
 from geodesic_toolkit.io.common import check_count, cloud, floats, triangulate, whole_numbers
 
-__all__ = ["encode_ply", "encode_ply_like", "read_ply"]
+__all__ = ["encode_ply", "encode_ply_like", "read_ply", "read_ply_lines"]
 
 TYPES = {
     "char": "i1", "int8": "i1", "uchar": "u1", "uint8": "u1",
@@ -76,6 +76,23 @@ def read_ply(path: Path) -> Domain:
     if not faces:
         return cloud(path, vertices, _triple(tables["vertex"], ("nx", "ny", "nz")))
     return TriangleMesh(vertices, np.concatenate(faces))
+
+
+def read_ply_lines(path: Path) -> list[FloatArray]:
+    """Return the polylines of a PLY file, each of shape (P, 3): runs of edges that follow on."""
+    _, _, tables = _contents(path)
+    vertices = _triple(tables.get("vertex", {}), ("x", "y", "z"))
+    edges = tables.get("edge", {})
+    if vertices is None or not {"vertex1", "vertex2"} <= set(edges):
+        raise ReadError("the file has no vertices with edges, vertex1 and vertex2")
+    tails, heads = (
+        whole_numbers(edges[name][1], "vertex indices of edges") for name in ("vertex1", "vertex2")
+    )
+    outside = [v for v in (*tails, *heads) if not 0 <= v < len(vertices)]
+    if outside:
+        raise ReadError(f"an edge refers to vertex {outside[0]}; there are {len(vertices)}")
+    runs = np.split(np.arange(len(tails)), np.flatnonzero(tails[1:] != heads[:-1]) + 1)
+    return [vertices[[*tails[run], heads[run[-1]]]] for run in runs if len(run)]
 
 
 def _contents(path: Path) -> tuple[list[str], list[_Element], dict[str, _Table]]:

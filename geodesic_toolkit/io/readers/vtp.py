@@ -23,7 +23,7 @@ from geodesic_toolkit.errors import ReadError
 from geodesic_toolkit.geometry.polygons import strip_triangles
 from geodesic_toolkit.io.common import cloud, floats, triangulate, whole_numbers
 
-__all__ = ["read_vtp"]
+__all__ = ["read_vtp", "read_vtp_lines"]
 
 TYPES = {
     "Int8": "i1", "UInt8": "u1", "Int16": "i2", "UInt16": "u2", "Int32": "i4", "UInt32": "u4",
@@ -41,14 +41,9 @@ def read_vtp(path: Path) -> Domain:
     cells: dict[str, list[tuple[IntArray, IntArray]]] = {"Polys": [], "Strips": [], "Lines": []}
     offset = 0
     for piece in file.root.iterfind("PolyData/Piece"):
-        positions = file.array(piece.find("Points/DataArray"), "points").reshape(-1, 3)
+        positions = _positions(file, piece)
         for section, found in cells.items():
-            sizes, corners = _cells(file, piece.find(section))
-            outside = (corners < 0) | (corners >= len(positions))
-            if outside.any():
-                raise ReadError(
-                    f"a cell refers to vertex {corners[outside][0]}; there are {len(positions)}"
-                )
+            sizes, corners = _cells(file, piece.find(section), len(positions))
             found.append((sizes, corners + offset))
         points.append(positions.astype(np.float64))
         normals.append(_normals(file, piece))
@@ -56,6 +51,21 @@ def read_vtp(path: Path) -> Domain:
     if not offset:
         raise ReadError("the file has no points")
     return _domain(path, np.concatenate(points), normals, cells)
+
+
+def read_vtp_lines(path: Path) -> list[FloatArray]:
+    """Return the polylines of a surface file, each of shape (P, 3)."""
+    file = _File.of(path.read_bytes())
+    lines: list[FloatArray] = []
+    for piece in file.root.iterfind("PolyData/Piece"):
+        positions = _positions(file, piece).astype(np.float64)
+        sizes, points = _cells(file, piece.find("Lines"), len(positions))
+        lines += np.split(positions[points], np.cumsum(sizes)[:-1]) if len(sizes) else []
+    return lines
+
+
+def _positions(file: "_File", piece: ET.Element) -> NDArray[Any]:
+    return file.array(piece.find("Points/DataArray"), "points").reshape(-1, 3)
 
 
 def _domain(
@@ -81,7 +91,7 @@ def _domain(
     return cloud(path, points, np.concatenate(known) if len(known) == len(normals) else None)
 
 
-def _cells(file: "_File", section: ET.Element | None) -> tuple[IntArray, IntArray]:
+def _cells(file: "_File", section: ET.Element | None, n_vertices: int) -> tuple[IntArray, IntArray]:
     """Return the sizes of cells and their corners."""
     if section is None:
         return np.zeros(0, dtype=np.int64), np.zeros(0, dtype=np.int64)
@@ -93,6 +103,9 @@ def _cells(file: "_File", section: ET.Element | None) -> tuple[IntArray, IntArra
     sizes = np.diff(ends, prepend=0)
     if (sizes < 0).any() or int(sizes.sum()) != len(corners):
         raise ReadError("the offsets of cells do not match their corners")
+    outside = (corners < 0) | (corners >= n_vertices)
+    if outside.any():
+        raise ReadError(f"a cell refers to vertex {corners[outside][0]}; there are {n_vertices}")
     return sizes, corners
 
 
