@@ -2,8 +2,8 @@
 Signed distance from curves
 ===========================
 
-The distance from curves, positive on their left and negative on their right, also if the curves have
-gaps.
+The distance from curves, positive on their left and negative on their right, even if the curves
+have gaps.
 """
 
 import matplotlib.pyplot as plt
@@ -26,8 +26,8 @@ print(f"mean error: {abs(distance - exact).mean():.1e} of a radius")
 assert abs(distance - exact).mean() < 0.005
 
 # %%
-# Three arcs of it, which leave out half of the circle. The sides come from normals that diffuse, and
-# the gaps are bridged.
+# Three arcs of it, which leave out half of the circle. The sides come from normals that diffuse,
+# and the gaps are bridged.
 
 arcs = [gt.Curve(places[begin : begin + 13]) for begin in (0, 24, 48)]
 broken = gt.signed_distance(solver, arcs)

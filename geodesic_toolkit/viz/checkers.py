@@ -32,8 +32,8 @@ class Checkers(FrozenArrays):
     """A checkerboard in tangent coordinates, which :func:`plot` draws on a mesh or a point cloud.
 
     Faces with corners that are more than a cell apart in these coordinates, and more than four
-    times as far as in space, have no pattern: the cut locus of the source passes through them, where the
-    logarithmic map jumps.
+    times as far as in space, have no pattern: the cut locus of the source, where the
+    logarithmic map jumps, passes through them.
 
     Parameters
     ----------
