@@ -31,7 +31,7 @@ def signed(
             metavar="FILE",
             help="Lines in an .obj, .ply or .vtp file, as loop and isolines write them; points in "
             "a .csv file with columns x, y and z, or in an .npy table; or a list of vertices. A "
-            "line that ends at its first point is closed. Give it several times for several curves.",
+            "line that ends at its first point is closed. Repeat the option for several curves.",
             show_default=False,
         ),
     ],
