@@ -40,6 +40,7 @@ if TYPE_CHECKING:
     from geodesic_toolkit.discretization.edge_gradient import EdgeGradient
     from geodesic_toolkit.discretization.element_gradient import ElementGradient
     from geodesic_toolkit.discretization.gradient import Gradient
+    from geodesic_toolkit.discretization.subdivision import Subdivision
     from geodesic_toolkit.domains import Domain, Graph, Located, PointCloud, TriangleMesh
     from geodesic_toolkit.exact import exact_distance
     from geodesic_toolkit.heat.method import HeatMethod, HeatReport
@@ -49,6 +50,7 @@ if TYPE_CHECKING:
         read,
         read_mask,
         read_points,
+        read_polygons,
         read_vertices,
         write,
         write_curves,
@@ -106,6 +108,7 @@ __all__ = [
     "PointCloudLaplacian",
     "Registry",
     "SourcePoints",
+    "Subdivision",
     "SuperLU",
     "Supernodal",
     "SurfacePoint",
@@ -144,6 +147,7 @@ __all__ = [
     "read",
     "read_mask",
     "read_points",
+    "read_polygons",
     "read_vertices",
     "readers",
     "signed_distance",
@@ -192,6 +196,7 @@ _HOMES = {
     "PointCloudLaplacian": "laplacians.pointcloud.operator",
     "Registry": "registry.registry",
     "SourcePoints": "sources.points",
+    "Subdivision": "discretization.subdivision",
     "SuperLU": "linear.superlu",
     "Supernodal": "linear.supernodal",
     "SurfacePoint": "sources.surface_point",
@@ -228,6 +233,7 @@ _HOMES = {
     "read": "io",
     "read_mask": "io",
     "read_points": "io",
+    "read_polygons": "io",
     "read_vertices": "io",
     "readers": "registry.catalog",
     "signed_distance": "analysis.signed",

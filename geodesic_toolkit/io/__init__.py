@@ -3,6 +3,7 @@
 from geodesic_toolkit.core.atomic import check_output, replacing
 from geodesic_toolkit.core.deprecation import deprecated_alias
 from geodesic_toolkit.io.curves import write_curves
+from geodesic_toolkit.io.polygons import read_polygons
 from geodesic_toolkit.io.reading import read
 from geodesic_toolkit.io.tables.points import read_points
 from geodesic_toolkit.io.tables.vertices import read_mask, read_vertices
@@ -17,6 +18,7 @@ __all__ = [
     "read",
     "read_mask",
     "read_points",
+    "read_polygons",
     "read_vertices",
     "replacing",
     "write",
