@@ -1,4 +1,4 @@
-"""`read_polygons`: what the polygons of a file are before they are split."""
+"""`read_polygons`: the polygons of a file, before any split."""
 
 import os
 from pathlib import Path
@@ -37,7 +37,7 @@ def read_polygons(path: str | os.PathLike[str]) -> tuple[FloatArray, IntArray, I
     Raises
     ------
     ReadError
-        No such file, another format, or contents that are no polygons: the message names the file
+        No such file, another format, or contents that are not polygons: the message names the file
         and what is wrong in it.
     NotEnoughMemoryError
         The shape does not fit into memory.

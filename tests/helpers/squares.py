@@ -1,4 +1,4 @@
-"""A kind of domain whose elements are no triangles, with a vertex inside each: squares."""
+"""A kind of domain whose elements are not triangles, with a vertex inside each: squares."""
 
 from dataclasses import dataclass
 from typing import ClassVar, final

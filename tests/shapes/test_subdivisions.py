@@ -77,7 +77,7 @@ def test_a_solver_with_a_subdivision_comes_back_from_pickle(solver):
     assert np.array_equal(pickle.loads(pickle.dumps(solver)).distance(3), solver.distance(3))
 
 
-def test_what_is_no_subdivision_is_refused():
+def test_what_is_not_a_subdivision_is_refused():
     fans = SquaresLaplacian().fans(SMALL)
     other = SquaresLaplacian().fans(LARGE)
     with pytest.raises(InvalidDiscretizationError, match="as many vertices"):

@@ -53,7 +53,7 @@ def test_a_curve_is_a_source():
     assert np.abs(SOLVER.distance(line) - np.abs(PLANE.positions[:, 1] - 0.32)).max() < SWEPT
 
 
-def test_sheets_at_one_place_are_told_apart():
+def test_sheets_at_one_place_are_distinguished():
     low = quads(4)
     both = PolygonMesh.of_corners(
         np.concatenate([low.positions, low.positions]),
@@ -204,7 +204,7 @@ def test_pairs_and_domains_become_polygon_meshes():
         assert [face.tolist() for face in same.faces] == FACES
     assert PolygonMesh(MIXED, np.array([[0, 1, 2, 3]])).n_faces == 1
     assert PolygonMesh.of(gt.testing.shapes.grid(3)).sizes.tolist() == [3] * 8
-    with pytest.raises(UnsupportedDomainError, match="a str is no polygon mesh"):
+    with pytest.raises(UnsupportedDomainError, match="a str is not a polygon mesh"):
         PolygonMesh.of("mesh")
     with pytest.raises(UnsupportedDomainError, match="has no"):
         PolygonMesh.of(gt.Graph(2, [[0, 1]]))

@@ -39,7 +39,7 @@ BESIDE = np.concatenate([SQUARE, [[2.0, 0, 0], [2, 1, 0]]])
         (np.where(SQUARE == 1, np.nan, SQUARE), [[0, 1, 2, 3]], "vertex 1 of face 0 is not finite"),
     ],
 )
-def test_what_is_no_polygon_mesh_is_refused_with_its_place(vertices, faces, message):
+def test_what_is_not_a_polygon_mesh_is_refused_with_its_place(vertices, faces, message):
     with pytest.raises(InvalidDomainError, match=message):
         PolygonMesh(vertices, faces)
 

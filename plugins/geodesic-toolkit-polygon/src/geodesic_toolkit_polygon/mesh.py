@@ -125,7 +125,7 @@ class PolygonMesh(gt.Domain):
         Raises
         ------
         UnsupportedDomainError
-            Something else, or a mesh with cells that are no polygons.
+            Something else, or a mesh with cells that are not polygons.
         InvalidDomainError
             As for the class.
         """

@@ -52,7 +52,7 @@ def l_shapes(n: int) -> PolygonMesh:
 
 
 def quad_sphere(n: int) -> PolygonMesh:
-    """Return the unit sphere as a cube of n x n quadrangles a side, blown up; hardly one is flat.
+    """Return the unit sphere as a cube of n x n quadrangles a side, blown up; almost none is flat.
 
     Lines of the cube are drawn at even angles.
     """
