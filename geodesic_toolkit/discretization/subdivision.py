@@ -29,7 +29,7 @@ class Subdivision(FrozenArrays):
     """The surface of a domain of N vertices as triangles in M >= N: the further ones come last.
 
     Refinement sweeps fronts over these triangles, and returns the distances of the first N
-    vertices. For elements that are no triangles, such as polygons with a vertex inside each.
+    vertices. For elements that are not triangles, such as polygons with a vertex inside each.
 
     Parameters
     ----------

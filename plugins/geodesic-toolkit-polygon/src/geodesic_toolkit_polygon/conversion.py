@@ -37,8 +37,8 @@ def polygons_of(obj: Any) -> Polygons:
     if hasattr(obj, "points") and isinstance(getattr(obj, "cells", None), list):
         return _of_cells(obj)
     raise UnsupportedDomainError(
-        f"a {type(obj).__name__} is not a polygon mesh; give (vertices, faces), a PolyData of PyVista "
-        "or a Mesh of meshio"
+        f"a {type(obj).__name__} is not a polygon mesh; give (vertices, faces), a PolyData of "
+        "PyVista or a Mesh of meshio"
     )
 
 
