@@ -40,6 +40,7 @@ if TYPE_CHECKING:
     from geodesic_toolkit.discretization.edge_gradient import EdgeGradient
     from geodesic_toolkit.discretization.element_gradient import ElementGradient
     from geodesic_toolkit.discretization.gradient import Gradient
+    from geodesic_toolkit.discretization.subdivision import Subdivision
     from geodesic_toolkit.domains import Domain, Graph, Located, PointCloud, TriangleMesh
     from geodesic_toolkit.exact import exact_distance
     from geodesic_toolkit.heat.method import HeatMethod, HeatReport
@@ -50,6 +51,7 @@ if TYPE_CHECKING:
         read_curves,
         read_mask,
         read_points,
+        read_polygons,
         read_vertices,
         write,
         write_curves,
@@ -108,6 +110,7 @@ __all__ = [
     "PointCloudLaplacian",
     "Registry",
     "SourcePoints",
+    "Subdivision",
     "SuperLU",
     "Supernodal",
     "SurfacePoint",
@@ -147,6 +150,7 @@ __all__ = [
     "read_curves",
     "read_mask",
     "read_points",
+    "read_polygons",
     "read_vertices",
     "readers",
     "signed_distance",
@@ -196,6 +200,7 @@ _HOMES = {
     "PointCloudLaplacian": "laplacians.pointcloud.operator",
     "Registry": "registry.registry",
     "SourcePoints": "sources.points",
+    "Subdivision": "discretization.subdivision",
     "SuperLU": "linear.superlu",
     "Supernodal": "linear.supernodal",
     "SurfacePoint": "sources.surface_point",
@@ -233,6 +238,7 @@ _HOMES = {
     "read_curves": "io",
     "read_mask": "io",
     "read_points": "io",
+    "read_polygons": "io",
     "read_vertices": "io",
     "readers": "registry.catalog",
     "signed_distance": "analysis.signed",

@@ -150,12 +150,14 @@ if [ -z "$uv" ]; then
 fi
 # Editable, so that Python finds the kernels in this folder, too; and they are built for this
 # processor only, which takes a third of the time.
-study=./plugins/geodesic-toolkit-study
+plugins="--editable ./plugins/geodesic-toolkit-study"
+[ "$mode" != dev ] || plugins="$plugins --editable ./plugins/geodesic-toolkit-polygon"
 say "installing geodesic-toolkit ($requirement) into .venv"
 if [ -n "$uv" ]; then
-    "$uv" pip install --quiet --python "$python" --editable "$requirement" --editable "$study"
+    # shellcheck disable=SC2086 # several words
+    "$uv" pip install --quiet --python "$python" --editable "$requirement" $plugins
 else
-    "$python" -m pip install -qq --disable-pip-version-check --editable "$requirement" \
-        --editable "$study"
+    # shellcheck disable=SC2086 # several words
+    "$python" -m pip install -qq --disable-pip-version-check --editable "$requirement" $plugins
 fi
 say "done: $("$python" --version), .venv/bin/geodesic-toolkit"

@@ -32,6 +32,7 @@ __all__ = [
     "check_thin",
     "check_time",
     "find_marked",
+    "kinds_of",
     "parse_sources",
 ]
 
@@ -213,6 +214,13 @@ def check_positions(domain: "Domain") -> None:
         raise InvalidOptionError(
             f"--at: a {type(domain).__name__} has no positions to measure at; omit --at"
         )
+
+
+def kinds_of(operator: str) -> "tuple[type[Domain], ...]":
+    """Return the kinds of domain that a named operator takes; none where it is "auto"."""
+    from geodesic_toolkit.registry import catalog
+
+    return () if operator == "auto" else catalog.operators[operator].domains
 
 
 def check_plugins(solver: str, *operators: str | None) -> None:

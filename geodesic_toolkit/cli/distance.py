@@ -23,6 +23,7 @@ from geodesic_toolkit.cli.arguments import (
     check_thin,
     check_time,
     find_marked,
+    kinds_of,
     parse_sources,
 )
 from geodesic_toolkit.cli.output import aligned, one_line, show, show_json, versions
@@ -158,7 +159,7 @@ def distance(
             with run.step("loading graphics"):
                 targets.load_graphics()
         with run.step("reading"):
-            shape, masked, located = _shape(run, path, sources, mask, weld)
+            shape, masked, located = _shape(run, path, sources, mask, weld, operator=operator)
             domain = shape.domain
             targets.check_domain(domain)
             points = _points(at, domain)
@@ -313,13 +314,15 @@ def _shape(
     sources: list[int] | list[list[float]],
     mask: MarkedVertices | None,
     weld: float | None,
+    *,
+    operator: str,
 ) -> "tuple[Welded, BoolArray | None, SourcePoints]":
     """Return the shape of a file, its mask, and the located sources."""
     from geodesic_toolkit.io import read
     from geodesic_toolkit.solver.masks import check_unmasked, passable_part
     from geodesic_toolkit.sources.locate import locate_sources
 
-    shape = welded(read(path), weld, run)
+    shape = welded(read(path, kinds=kinds_of(operator)), weld, run)
     masked = shape.mask(None if mask is None else mask.mask(shape.file.n_vertices))
     passable = shape.domain if masked is None else passable_part(shape.domain, masked)
     located = locate_sources(shape.domain, shape.sources(sources, masked), passable=passable)

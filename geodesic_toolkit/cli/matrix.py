@@ -20,6 +20,7 @@ from geodesic_toolkit.cli.arguments import (
     Solver,
     Weld,
     check_plugins,
+    kinds_of,
 )
 from geodesic_toolkit.cli.interrupts import last_words
 from geodesic_toolkit.cli.output import aligned, show, show_json, versions
@@ -129,7 +130,7 @@ def matrix(
     _check_apart(output, path, sources, None if mask is None else mask.path)
     with running() as run:
         with run.step("reading"):
-            shape = welded(read(path), weld, run)
+            shape = welded(read(path, kinds=kinds_of(operator)), weld, run)
             rows = None if sources is None else read_vertices(sources)
             masked = shape.mask(None if mask is None else mask.mask(shape.file.n_vertices))
         with run.step("factorising"):

@@ -17,6 +17,7 @@ from geodesic_toolkit.core.types import BoolArray, FloatArray, IntArray
 from geodesic_toolkit.discretization.edge_gradient import EdgeGradient
 from geodesic_toolkit.discretization.element_gradient import ElementGradient
 from geodesic_toolkit.discretization.gradient import Gradient
+from geodesic_toolkit.discretization.subdivision import Subdivision
 from geodesic_toolkit.errors import InvalidDiscretizationError
 from geodesic_toolkit.geometry.across_edges import AcrossEdges
 from geodesic_toolkit.geometry.along_edges import AlongEdges
@@ -62,6 +63,9 @@ class Discretization(FrozenArrays):
         these triangles, and distances are measured on them.
     normals : ndarray of shape (N, 3), float64, optional
         For elements that are stars in tangent planes: the unit normals of these planes.
+    subdivision : Subdivision, optional
+        Triangles with further vertices, if the elements are not triangles: refinement sweeps over
+        these triangles.
     along_edges : AlongEdges, optional
         The shortest paths along the edges of a graph, which bound distances, and which refinement
         uses.
@@ -112,6 +116,7 @@ class Discretization(FrozenArrays):
     surface_frames: FloatArray = field(default_factory=lambda: np.zeros((0, 3)))
     surface: ElementGradient | None = None
     normals: FloatArray = field(default_factory=lambda: np.zeros((0, 3)))
+    subdivision: Subdivision | None = None
     along_edges: AlongEdges | None = None
     across_edges: AcrossEdges | None = None
     representatives: IntArray = field(default_factory=lambda: np.zeros(0, dtype=np.int64))
@@ -147,6 +152,10 @@ class Discretization(FrozenArrays):
             raise InvalidDiscretizationError(
                 f"surface must be triangles with the same {count} vertices, not {self.surface!r} "
                 f"with {self.surface.n_vertices}"
+            )
+        if self.subdivision is not None and self.subdivision.n_vertices != count:
+            raise InvalidDiscretizationError(
+                f"subdivision is of {self.subdivision.n_vertices} vertices, not of {count}"
             )
         self._set_rows(count, copy)
         self._set_scales(count, copy)

@@ -4,7 +4,13 @@ Domains coerce, validate and freeze arrays; they do not hold algorithms.
 """
 
 from geodesic_toolkit.domains.base import Domain
-from geodesic_toolkit.domains.checked import graph_of, normals_of, positions_of, triangles_of
+from geodesic_toolkit.domains.checked import (
+    graph_of,
+    normals_of,
+    polygons_of,
+    positions_of,
+    triangles_of,
+)
 from geodesic_toolkit.domains.cloud import PointCloud
 from geodesic_toolkit.domains.graph import Graph
 from geodesic_toolkit.domains.located import Located, check_present
@@ -19,6 +25,7 @@ __all__ = [
     "check_present",
     "graph_of",
     "normals_of",
+    "polygons_of",
     "positions_of",
     "triangles_of",
 ]

@@ -15,6 +15,8 @@ from geodesic_toolkit.core.types import BoolArray, FloatArray, IntArray
 from geodesic_toolkit.errors import InvalidDomainError, UnsupportedDomainError
 
 if TYPE_CHECKING:
+    from pathlib import Path
+
     from geodesic_toolkit.domains.graph import Graph
     from geodesic_toolkit.domains.located import Located
 
@@ -33,6 +35,8 @@ class Domain(FrozenArrays, abc.ABC):
     capability   used by
     ============ =====================================================================
     positions    sources at points, queries, pictures, files with a shape
+    polygons     files with faces of any number of corners
+    from_file    files that the suffix's reader makes another kind of
     triangles    pictures and files with faces, :class:`SurfacePoint`, points between vertices
     closest      sources and queries at points inside elements that are not triangles
     as_graph     paths along edges, pictures of edges
@@ -96,6 +100,19 @@ class Domain(FrozenArrays, abc.ABC):
         """
         raise _without_capability(self, "no triangles", "triangles")
 
+    @property
+    def polygons(self) -> tuple[IntArray, IntArray]:
+        """Faces of any number of corners, which files keep, where `triangles` are parts of them.
+
+        The number of corners of each, of shape (F,), and their vertices, face by face.
+
+        Raises
+        ------
+        UnsupportedDomainError
+            This kind of domain has none.
+        """
+        raise _without_capability(self, "no polygons", "polygons")
+
     def as_graph(self) -> Graph:
         """Return the distinct edges between the vertices, with their lengths.
 
@@ -158,6 +175,31 @@ class Domain(FrozenArrays, abc.ABC):
             This kind of domain leaves it to its triangles or vertices.
         """
         raise _without_capability(self, "no places of its own between vertices", "closest(points)")
+
+    @classmethod
+    def from_file(cls, path: Path) -> Domain:
+        """Return the shape of this kind that a file holds.
+
+        :func:`read` calls it where this kind is asked for: on the command line, by an operator.
+
+        Parameters
+        ----------
+        path : Path
+            Unpacked, and not empty.
+
+        Returns
+        -------
+        Domain
+            Of this kind, with the vertices in the order of the file.
+
+        Raises
+        ------
+        ReadError, InvalidDomainError
+            What is wrong in the file; :func:`read` adds its name.
+        UnsupportedDomainError
+            This kind of domain leaves it to the reader of the suffix.
+        """
+        raise UnsupportedDomainError(f"{path}: a {cls.__name__} is not read from files")
 
     @classmethod
     def samples(cls) -> Any:

@@ -10,7 +10,7 @@ from geodesic_toolkit.domains.base import Domain
 from geodesic_toolkit.domains.graph import Graph
 from geodesic_toolkit.errors import UnsupportedDomainError
 
-__all__ = ["graph_of", "normals_of", "positions_of", "triangles_of"]
+__all__ = ["graph_of", "normals_of", "polygons_of", "positions_of", "triangles_of"]
 
 
 def positions_of(domain: Domain) -> FloatArray:
@@ -56,6 +56,38 @@ def triangles_of(domain: Domain) -> IntArray:
             f"are {domain.n_vertices} vertices, numbered from 0"
         )
     return triangles
+
+
+def polygons_of(domain: Domain) -> tuple[IntArray, IntArray] | None:
+    """Return the faces that files keep as sizes, (F,), and corners, face by face; None without any.
+
+    Raises
+    ------
+    UnsupportedDomainError
+        Sizes that do not add up to the corners, or a vertex that is not there.
+    """
+    if not domain.has("polygons"):
+        if not domain.has("triangles"):
+            return None
+        triangles = triangles_of(domain)
+        return np.full(len(triangles), 3, dtype=np.int64), triangles.ravel()
+    sizes, corners = domain.polygons
+    whole = all(
+        isinstance(array, np.ndarray) and array.dtype == np.int64 and array.ndim == 1
+        for array in (sizes, corners)
+    )
+    if not (whole and sizes.min(initial=1) > 0 and sizes.sum() == len(corners)):
+        raise UnsupportedDomainError(
+            f"{type(domain).__name__}.polygons must be two rows of int64: positive sizes, and as "
+            "many corners as they add up to"
+        )
+    if len(corners) and not (corners.min() >= 0 and corners.max() < domain.n_vertices):
+        bad = int(((corners < 0) | (corners >= domain.n_vertices)).argmax())
+        raise UnsupportedDomainError(
+            f"corner {bad} of {type(domain).__name__}.polygons is vertex {corners[bad]}; there are "
+            f"{domain.n_vertices}, numbered from 0"
+        )
+    return sizes, corners
 
 
 def graph_of(domain: Domain) -> Graph:

@@ -7,7 +7,7 @@ import numpy as np
 
 from geodesic_toolkit.core.types import FloatArray, IntArray
 
-__all__ = ["split_polygons", "strip_triangles", "unpadded_polygons"]
+__all__ = ["split_polygons", "strip_triangles", "triangles_inside", "unpadded_polygons"]
 
 MAX_LISTED_POLYGONS = 5
 """Maximum number of polygons named in a remark."""
@@ -41,14 +41,10 @@ def split_polygons(
     MissingDependencyError
         A polygon of more than four corners is not convex, and manifold3d is not installed.
     """
-    corners = _with_equal_repeats(sizes, corners)
-    faces = _fans(sizes, corners)
+    faces, crossing = triangles_inside(vertices, sizes, corners)
     polygons, degenerate = int((sizes > 3).sum()), int((sizes < 3).sum())
     remarks = []
     if polygons:
-        from geodesic_toolkit.geometry.concave import correct_fans
-
-        crossing = correct_fans(vertices, sizes, corners, faces)
         plural = "polygon was" if polygons == 1 else "polygons were"
         remarks.append(
             f"{polygons} {plural} split into {(sizes[sizes > 3] - 2).sum()} triangles; "
@@ -59,6 +55,40 @@ def split_polygons(
     if degenerate:
         remarks.append(f"{degenerate} faces have fewer than three corners and were dropped")
     return faces, remarks
+
+
+def triangles_inside(
+    vertices: FloatArray, sizes: IntArray, corners: IntArray
+) -> tuple[IntArray, list[int]]:
+    """Split polygons into triangles inside them, without a remark.
+
+    Parameters
+    ----------
+    vertices : ndarray of shape (N, 3), float64
+    sizes : ndarray of shape (P,), int64
+        Corners of each polygon.
+    corners : ndarray of shape (sizes.sum(),), int64
+        Their vertex indices, polygon by polygon.
+
+    Returns
+    -------
+    faces : ndarray of shape (F, 3), int64
+        The triangles of a polygon follow each other: two fewer than it has corners.
+    crossing : list of int
+        The polygons that cross themselves, whose triangles overlap.
+
+    Raises
+    ------
+    MissingDependencyError
+        As for :func:`split_polygons`.
+    """
+    corners = _with_equal_repeats(sizes, corners)
+    faces = _fans(sizes, corners)
+    if not (sizes > 3).any():
+        return faces, []
+    from geodesic_toolkit.geometry.concave import correct_fans
+
+    return faces, correct_fans(vertices, sizes, corners, faces)
 
 
 def _fans(sizes: IntArray, corners: IntArray) -> IntArray:

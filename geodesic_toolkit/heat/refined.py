@@ -9,11 +9,13 @@ from geodesic_toolkit.core.arrays import empty
 from geodesic_toolkit.core.types import FloatArray
 from geodesic_toolkit.discretization.data import Discretization
 from geodesic_toolkit.discretization.heat import Heat
+from geodesic_toolkit.errors import UnsupportedDomainError
 from geodesic_toolkit.heat.blocks import MIN_VERTICES_PER_THREAD, PROCESSORS
 from geodesic_toolkit.refinement.bounds import DistanceBounds
 from geodesic_toolkit.refinement.polyhedra import SmallParts
 from geodesic_toolkit.refinement.wavefronts import WavefrontSweeper
 from geodesic_toolkit.sources.points import SourcePoints
+from geodesic_toolkit.sources.subdivided import on_subdivision
 
 __all__ = ["Fronts", "RefinedStep"]
 
@@ -42,11 +44,12 @@ class RefinedStep:
     Parameters
     ----------
     metric : Discretization
-        A metric made of triangles.
+        A metric made of triangles, or with a subdivision that is.
     small_parts : SmallParts, optional
-        Components whose refined distances are replaced by exact ones.
+        Components whose refined distances are replaced by exact ones; of the subdivision, if there
+        is one.
     bounds : DistanceBounds, optional
-        Bounds that distances are limited to.
+        Bounds that distances are limited to; likewise.
     """
 
     def __init__(
@@ -55,11 +58,27 @@ class RefinedStep:
         small_parts: SmallParts | None,
         bounds: DistanceBounds | None,
     ) -> None:
-        self._sweeper = WavefrontSweeper(metric)
+        self._subdivision = metric.subdivision
+        self._sweeper = WavefrontSweeper(
+            metric if metric.subdivision is None else metric.subdivision.metric
+        )
         self._small_parts, self._bounds = small_parts, bounds
 
     def distances(self, heat: Heat, block: Sequence[SourcePoints], distances: FloatArray) -> None:
         """Write refined distances, (K, N); the sweeps of a block share the processors."""
+        if self._subdivision is None:
+            self._sweep(heat, block, distances)
+            return
+        finer = empty((len(block), self._subdivision.mesh.n_vertices), np.float64)
+        self._sweep(
+            Heat.of_log(self._subdivision.extended(heat.log())),
+            [on_subdivision(points, self._subdivision) for points in block],
+            finer,
+        )
+        distances[:] = finer[:, : self._subdivision.n_vertices]
+
+    def _sweep(self, heat: Heat, block: Sequence[SourcePoints], distances: FloatArray) -> None:
+        """Write refined distances at the vertices of the triangles."""
         large = distances.size >= MIN_VERTICES_PER_THREAD
         n_threads = min(len(block), PROCESSORS) if large else 1
         self._sweeper.fill(distances, heat, block, n_threads=n_threads)
@@ -67,6 +86,11 @@ class RefinedStep:
 
     def fronts(self, heat: Heat, points: SourcePoints, around: SourcePoints) -> Fronts:
         """Return the fronts of one source set, with the vertices around it that they begin at."""
+        if self._subdivision is not None:
+            raise UnsupportedDomainError(
+                "fronts with their directions are for triangles of the domain's own vertices; make "
+                "a solver of the mesh of the subdivision"
+            )
         swept = empty((1, len(heat.values)), np.float64)
         curvatures = np.empty_like(swept)
         self._sweeper.fill(swept, heat, [around], kappas=curvatures)

@@ -5,6 +5,7 @@ from geodesic_toolkit.core.deprecation import deprecated_alias
 from geodesic_toolkit.io.curve_files import read_curves
 from geodesic_toolkit.io.curves import write_curves
 from geodesic_toolkit.io.log_maps import write_log_map
+from geodesic_toolkit.io.polygons import read_polygons
 from geodesic_toolkit.io.reading import read
 from geodesic_toolkit.io.tables.points import read_points
 from geodesic_toolkit.io.tables.vertices import read_mask, read_vertices
@@ -20,6 +21,7 @@ __all__ = [
     "read_curves",
     "read_mask",
     "read_points",
+    "read_polygons",
     "read_vertices",
     "replacing",
     "write",

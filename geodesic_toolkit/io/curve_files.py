@@ -99,8 +99,9 @@ def _lines_of_table(file: Path, names: list[str]) -> list[FloatArray]:
     numbered = "curve" in names
     columns = [names.index(name) for name in ("x", "y", "z", *(["curve"] if numbered else []))]
     rows = read_table(file).numbers(columns)
-    ends = np.flatnonzero(np.diff(rows[:, 3])) + 1 if numbered else []
-    return np.split(rows[:, :3], ends)
+    if not numbered:
+        return [rows]
+    return np.split(rows[:, :3], np.flatnonzero(np.diff(rows[:, 3])) + 1)
 
 
 def _curve(line: FloatArray, name: str) -> Curve:

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from geodesic_toolkit.core.atomic import check_output, replacing
-from geodesic_toolkit.core.types import FloatArray, IntArray
+from geodesic_toolkit.core.types import BoolArray, FloatArray, IntArray
 from geodesic_toolkit.domains import Domain, positions_of, triangles_of
 from geodesic_toolkit.errors import InvalidOptionError
 from geodesic_toolkit.io.readers.ply import encode_ply
@@ -111,15 +111,17 @@ def _ply(points: FloatArray, faces: IntArray | None, log: "LogMap") -> bytes:
         zip(("x", "y", "z", "s", "t"), [*points.T, *log.coordinates.T], strict=True)
     )
     fields = {**columns, "distance": log.distance, "angle": log.angle}
-    return encode_ply(fields, faces, ["logarithmic map: s and t in the unit of the shape"])
+    polygons = None if faces is None else (np.full(len(faces), 3), faces.ravel())
+    return encode_ply(fields, polygons, ["logarithmic map: s and t in the unit of the shape"])
 
 
 def _obj(points: FloatArray, faces: IntArray, log: "LogMap") -> str:
-    reached = np.isfinite(log.coordinates).all(axis=1)
+    reached: BoolArray = np.asarray(np.isfinite(log.coordinates).all(axis=1))
     number = np.cumsum(reached)
     rows = [f"v {x!r} {y!r} {z!r}" for x, y, z in points.tolist()]
     rows += [f"vt {u!r} {v!r}" for u, v in log.coordinates[reached].tolist()]
-    for face, known in zip(faces.tolist(), reached[faces].all(axis=1), strict=True):
+    whole: BoolArray = np.asarray(reached[faces].all(axis=1))
+    for face, known in zip(faces.tolist(), whole, strict=True):
         corners = (f"{v + 1}/{number[v]}" if known else str(v + 1) for v in face)
         rows.append(" ".join(["f", *corners]))
     return "".join(f"{row}\n" for row in rows)
@@ -133,7 +135,7 @@ def _csv(points: FloatArray, log: "LogMap") -> str:
 
 def _json(log: "LogMap") -> str:
     content = {
-        name: np.where(np.isfinite(values), values.astype(object), None).tolist()
+        name: np.where(np.isfinite(values), values.astype(object), np.array(None)).tolist()
         for name, values in (
             ("frame", log.frame),
             ("coordinates", log.coordinates),

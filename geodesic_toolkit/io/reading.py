@@ -4,7 +4,7 @@ import gzip
 import os
 import shutil
 import tempfile
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
@@ -28,7 +28,7 @@ LONGEST_REASON = 300
 """Number of characters of a foreign error's text in a message."""
 
 
-def read(path: str | os.PathLike[str]) -> Domain:
+def read(path: str | os.PathLike[str], *, kinds: Iterable[type[Domain]] = ()) -> Domain:
     """Read a mesh, point cloud or graph from a file.
 
     The suffix chooses the reader among those registered in ``gt.readers``, to which other
@@ -60,6 +60,9 @@ def read(path: str | os.PathLike[str]) -> Domain:
     Parameters
     ----------
     path : str or path-like
+    kinds : iterable of types, optional
+        Kinds of domain that are wanted, such as the `domains` of an operator. The first that reads
+        files itself (:meth:`Domain.from_file`) does so; without any the suffix's reader does.
 
     Returns
     -------
@@ -99,7 +102,8 @@ def read(path: str | os.PathLike[str]) -> Domain:
     check_file(file)
     with unpacked(file) as plain:
         suffix = plain.suffix[1:].lower()
-        reader = _reader(file, plain)
+        own = (kind.from_file for kind in kinds if kind.has("from_file"))
+        reader = next(own, None) or _reader(file, plain)
         with named_errors(file, "the shape"):
             domain = reader(plain)
     if not isinstance(domain, Domain):

@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from geodesic_toolkit.core.atomic import check_output, replacing
 from geodesic_toolkit.core.types import FloatArray
-from geodesic_toolkit.domains import Domain, normals_of, positions_of, triangles_of
+from geodesic_toolkit.domains import Domain, normals_of, polygons_of, positions_of
 from geodesic_toolkit.errors import InvalidOptionError
 from geodesic_toolkit.io.common import optional_package
 from geodesic_toolkit.io.readers.gifti import encode_gifti
@@ -228,8 +228,7 @@ def _ply(domain: Domain, field: FloatArray, sources: Any, model: Path | None) ->
     normals = normals_of(domain)
     if normals is not None:
         vertices.update(zip(("nx", "ny", "nz"), normals.T, strict=True))
-    faces = triangles_of(domain) if domain.has("triangles") else None
-    return encode_ply({**vertices, **fields}, faces, [comment])
+    return encode_ply({**vertices, **fields}, polygons_of(domain), [comment])
 
 
 def _from(sources: Any) -> str:

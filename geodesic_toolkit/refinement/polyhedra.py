@@ -19,7 +19,13 @@ from geodesic_toolkit.errors import SolverError
 from geodesic_toolkit.geometry.triangles import proper_faces
 from geodesic_toolkit.sources.points import SourcePoints
 
-__all__ = ["MOST_FACES", "SmallParts", "exact_distances", "small_parts_of"]
+__all__ = [
+    "MOST_FACES",
+    "MOST_FACES_OF_SUBDIVISIONS",
+    "SmallParts",
+    "exact_distances",
+    "small_parts_of",
+]
 
 MOST_FACES = 500
 """Faces of a component up to which its distances are exact by default.
@@ -29,6 +35,10 @@ refined distances take 0.2 to 0.5. Refined distances on boxes, cylinders, the re
 hulls of random points are off by up to 14 % of the largest distance at 12 to 50 faces, up to 4.4 %
 at 50 to 200, and up to 2 % beyond 500; on average up to 1.8, 1.0 and 0.3 %.
 """
+
+MOST_FACES_OF_SUBDIVISIONS = 2 * MOST_FACES
+"""The same of a subdivision: a quadrangle is two triangles where it is split, and four with a
+vertex inside, and what is exact as the one is exact as the other."""
 
 MOST_WINDOWS = 1000
 """Windows per face after which the search stops, so that it is bounded.
@@ -120,24 +130,28 @@ class SmallParts:
         return SmallParts, (self.vertices, self.faces, self.numbers)
 
 
-def small_parts_of(domain: Domain, components: IntArray) -> SmallParts | None:
-    """Return the components of a mesh of up to :data:`MOST_FACES` faces; None without any.
+def small_parts_of(
+    domain: Domain, components: IntArray, most: int = MOST_FACES
+) -> SmallParts | None:
+    """Return the components of a mesh with few faces; None without any.
 
     Parameters
     ----------
     domain : Domain
     components : ndarray of shape (N,), int64
         The connected component of every vertex.
+    most : int
+        Faces that a small part has at most.
     """
     if not isinstance(domain, TriangleMesh):
         return None
     sizes = np.bincount(components[domain.faces[:, 0]], minlength=components.max() + 1)
-    if not ((sizes > 0) & (sizes <= 2 * MOST_FACES)).any():  # faces may be repeated
+    if not ((sizes > 0) & (sizes <= 2 * most)).any():  # faces may be repeated
         return None
     faces = domain.faces[proper_faces(domain.faces)]
     part = components[faces[:, 0]]
     sizes = np.bincount(part, minlength=len(sizes))
-    small = (sizes > 0) & (sizes <= MOST_FACES)
+    small = (sizes > 0) & (sizes <= most)
     faces = faces[small[part]]
     if not len(faces):
         return None

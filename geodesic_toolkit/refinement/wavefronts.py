@@ -102,7 +102,11 @@ K already, and a turn in addition is worse.
 
 
 def made_of_triangles(metric: Discretization) -> bool:
-    """Return True if the elements of a discretization are triangles, which fronts can cross."""
+    """Return True if a discretization has triangles for fronts: its own, or a subdivision."""
+    return metric.subdivision is not None or _has_triangles(metric)
+
+
+def _has_triangles(metric: Discretization) -> bool:
     gradient = metric.on_surface
     return isinstance(gradient, ElementGradient) and gradient.of_planes
 
@@ -125,7 +129,7 @@ class WavefrontSweeper:
     metric: Discretization
 
     def __post_init__(self) -> None:
-        if not made_of_triangles(self.metric):
+        if not _has_triangles(self.metric):
             raise UnsupportedDomainError(
                 "refinement needs triangles, and this discretization has "
                 f"{self.metric.gradient!r}; use refine=False"

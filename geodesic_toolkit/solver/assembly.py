@@ -16,7 +16,11 @@ from geodesic_toolkit.laplacians.base import LaplaceOperator
 from geodesic_toolkit.linear.base import LinearSolver
 from geodesic_toolkit.refinement.bounds import bounds_of
 from geodesic_toolkit.refinement.choice import refinement_of
-from geodesic_toolkit.refinement.polyhedra import MOST_FACES, small_parts_of
+from geodesic_toolkit.refinement.polyhedra import (
+    MOST_FACES,
+    MOST_FACES_OF_SUBDIVISIONS,
+    small_parts_of,
+)
 from geodesic_toolkit.registry.catalog import resolve_operator, resolve_solvers
 
 __all__ = ["Assembly", "Operator", "Refine", "Solver", "assembled"]
@@ -89,9 +93,12 @@ def assembled(
         if isinstance(passable, TriangleMesh)
         else None
     )
-    small_parts = small_parts_of(passable, metric.components) if refined else None
+    on = metric.subdivision
+    surface, in_triangles = (passable, metric) if on is None else (on.mesh, on.metric)
+    most = MOST_FACES if on is None else MOST_FACES_OF_SUBDIVISIONS
+    small_parts = small_parts_of(surface, in_triangles.components, most) if refined else None
     if small_parts is not None:
-        reason += f"; exact on components of up to {MOST_FACES} faces"
+        reason += f"; exact on components of up to {most} faces"
     method = HeatMethod(
         metric,
         diffusion=measures.diffusion(metric)
@@ -104,7 +111,7 @@ def assembled(
         poisson_solver=poisson_solver,
         refine=refined,
         across=choice == "across",
-        bounds=bounds_of(passable, metric) if refined else None,
+        bounds=bounds_of(surface, in_triangles) if refined else None,
         small_parts=small_parts,
     ).prepare()
     return Assembly(

@@ -8,7 +8,14 @@ from typing import Any
 import numpy as np
 
 from geodesic_toolkit.core.types import BoolArray, FloatArray, IntArray
-from geodesic_toolkit.domains import Domain, graph_of, normals_of, positions_of, triangles_of
+from geodesic_toolkit.domains import (
+    Domain,
+    graph_of,
+    normals_of,
+    polygons_of,
+    positions_of,
+    triangles_of,
+)
 from geodesic_toolkit.errors import InvalidOptionError, UnsupportedDomainError
 from geodesic_toolkit.sources.ground import Ground, lies_in_triangles
 from geodesic_toolkit.testing.conformance import (
@@ -25,7 +32,12 @@ __all__ = ["DOMAIN_LAWS", "check_domain", "domain_checks"]
 ROUNDING = 1e-9
 """Tolerance of points computed in two ways, relative to the size of the shape."""
 
-ARRAYS = {"positions": positions_of, "triangles": triangles_of, "as_graph": graph_of}
+ARRAYS = {
+    "positions": positions_of,
+    "triangles": triangles_of,
+    "polygons": polygons_of,
+    "as_graph": graph_of,
+}
 """Capabilities that are data, and the calls that return them."""
 
 
@@ -124,6 +136,7 @@ def capabilities_left_out_are_refused(domain: Domain) -> Iterable[Measured]:
     asked = {
         "positions": lambda: domain.positions,
         "triangles": lambda: domain.triangles,
+        "polygons": lambda: domain.polygons,
         "as_graph": domain.as_graph,
         "without": lambda: domain.without(mask),
         "closest": lambda: domain.closest(points),
@@ -248,6 +261,8 @@ def _data(domain: Domain) -> dict[str, Any]:
         found["positions"] = domain.positions
     if domain.has("triangles"):
         found["triangles"] = domain.triangles
+    if domain.has("polygons"):
+        found.update(zip(("sizes", "corners"), domain.polygons, strict=True))
     if domain.has("as_graph"):
         graph = domain.as_graph()
         found.update(edges=graph.edges, lengths=graph.lengths)

@@ -28,7 +28,8 @@ def soup(tmp_path):
     rng = np.random.default_rng(0)
     places = BALL.vertices[OF_BALL] + 1e-9 * rng.uniform(-1, 1, (960, 3))
     path = tmp_path / "soup.ply"
-    path.write_bytes(encode_ply(dict(zip("xyz", places.T, strict=True)), CORNERS, []))
+    polygons = np.full(len(CORNERS), 3), CORNERS.ravel()
+    path.write_bytes(encode_ply(dict(zip("xyz", places.T, strict=True)), polygons, []))
     return path
 
 

@@ -7,6 +7,7 @@ from geodesic_toolkit.discretization.data import Discretization
 from geodesic_toolkit.refinement.wavefronts import WavefrontSweeper
 from geodesic_toolkit.solver.solver import GeodesicSolver
 from geodesic_toolkit.sources.points import SourcePoints
+from geodesic_toolkit.sources.subdivided import on_subdivision
 
 __all__ = ["first_to_arrive", "one_place", "refined_distance"]
 
@@ -14,8 +15,14 @@ __all__ = ["first_to_arrive", "one_place", "refined_distance"]
 def refined_distance(
     solver: GeodesicSolver, metric: Discretization, sources: SourcePoints
 ) -> FloatArray:
-    """Return the refined distance (N,) on a metric, even if the solver does not refine."""
-    method = solver.method
+    """Return the refined distance (N,) on a metric, even if the solver does not refine.
+
+    On a metric with a subdivision at the vertices of that, (M,).
+    """
+    method, on = solver.method, metric.subdivision
+    if on is not None:
+        order = on.extended(method.log_heat(sources, only_order=True))
+        return WavefrontSweeper(on.metric).distance(order, on_subdivision(sources, on))
     if method.refine:
         return method.distance(sources)
     sweeper = WavefrontSweeper(metric)  # it raises if there are no triangles

@@ -37,6 +37,7 @@ from geodesic_toolkit.solver.solver import GeodesicSolver, check_solver
 from geodesic_toolkit.sources.kinds import OffsetSources
 from geodesic_toolkit.sources.locate import locate_sources
 from geodesic_toolkit.sources.points import SourcePoints
+from geodesic_toolkit.sources.subdivided import on_subdivision
 
 __all__ = ["geodesic_path"]
 
@@ -71,8 +72,9 @@ def geodesic_path(
     are: noise of a third of the spacing makes it 2 to 4 % longer than the distance, which is
     measured along the tangent planes.
 
-    On a graph, and on other domains with edges, it is the shortest path along edges, which
-    is longer than a distance across faces.
+    On a domain with a subdivision into triangles it runs across those, and they are the `mesh` of
+    the path. On a graph, and on other domains with edges, it is the shortest path along edges,
+    which is longer than a distance across faces.
 
     Parameters
     ----------
@@ -155,14 +157,18 @@ def geodesic_path(
         )
     if isinstance(domain, PointCloud):
         return path_on_cloud(solver, sources, goal)
-    if not isinstance(domain, TriangleMesh):
+    on = solver.method.metric.subdivision
+    mesh = domain if on is None else on.mesh
+    if not isinstance(mesh, TriangleMesh):
         return path_along_edges(solver, sources, goal)
     metric = _with_triangles(solver)
     back = refined_distance(solver, metric, goal)
     if sources.delayed:
-        sources = first_to_arrive(sources, back)
+        sources = first_to_arrive(sources, back[: domain.n_vertices])
     distance = refined_distance(solver, metric, sources)
-    path = _path_on_mesh(domain, distance, back, sources, goal)
+    if on is not None:
+        sources, goal = on_subdivision(sources, on), on_subdivision(goal, on)
+    path = _path_on_mesh(mesh, distance, back, sources, goal)
     if path is None:
         raise unreachable_error(solver, f"the target {target!r} with a source")
     return path

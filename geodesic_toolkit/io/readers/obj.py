@@ -10,16 +10,30 @@ from pathlib import Path
 
 import numpy as np
 
-from geodesic_toolkit.core.types import FloatArray
+from geodesic_toolkit.core.types import FloatArray, IntArray
 from geodesic_toolkit.domains import Domain, TriangleMesh
 from geodesic_toolkit.errors import ReadError
 from geodesic_toolkit.io.common import cloud, floats, integers, text_of, triangulate
 
-__all__ = ["read_obj", "read_obj_lines"]
+__all__ = ["obj_polygons", "read_obj", "read_obj_lines"]
 
 
 def read_obj(path: Path) -> Domain:
     """Read an OBJ file: its ``v`` and ``f`` lines, and ``vn`` if it has only points."""
+    vertices, sizes, corners, normals = _contents(path)
+    if not len(sizes):
+        paired = len(normals) == vertices.size
+        return cloud(path, vertices, floats(normals, "normals").reshape(-1, 3) if paired else None)
+    return TriangleMesh(vertices, triangulate(path, vertices, sizes, corners))
+
+
+def obj_polygons(path: Path) -> tuple[FloatArray, IntArray, IntArray]:
+    """Return the vertices of an OBJ file, and sizes and corners of its polygons."""
+    return _contents(path)[:3]
+
+
+def _contents(path: Path) -> tuple[FloatArray, IntArray, IntArray, list[bytes]]:
+    """Return vertices, sizes and corners of polygons, and normals as they are written."""
     coordinates: list[bytes] = []
     normals: list[bytes] = []
     corners: list[bytes] = []
@@ -41,9 +55,6 @@ def read_obj(path: Path) -> Domain:
     if not coordinates:
         raise ReadError("not an OBJ file, or one without vertices")
     vertices = floats(coordinates, "vertex coordinates").reshape(-1, 3)
-    if not sizes:
-        paired = len(normals) == len(coordinates)
-        return cloud(path, vertices, floats(normals, "normals").reshape(-1, 3) if paired else None)
     numbers = integers([corner.partition(b"/")[0] for corner in corners], "the corners of faces")
     counts = np.array(sizes, dtype=np.int64)
     owner = np.repeat(np.arange(len(counts)), counts)
@@ -54,7 +65,7 @@ def read_obj(path: Path) -> Domain:
             f"face {owner[outside[0]]} refers to vertex {numbers[outside[0]]}; there are "
             f"{len(vertices)}, numbered from 1, or from -1 backwards"
         )
-    return TriangleMesh(vertices, triangulate(path, vertices, counts, indices))
+    return vertices, counts, indices, normals
 
 
 def read_obj_lines(path: Path) -> list[FloatArray]:
@@ -64,7 +75,7 @@ def read_obj_lines(path: Path) -> list[FloatArray]:
     if len(coordinates) % 3:
         raise ReadError("a vertex has less than 3 coordinates")
     vertices = floats(coordinates, "vertex coordinates").reshape(-1, 3)
-    lines = []
+    lines: list[FloatArray] = []
     for keyword, words in rows:
         if keyword == b"l":
             numbers = integers([word.partition(b"/")[0] for word in words], "the points of lines")

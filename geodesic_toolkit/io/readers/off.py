@@ -5,12 +5,12 @@ from pathlib import Path
 
 import numpy as np
 
-from geodesic_toolkit.core.types import IntArray
+from geodesic_toolkit.core.types import FloatArray, IntArray
 from geodesic_toolkit.domains import Domain
 from geodesic_toolkit.errors import ReadError
 from geodesic_toolkit.io.common import floats, integers, surface, text_of
 
-__all__ = ["read_off"]
+__all__ = ["off_polygons", "read_off"]
 
 # The counts may follow the keyword directly ("OFF3485 6966 0" is common); it may be missing.
 HEADER = re.compile(rb"(ST)?(C)?(N)?(4)?(n)?OFF(\s+BINARY\b)?", re.IGNORECASE)
@@ -18,6 +18,11 @@ HEADER = re.compile(rb"(ST)?(C)?(N)?(4)?(n)?OFF(\s+BINARY\b)?", re.IGNORECASE)
 
 def read_off(path: Path) -> Domain:
     """Read an OFF file: triangles and polygons, with or without colours and normals."""
+    return surface(path, *off_polygons(path))
+
+
+def off_polygons(path: Path) -> tuple[FloatArray, IntArray, IntArray]:
+    """Return the vertices of an OFF file, and sizes and corners of its polygons."""
     text = re.sub(rb"#[^\r\n]*", b"", text_of(path)).lstrip()
     columns = 3
     if header := HEADER.match(text):
@@ -40,7 +45,7 @@ def read_off(path: Path) -> Domain:
         raise ReadError(f"the file ends within its {n_vertices} vertices and {n_faces} faces")
     vertices = floats(tokens[:end], "vertex coordinates").reshape(n_vertices, columns)[:, :3]
     sizes, corners = _faces(tokens[end:], lines, n_faces)
-    return surface(path, vertices, sizes, corners)
+    return vertices, sizes, corners
 
 
 def _lines_after_counts(text: bytes) -> list[bytes]:

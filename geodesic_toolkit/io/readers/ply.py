@@ -16,7 +16,7 @@ from geodesic_toolkit.errors import ReadError
 from geodesic_toolkit.geometry.polygons import strip_triangles
 from geodesic_toolkit.io.common import check_count, cloud, floats, triangulate, whole_numbers
 
-__all__ = ["encode_ply", "encode_ply_like", "read_ply", "read_ply_lines"]
+__all__ = ["encode_ply", "encode_ply_like", "ply_polygons", "read_ply", "read_ply_lines"]
 
 TYPES = {
     "char": "i1", "int8": "i1", "uchar": "u1", "uint8": "u1",
@@ -63,14 +63,10 @@ class _Body(Protocol):
 def read_ply(path: Path) -> Domain:
     """Read a PLY file: a mesh if it has faces or triangle strips, else a cloud."""
     _, _, tables = _contents(path)
-    vertices = _triple(tables.get("vertex", {}), ("x", "y", "z"))
-    if vertices is None:
-        raise ReadError("the file has no element vertex with properties x, y and z")
+    vertices, sizes, corners = _polygons(tables)
     faces = []
-    if "face" in tables:
-        sizes, corners = _indices(tables["face"], "face")
-        if len(sizes):
-            faces.append(triangulate(path, vertices, sizes, corners))
+    if len(sizes):
+        faces.append(triangulate(path, vertices, sizes, corners))
     if "tristrips" in tables:
         faces.append(strip_triangles(*_indices(tables["tristrips"], "tristrips")))
     if not faces:
@@ -93,6 +89,20 @@ def read_ply_lines(path: Path) -> list[FloatArray]:
         raise ReadError(f"an edge refers to vertex {outside[0]}; there are {len(vertices)}")
     runs = np.split(np.arange(len(tails)), np.flatnonzero(tails[1:] != heads[:-1]) + 1)
     return [vertices[[*tails[run], heads[run[-1]]]] for run in runs if len(run)]
+
+
+def ply_polygons(path: Path) -> tuple[FloatArray, IntArray, IntArray]:
+    """Return the vertices of a PLY file, and sizes and corners of its polygons, without strips."""
+    return _polygons(_contents(path)[2])
+
+
+def _polygons(tables: dict[str, _Table]) -> tuple[FloatArray, IntArray, IntArray]:
+    vertices = _triple(tables.get("vertex", {}), ("x", "y", "z"))
+    if vertices is None:
+        raise ReadError("the file has no element vertex with properties x, y and z")
+    if "face" not in tables:
+        return vertices, np.empty(0, dtype=np.int64), np.empty(0, dtype=np.int64)
+    return vertices, *_indices(tables["face"], "face")
 
 
 def _contents(path: Path) -> tuple[list[str], list[_Element], dict[str, _Table]]:
@@ -343,7 +353,9 @@ def _nothing(each: _Property) -> _Column:
 
 
 def encode_ply(
-    vertices: Mapping[str, NDArray[Any]], faces: IntArray | None, comments: list[str]
+    vertices: Mapping[str, NDArray[Any]],
+    polygons: tuple[IntArray, IntArray] | None,
+    comments: list[str],
 ) -> bytes:
     """Return a binary little-endian PLY file.
 
@@ -351,7 +363,7 @@ def encode_ply(
     ----------
     vertices : mapping from property names to arrays of shape (N,)
         uint8, float32 or float64.
-    faces : ndarray of shape (F, 3), or None
+    polygons : tuple of (F,) sizes and (sizes.sum(),) corners, or None
     comments : list of str
         One line each.
     """
@@ -365,11 +377,13 @@ def encode_ply(
     for name, array in vertices.items():
         rows[name] = array
     parts = [rows.tobytes()]
-    if faces is not None:
-        lines += [f"element face {len(faces)}", "property list uchar int vertex_indices"]
-        polygons = np.empty(len(faces), dtype=[("size", "u1"), ("corners", "<i4", 3)])
-        polygons["size"], polygons["corners"] = 3, faces
-        parts.append(polygons.tobytes())
+    if polygons is not None:
+        sizes, corners = polygons
+        kind = "u1" if sizes.max(initial=0) < 256 else "i4"
+        face = _Element("face", len(sizes), [_Property("vertex_indices", "i4", kind)])
+        lines.append(f"element face {face.n}")
+        lines.append(f"property list {NAMES[kind]} int vertex_indices")
+        parts.append(_encoded(face, {"vertex_indices": (sizes, corners)}))
     return "\n".join([*lines, "end_header", ""]).encode("ascii") + b"".join(parts)
 
 

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from geodesic_toolkit.core.types import FloatArray, IntArray
-from geodesic_toolkit.domains import Domain, graph_of, normals_of, positions_of, triangles_of
+from geodesic_toolkit.domains import Domain, graph_of, normals_of, polygons_of, positions_of
 from geodesic_toolkit.errors import WriteError
 from geodesic_toolkit.io.common import optional_package
 
@@ -21,8 +21,11 @@ MESSAGE_LOCK = threading.Lock()
 ERROR_LOCATION = re.compile(r"(ERROR|Warning): In \S+, line \d+ \S+ \(\w+\): ")
 """Pattern of the position in VTK's sources that precedes an error message."""
 
-CELLS = {1: (1, "SetVerts"), 2: (3, "SetLines"), 3: (5, "SetPolys")}
-"""VTK's cell numbers of vertices, lines and triangles, and their setters, by number of corners."""
+CELLS = {"SetVerts": 1, "SetLines": 3, "SetPolys": 5}
+"""VTK's cell numbers of vertices, lines and triangles, by the setters of such cells."""
+
+POLYGON = 7
+"""VTK's cell number of faces with any number of corners."""
 
 
 def require_vtk(path: Path) -> Any:
@@ -46,9 +49,9 @@ def write_vtk(path: Path, domain: Domain, field: FloatArray) -> None:
     from vtkmodules.vtkIOLegacy import vtkPolyDataWriter
     from vtkmodules.vtkIOXML import vtkXMLPolyDataWriter, vtkXMLUnstructuredGridWriter
 
-    rows = _elements(domain)
-    kind, setter = CELLS[rows.shape[1]]
-    cells = _vtk_cells(numpy_support, rows)
+    setter, sizes, corners = _elements(domain)
+    kind = POLYGON if setter == "SetPolys" and (sizes != 3).any() else CELLS[setter]
+    cells = _vtk_cells(numpy_support, sizes, corners)
     if path.suffix.lower() == ".vtu":
         data, writer = vtkUnstructuredGrid(), vtkXMLUnstructuredGridWriter()
         data.SetCells(kind, cells)
@@ -66,24 +69,26 @@ def write_vtk(path: Path, domain: Domain, field: FloatArray) -> None:
         raise WriteError(f"{path.name} cannot be written: {messages}")
 
 
-def _elements(domain: Domain) -> IntArray:
-    """Return the triangles (E, 3), else the edges (E, 2), else the vertices (N, 1)."""
-    if domain.has("triangles"):
-        return triangles_of(domain)
+def _elements(domain: Domain) -> tuple[str, IntArray, IntArray]:
+    """Return the setter of the faces, else the edges or vertices, with their sizes and corners."""
+    faces = polygons_of(domain)
+    if faces is not None:
+        return "SetPolys", *faces
     if domain.has("as_graph"):
-        return graph_of(domain).edges
-    return np.arange(domain.n_vertices, dtype=np.int64)[:, None]
+        edges = graph_of(domain).edges
+        return "SetLines", np.full(len(edges), 2), edges.ravel()
+    return "SetVerts", np.ones(domain.n_vertices, dtype=np.int64), np.arange(domain.n_vertices)
 
 
-def _vtk_cells(numpy_support: Any, rows: IntArray) -> Any:
-    """Return cells with these vertices, one per row."""
+def _vtk_cells(numpy_support: Any, sizes: IntArray, corners: IntArray) -> Any:
+    """Return cells with these numbers of corners."""
     from vtkmodules.vtkCommonDataModel import vtkCellArray
 
     cells = vtkCellArray()
     cells.SetData(
         *(
             numpy_support.numpy_to_vtkIdTypeArray(np.array(numbers, dtype=np.int64), deep=True)
-            for numbers in (np.arange(len(rows) + 1) * rows.shape[1], rows.ravel())
+            for numbers in (np.append(0, np.cumsum(sizes)), corners)
         )
     )
     return cells
