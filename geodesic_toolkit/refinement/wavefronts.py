@@ -199,7 +199,7 @@ class WavefrontSweeper:
         gradient, stars = self._gradient, self._gradient.stars
         flat = _native.edge_lengths(gradient.inverse_frames)
         paired = not stars and 0 < gradient.elements.size <= MOST_SIDES
-        twin = self._twins[0] if paired else np.zeros(0, dtype=np.int64)
+        twin = self._twins[0].copy() if paired else np.zeros(0, dtype=np.int64)
         pairs = np.ascontiguousarray(turns).view(np.float64)
         angles, scales = _native.directions_of(gradient.elements, flat, pairs, mirrored, twin)
         held = self._held
@@ -313,7 +313,7 @@ class WavefrontSweeper:
         if held is None:
             return elements, inverse, areas
         faces, lengths = elements.copy(), _native.edge_lengths(inverse)
-        if not _native.flip_edges(faces, lengths, self._twins[0], held):
+        if not _native.flip_edges(faces, lengths, self._twins[0].copy(), held):
             return elements, inverse, areas
         return faces, *_native.measure_lengths(lengths)
 
