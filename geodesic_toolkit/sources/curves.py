@@ -52,9 +52,7 @@ def sample_polyline(corners: FloatArray, step: float) -> tuple[FloatArray, IntAr
     return np.concatenate([inner, corners[-1:]]), np.append(first, len(inner))
 
 
-def distance_to_segments(
-    places: FloatArray, samples: FloatArray
-) -> tuple[FloatArray, BoolArray, BoolArray]:
+def distance_to_segments(places: FloatArray, samples: FloatArray) -> tuple[FloatArray, IntArray]:
     """Return the distances of places near each sample from the two segments that meet there.
 
     Parameters
@@ -66,29 +64,24 @@ def distance_to_segments(
     Returns
     -------
     distance : ndarray of shape (S, m)
-    beside : ndarray of shape (S, m), bool
-        True if the nearest point is inside a segment or between two, and not an end of the
-        polyline.
-    at_sample : ndarray of shape (S, m), bool
-        True if the nearest point is the sample itself.
+    nearest : ndarray of shape (S, m), int64
+        The sample that is the nearest point of these segments; -1 if that is inside a segment.
     """
-    to_sample = distance = np.linalg.norm(places - samples[:, None], axis=2)
-    beside = np.zeros(distance.shape, dtype=np.bool_)
-    beside[1:-1] = True
+    distance = np.linalg.norm(places - samples[:, None], axis=2)
+    nearest = np.repeat(np.arange(len(samples))[:, None], places.shape[1], axis=1)
     for shift in (-1, 1):
-        other = np.roll(samples, -shift, axis=0)
-        other[-1 if shift == 1 else 0] = samples[-1 if shift == 1 else 0]
-        along = other - samples
+        ahead = np.clip(np.arange(len(samples)) + shift, 0, len(samples) - 1)
+        along = samples[ahead] - samples
         squared = np.einsum("sd,sd->s", along, along)[:, None]
         reach = np.einsum("smd,sd->sm", places - samples[:, None], along)
-        share = np.clip(
-            np.divide(reach, squared, out=np.zeros_like(reach), where=squared > 0), 0, 1
-        )
-        feet = samples[:, None] + share[:, :, None] * along[:, None]
+        share = np.divide(reach, squared, out=np.zeros_like(reach), where=squared > 0)
+        share = np.clip(share, 0, 1)[:, :, None]
+        feet = np.where(share < 1, samples[:, None] + share * along[:, None], samples[ahead, None])
         to_foot = np.linalg.norm(places - feet, axis=2)
-        beside |= (share > 0) & (to_foot <= distance)
-        distance = np.minimum(distance, to_foot)
-    return distance, beside, distance == to_sample
+        closer = to_foot < distance
+        distance = np.where(closer, to_foot, distance)
+        nearest = np.where(closer, np.where(share[:, :, 0] < 1, -1, ahead[:, None]), nearest)
+    return distance, nearest
 
 
 def bends_of_polyline(

@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
@@ -14,13 +14,12 @@ from geodesic_toolkit.errors import FarSourceWarning, InvalidSourceError
 from geodesic_toolkit.geometry.triangles import face_edge_lengths
 from geodesic_toolkit.sources.ground import Ground, lies_in_triangles
 from geodesic_toolkit.sources.kinds import Curve, OffsetSources
+from geodesic_toolkit.sources.laid import CurveSamples, LaidCurve
 from geodesic_toolkit.sources.points import ADVICE_ON_MASKED_SOURCES, SourcePoints, as_vertices
 from geodesic_toolkit.sources.surface_point import SurfacePoint
 
 __all__ = [
-    "CurveSamples",
     "corners_of_curve",
-    "fronts_beside",
     "locate_sources",
     "samples_of",
 ]
@@ -30,10 +29,6 @@ SAMPLES_PER_EDGE = 4
 
 MIN_VERTICES_OF_LABELS = 8
 """Minimum number of vertices of a shape for which repeated sources, one per vertex, are labels."""
-
-MIN_SHARE_OF_FRONT = 0.25
-"""Minimum relative length of a front at the next vertex after it leaves a curve, for curves that
-bend around a vertex with a radius below the edge length."""
 
 MOST_SAMPLES = 10_000_000
 """Maximum number of samples; a curve with more is in another unit than the shape."""
@@ -241,26 +236,6 @@ def _warn_if_far(points: FloatArray, feet: FloatArray, places: FloatArray, name:
 # -- curves --------------------------------------------------------------------------------------
 
 
-class CurveSamples(NamedTuple):
-    """A polyline with points in between, before projection to the surface.
-
-    Attributes
-    ----------
-    points : ndarray of shape (S, 3), float64
-    corners : ndarray of shape (P, 3), float64
-        Corners without consecutive repeats; a closed curve repeats the first at the end.
-    places : ndarray of shape (P,), int64
-        Indices of the points at the corners.
-    spacing : float
-        Mean edge length of the shape.
-    """
-
-    points: FloatArray
-    corners: FloatArray
-    places: IntArray
-    spacing: float
-
-
 def samples_of(domain: Domain, passable: Domain, curve: Curve, name: str) -> CurveSamples:
     """Return samples of a curve, a quarter of a mean edge apart.
 
@@ -300,7 +275,8 @@ def samples_of(domain: Domain, passable: Domain, curve: Curve, name: str) -> Cur
 def _along(domain: Domain, ground: Ground, curve: Curve, name: str) -> SourcePoints:
     """Return samples of a curve; vertices around them have their distance from the curve."""
     passable = ground.domain
-    points, corners, places, spacing = samples_of(domain, passable, curve, name)
+    samples = samples_of(domain, passable, curve, name)
+    points = samples.points
     at = ground.closest(points)
     if at.vertices.shape[1] == 1:
         vertices, place = np.unique(at.vertices[:, 0], return_inverse=True)
@@ -310,17 +286,9 @@ def _along(domain: Domain, ground: Ground, curve: Curve, name: str) -> SourcePoi
         return replace(near, distances=off, front_curvatures=np.zeros(len(vertices)), copy=False)
     if len(points) == 1 or not lies_in_triangles(passable):
         return _between(passable, at)
-    around, laid = passable.positions[at.vertices], at.positions(passable)
-    fronts = fronts_beside(
-        around,
-        laid,
-        _normals_at(passable, at),
-        corners=corners,
-        places=places,
-        spacing=spacing,
-        closed=curve.closed,
-    )
-    return _between(passable, at, *fronts)
+    normals = _normals_near(passable, at.vertices)
+    laid = LaidCurve(at.positions(passable), at.vertices, at.weights, samples, curve.closed)
+    return laid.as_fronts(passable.positions, normals)
 
 
 def corners_of_curve(domain: Domain, curve: Curve, name: str = "curve") -> FloatArray:
@@ -336,80 +304,18 @@ def corners_of_curve(domain: Domain, curve: Curve, name: str = "curve") -> Float
     return np.asarray(curve.points)
 
 
-def _normals_at(surface: Domain, at: Located) -> FloatArray:
-    """Return unit normals at places in triangles, (P, 3), by those of the corners."""
+def _normals_near(surface: Domain, vertices: IntArray) -> FloatArray:
+    """Return normals of any length at vertices, (N, 3), exact at the given ones and beside them."""
     triangles, positions = surface.triangles, surface.positions
     near = np.zeros(surface.n_vertices, dtype=np.bool_)
-    near[at.vertices] = True
+    near[vertices] = True
     around = triangles[near[triangles].any(axis=1)]
     a, b, c = (positions[around[:, corner]] for corner in range(3))
     areas = np.cross(b - a, c - a)
     sums = np.zeros((surface.n_vertices, 3))
     for corner in range(3):
         np.add.at(sums, around[:, corner], areas)
-    normals = np.einsum("pc,pcd->pd", at.weights, sums[at.vertices])
-    lengths = np.linalg.norm(normals, axis=1, keepdims=True)
-    return np.asarray(np.divide(normals, lengths, out=normals, where=lengths > 0))
-
-
-def fronts_beside(
-    around: FloatArray,
-    laid: FloatArray,
-    normals: FloatArray,
-    *,
-    corners: FloatArray,
-    places: IntArray,
-    spacing: float,
-    closed: bool,
-    past: tuple[bool, bool] = (False, False),
-) -> tuple[FloatArray, FloatArray]:
-    """Return the distances from a curve of vertices around its samples, and the front there.
-
-    A front leaves with the geodesic curvature of the curve, as a converging front on one side, and
-    after a distance s on a flat surface its curvature is ``κ / (1 + κ s)``. Around ends and kinks
-    it is a circle.
-
-    Parameters
-    ----------
-    around : ndarray of shape (S, 3, 3)
-        Three vertices for each sample.
-    laid, normals : ndarray of shape (S, 3)
-        The positions of the samples on the surface, and its normals there.
-    corners : ndarray of shape (P, 3)
-        Corners of the given curve.
-    places : ndarray of shape (P,), int64
-        The samples at the corners.
-    spacing : float
-    closed : bool
-    past : tuple of two bool
-        True if the curve is cut at its first or its last end by the boundary of the surface, and
-        would continue.
-
-    Returns
-    -------
-    distances, curvatures : ndarray of shape (S, 3)
-    """
-    from geodesic_toolkit.sources.curves import bends_of_polyline, distance_to_segments
-
-    distances, beside, at_sample = distance_to_segments(around, laid)
-    if closed:
-        past = (True, True)
-    beside[[0, -1]] |= np.array(past)[:, None]
-    steps = np.diff(corners, axis=0)
-    ends = np.append(0.0, np.cumsum(np.linalg.norm(steps, axis=1)))
-    along = np.interp(np.arange(len(laid)), places, ends)
-    bends, kinks = bends_of_polyline(corners, normals[places], along, spacing, closed)
-    at_kink = np.zeros(len(laid), dtype=np.bool_)
-    at_kink[places[kinks]] = True
-    beside &= ~(at_sample & at_kink[:, None])
-    left = np.cross(normals, np.gradient(laid, axis=0))
-    side = np.sign(np.einsum("scd,sd->sc", around - laid[:, None], left))
-    leaving = -side * bends[:, None]
-    with np.errstate(divide="ignore"):
-        curvatures = np.where(
-            beside, leaving / np.maximum(1 + leaving * distances, MIN_SHARE_OF_FRONT), 1 / distances
-        )
-    return distances, curvatures
+    return sums
 
 
 def _spacing(domain: Domain) -> float:
@@ -426,18 +332,12 @@ def _spacing(domain: Domain) -> float:
     return float(np.median(near[:, 1]))
 
 
-def _between(
-    domain: Domain,
-    places: Located,
-    distances: FloatArray | None = None,
-    curvatures: FloatArray | None = None,
-) -> SourcePoints:
-    """Return places as sources; by default, the distances of their vertices are straight."""
+def _between(domain: Domain, places: Located) -> SourcePoints:
+    """Return places as sources; the distances of their vertices are straight."""
     vertices, weights = places.vertices, places.weights
-    if distances is None:
-        corners = positions_of(domain)[vertices]
-        at = np.einsum("pc,pcd->pd", weights, corners)
-        distances = np.linalg.norm(corners - at[:, None], axis=2)
+    corners = positions_of(domain)[vertices]
+    at = np.einsum("pc,pcd->pd", weights, corners)
+    distances = np.linalg.norm(corners - at[:, None], axis=2)
     used = weights > 0
     return SourcePoints(
         vertices=vertices[used],
@@ -445,6 +345,5 @@ def _between(
         begins=np.concatenate([[0], np.cumsum(used.sum(axis=1))]),
         n_vertices=domain.n_vertices,
         distances=distances[used],
-        front_curvatures=None if curvatures is None else curvatures[used],
         copy=False,
     )

@@ -78,6 +78,14 @@ def test_a_curve_must_be_in_the_unit_of_the_shape_and_have_somewhere_to_lie():
         gt.exact_distance(GRID, gt.Curve([[0, 0, 0], [1, 0, 0]]))
 
 
+def test_corners_of_faces_are_measured_from_samples_in_other_faces_too():
+    sheared = shapes.grid(30, shear=1.5)
+    start, end = np.array([0.4, 0.1, 0]), np.array([1.9, 0.83, 0])
+    points = gt.GeodesicSolver(sheared).locate(gt.Curve([start, end]))
+    exact = on_segment(sheared.vertices[points.vertices], start, end)
+    np.testing.assert_allclose(points.distances, exact, atol=1e-12)
+
+
 # -- fronts that leave curves ----------------------------------------------------------------------
 
 
@@ -99,8 +107,8 @@ def test_a_front_leaves_a_curve_with_the_bend_of_that(polar, turn):
         distance = gt.geodesic_distance(mesh, circle(polar, 600, turn), refine=True)
         far = exact > 0.1
         errors.append(mean_relative_error(distance[far], exact[far]))
-    assert errors[1] < 0.0012
-    assert errors[2] < 0.0004
+    assert errors[1] < 0.0008
+    assert errors[2] < 0.00025
     assert np.log2(errors[0] / errors[2]) / 2 > 1.5
 
 
