@@ -93,7 +93,18 @@ class Checkers(FrozenArrays):
         return float(radii[np.isfinite(radii)].max())
 
     def patterned(self, points: FloatArray, faces: IntArray) -> BoolArray:
-        """Return a mask of the faces (F, 3) that the pattern covers, for points (N, 3) in space."""
+        """Return a mask of the faces that the pattern covers.
+
+        Parameters
+        ----------
+        points : ndarray of shape (N, 3), float64
+            Positions in space.
+        faces : ndarray of shape (F, 3), int64
+
+        Returns
+        -------
+        ndarray of shape (F,), bool
+        """
         sides, edges = (
             np.linalg.norm(table[faces] - np.roll(table[faces], 1, axis=1), axis=2)
             for table in (self.coordinates, points)
@@ -109,6 +120,10 @@ class Checkers(FrozenArrays):
         table : ndarray of shape (n, 3), float64
             Colours from the first limit to the second.
         limits : (float, float)
+
+        Returns
+        -------
+        ndarray of shape (S, S, 3), uint8
         """
         axis = (np.arange(SIDE_OF_TEXTURE) + 0.5) / SIDE_OF_TEXTURE * 2 - 1
         x, y = self.radius * axis[None, :], self.radius * axis[::-1, None]

@@ -439,7 +439,7 @@ def test_importing_viz_imports_none_of_the_packages_behind_it():
     )
     answer = run(code)
     assert answer.stdout.strip() == (
-        "[] ['OF_PARTS', 'by_part', 'plot', 'polyscope', 'save_html', 'show']"
+        "[] ['Checkers', 'OF_PARTS', 'by_part', 'plot', 'polyscope', 'save_html', 'show', 'two_sided']"
     )
 
 
