@@ -439,7 +439,8 @@ def test_importing_viz_imports_none_of_the_packages_behind_it():
     )
     answer = run(code)
     assert answer.stdout.strip() == (
-        "[] ['Checkers', 'OF_PARTS', 'by_part', 'plot', 'polyscope', 'save_html', 'show', 'two_sided']"
+        "[] ['Checkers', 'OF_PARTS', 'by_part', 'plot', 'polyscope', 'save_html', 'show', "
+        "'two_sided']"
     )
 
 
