@@ -163,7 +163,8 @@ def geodesic_path(
         return path_along_edges(solver, sources, goal)
     metric = _with_triangles(solver)
     back = refined_distance(solver, metric, goal)
-    if sources.delayed:
+    of_curve = sources.front_curvatures is not None  # descent may end at any of its samples
+    if sources.delayed or of_curve:
         sources = first_to_arrive(sources, back[: domain.n_vertices])
     distance = refined_distance(solver, metric, sources)
     if on is not None:
