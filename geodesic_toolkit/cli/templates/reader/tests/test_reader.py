@@ -30,13 +30,13 @@ def test_vertices_and_triangles_are_read(file):
 @pytest.mark.parametrize(
     ("text", "message"),
     [
-        ("", "there are no vertices"),
+        ("# nothing\n", "there are no vertices"),
         ("v 0 0 0\nn 0 0 1\n", "line 2 begins with 'n'"),
         ("v 0 0\n", "line 1 has 2 numbers after v, not three coordinates"),
         ("v 0 zero 0\n", "line 1: could not convert"),
         (SQUARE + "t 0 1 2.5\n", "line 9: invalid literal"),
         (SQUARE + "t 0 1 4\n", "refers to vertex 4"),
-        ("v 0 0 nan\n", "not finite"),
+        ("v 0 0 0\n", "no faces"),
     ],
 )
 def test_a_file_that_is_not_a_mesh_is_refused_with_its_name(file, text, message):

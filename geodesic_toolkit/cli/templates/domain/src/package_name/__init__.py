@@ -1,7 +1,7 @@
 """A kind of domain for geodesic-toolkit, straight wires in space, and its operator."""
 
 from dataclasses import dataclass
-from typing import ClassVar, final
+from typing import ClassVar, NoReturn, final
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -135,7 +135,8 @@ class WireLaplacian(gt.LaplaceOperator):
             raise UnsupportedDomainError("there is not a single wire: distances need one")
         lengths = domain.as_graph().lengths
         ends = np.bincount(domain.edges.ravel(), minlength=domain.n_vertices)
-        mass = np.bincount(domain.edges.ravel(), np.repeat(lengths / 2, 2), domain.n_vertices)
+        mass = np.zeros(domain.n_vertices)
+        np.add.at(mass, domain.edges, lengths[:, None] / 2)
         gradient = gt.EdgeGradient(domain.edges, 1 / lengths, mass)
         return gt.Discretization(
             mass=mass,
@@ -144,6 +145,10 @@ class WireLaplacian(gt.LaplaceOperator):
             spacing=float(lengths.mean()),
             boundary=ends == 1,
         )
+
+    def frames(self, domain: gt.Domain, metric: gt.Discretization) -> NoReturn:  # noqa: ARG002
+        """Raise an `UnsupportedDomainError`: a line in space has no tangent plane."""
+        raise UnsupportedDomainError(f"{domain!r} has no tangent plane: there are no vectors on it")
 
 
 def _straight(n: int) -> gt.testing.Sample:
@@ -154,7 +159,7 @@ def _straight(n: int) -> gt.testing.Sample:
         name=f"line, {n} points",
         domain=Wires(points, np.column_stack([np.arange(n - 1), np.arange(1, n)])),
         dim=1,
-        positions=points,
+        positions=along[:, None],
         source=0,
         distance=along,
         spacing=1 / (n - 1),

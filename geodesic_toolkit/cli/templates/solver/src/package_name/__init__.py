@@ -1,7 +1,7 @@
 """A linear solver for geodesic-toolkit: sparse LU with pivoting, by SciPy."""
 
 from dataclasses import dataclass
-from typing import Any, ClassVar, final
+from typing import Any, ClassVar, Literal, final, get_args
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,7 +11,7 @@ from geodesic_toolkit.errors import InvalidOptionError, NotEnoughMemoryError, So
 
 __all__ = ["PivotedLU"]
 
-ORDERINGS = ("COLAMD", "MMD_AT_PLUS_A", "MMD_ATA", "NATURAL")
+Ordering = Literal["COLAMD", "MMD_AT_PLUS_A", "MMD_ATA", "NATURAL"]
 
 
 @final
@@ -38,15 +38,16 @@ class PivotedLU(gt.LinearSolver):
     Sparse Partial Pivoting*, 1999, https://doi.org/10.1137/S0895479895291765
     """
 
-    ordering: str = "MMD_AT_PLUS_A"
+    ordering: Ordering = "MMD_AT_PLUS_A"
 
     componentwise: ClassVar[bool] = False
     references: ClassVar[tuple[str, ...]] = ("10.1137/S0895479895291765",)
 
     def __post_init__(self) -> None:
-        if self.ordering not in ORDERINGS:
+        known = get_args(Ordering)
+        if self.ordering not in known:
             raise InvalidOptionError(
-                f"ordering must be one of {', '.join(ORDERINGS)}, not {self.ordering!r}"
+                f"ordering must be one of {', '.join(known)}, not {self.ordering!r}"
             )
 
     def factorize(self, matrix: Any) -> gt.Factor:
