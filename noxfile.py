@@ -297,7 +297,7 @@ def new_plugins(session: nox.Session) -> None:
     run(session, "ruff", "format", "--check", *ruff)
     run(session, "mypy", "--strict", *packages)
     session.install(*folders)
-    # One process for all, with the options of one: what takes time are the imports.
+    # One process for all, with the options of one: imports take most of the time.
     options = ["-c", f"{folders[0]}/pyproject.toml", "--rootdir", str(fresh)]
     tests = [f"{folder}/tests" for folder in folders]
     with session.chdir(fresh):  # away from the checkout, as above
