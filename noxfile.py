@@ -274,3 +274,31 @@ def plugins(session: nox.Session) -> None:
             with session.chdir(plugin):  # away from the checkout: the wheels are what is tested
                 # Open3D installs dash, whose pytest plugin warns of its own making.
                 session.run("pytest", "-p", "no:dash", "--rootdir", ".", "tests")
+    new_plugins(session)
+
+
+def new_plugins(session: nox.Session) -> None:
+    """Write a plugin of every kind, check its style and types, install its wheel, run its tests."""
+    fresh = Path(session.create_tmp()).resolve() / "fresh"
+    shutil.rmtree(fresh, ignore_errors=True)
+    kinds = ("operator", "domain", "solver", "reader", "command")
+    folders = [str(fresh / f"fresh-{kind}") for kind in kinds]
+    for kind in kinds:
+        written = ["new-plugin", f"fresh-{kind}", "--kind", kind, "--directory", str(fresh)]
+        session.run("geodesic-toolkit", *written, silent=True)
+    packages = [f"{folder}/src" for folder in folders]
+    style = (
+        f"src={[str(ROOT), *packages]}",
+        "lint.per-file-ignores={'test_*'=['ARG','D','PLR','S']}",
+    )
+    overrides = [word for each in style for word in ("--config", each)]
+    ruff = ["--no-cache", "--config", str(ROOT / "pyproject.toml"), *overrides, *folders]
+    run(session, "ruff", "check", *ruff)
+    run(session, "ruff", "format", "--check", *ruff)
+    run(session, "mypy", "--strict", *packages)
+    session.install(*folders)
+    # One process for all, with the options of one: imports take most of the time.
+    options = ["-c", f"{folders[0]}/pyproject.toml", "--rootdir", str(fresh)]
+    tests = [f"{folder}/tests" for folder in folders]
+    with session.chdir(fresh):  # away from the checkout, as above
+        session.run("pytest", "-q", "--import-mode=importlib", *options, *tests)

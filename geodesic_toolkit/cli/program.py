@@ -20,6 +20,7 @@ from geodesic_toolkit.cli.isolines import isolines
 from geodesic_toolkit.cli.logmap import logmap
 from geodesic_toolkit.cli.loop import loop
 from geodesic_toolkit.cli.matrix import matrix
+from geodesic_toolkit.cli.new_plugin import new_plugin
 from geodesic_toolkit.cli.output import say, show
 from geodesic_toolkit.cli.plugins import plugins
 from geodesic_toolkit.cli.signed import signed
@@ -101,6 +102,7 @@ COMMANDS = (
     matrix,
     compare,
     plugins,
+    new_plugin,
     check,
     doctor,
 )

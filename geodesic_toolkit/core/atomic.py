@@ -9,7 +9,7 @@ from pathlib import Path
 
 from geodesic_toolkit.errors import GeodesicError, InvalidOptionError, WriteError
 
-__all__ = ["check_output", "make_folder", "replacing", "sync", "writing"]
+__all__ = ["check_output", "make_folder", "new_folder", "replacing", "sync", "writing"]
 
 
 @contextmanager
@@ -73,6 +73,39 @@ def make_folder(path: str | os.PathLike[str]) -> Path:
     except OSError as error:
         raise WriteError(f"{folder} cannot be made: {error.strerror or error}") from error
     return folder
+
+
+@contextmanager
+def new_folder(path: str | os.PathLike[str]) -> Iterator[Path]:
+    """Yield a temporary folder to fill, which is renamed to `path` at the end.
+
+    If the block ends with an exception, the folder is removed, and there is no `path`.
+
+    Parameters
+    ----------
+    path : str or path-like
+        A name that does not exist, in a folder that does.
+
+    Yields
+    ------
+    Path
+        An empty folder beside `path`.
+
+    Raises
+    ------
+    WriteError
+        No permission, a full disk, or `path` exists.
+    """
+    target = Path(path)
+    temporary = target.with_name(f".{target.name[:100]}.{secrets.token_hex(6)}")
+    with writing(target):
+        temporary.mkdir()
+        try:
+            yield temporary
+            temporary.rename(target)
+        except BaseException:
+            shutil.rmtree(temporary, ignore_errors=True)
+            raise
 
 
 @contextmanager

@@ -6,6 +6,8 @@ from pathlib import Path
 
 import pytest
 
+from geodesic_toolkit.cli.scaffold import PluginKind, files_of, names_of
+
 ROOT = Path(__file__).parents[2]
 EXAMPLE = ROOT / "plugins" / "geodesic-toolkit-example"
 PLUGINS = sorted(path.parent for path in ROOT.glob("plugins/*/pyproject.toml"))
@@ -20,6 +22,12 @@ def test_the_page_on_writing_an_operator_shows_the_example_s_own_files(name):
         rf"^```\w+\n# {re.escape(name)}\n(.*?)^```", PAGE, re.DOTALL | re.MULTILINE
     )
     assert shown == (EXAMPLE / name).read_text(encoding="utf-8")
+
+
+def test_the_example_is_what_the_program_writes():
+    files = files_of(PluginKind.operator, names_of(EXAMPLE.name))
+    del files["LICENSE"]  # which names the authors
+    assert files == {name: (EXAMPLE / name).read_text(encoding="utf-8") for name in files}
 
 
 def test_the_conformance_test_of_a_plugin_is_five_lines():

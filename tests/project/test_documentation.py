@@ -5,6 +5,7 @@ import importlib
 import inspect
 import os
 import re
+import shutil
 import subprocess
 import sys
 import textwrap
@@ -82,8 +83,10 @@ def test_a_guide_runs_from_top_to_bottom(name, tmp_path):
     assert finished.returncode == 0, finished.stderr
 
 
-def test_the_page_on_writing_an_operator_has_a_kind_of_domain_that_works(tmp_path):
-    page = (DOCS / "writing_an_operator.md").read_text(encoding="utf-8")
+def test_the_page_on_plugins_shows_a_kind_of_domain_that_works(tmp_path):
+    page = (DOCS / "plugins.md").read_text(encoding="utf-8")
+    (shown,) = re.findall(r"^```{literalinclude} (.*)$", page, flags=re.MULTILINE)
+    shutil.copytree((DOCS / shown).parent, tmp_path / "package_name")
     section = page.partition("## A kind of domain of its own")[2].partition("## A linear solver")[0]
     code = "\n".join(blocks(section, "python"))
     finished = run_python(code, tmp_path)

@@ -68,7 +68,8 @@ class KernelLaplacian(gt.LaplaceOperator):
         if len(places) < 2:
             raise UnsupportedDomainError("all points of the cloud are one place: it has no edges")
 
-        distances, neighbours = KDTree(places).query(places, min(self.k + 1, len(places)))
+        nearest = KDTree(places).query(places, min(self.k + 1, len(places)))
+        distances, neighbours = map(np.asarray, nearest)
         here = np.repeat(np.arange(len(places)), neighbours.shape[1] - 1)
         pairs = np.sort(np.column_stack([here, neighbours[:, 1:].ravel()]), axis=1)
         pairs, index = np.unique(pairs, axis=0, return_index=True)
