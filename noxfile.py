@@ -53,9 +53,9 @@ def lint(session: nox.Session) -> None:
     run(session, "towncrier", "build", "--draft", "--version", "next", silent=True)
 
 
-@nox.session(default=False)
+@nox.session
 def prose(session: nox.Session) -> None:
-    """Private and vague words in texts, as tools/prose.toml lists them."""
+    """Plain words in all texts: tools/prose.toml lists those to replace, with better ones."""
     session.run(sys.executable, "tools/prose.py", *session.posargs, external=True)
 
 

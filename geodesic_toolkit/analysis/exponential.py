@@ -1,4 +1,4 @@
-"""The exponential map: where straightest lines from a point end."""
+"""The exponential map: the ends of straightest lines from a point."""
 
 from dataclasses import dataclass
 from functools import cached_property
@@ -30,10 +30,10 @@ from geodesic_toolkit.sources.surface_point import SurfacePoint
 __all__ = ["ExpMap", "exp_map"]
 
 LONGEST = 1e6
-"""Mean edge lengths up to which a line is followed; longer ones are in another unit."""
+"""Largest length of a line in mean edge lengths; longer vectors are in another unit."""
 
 MOST = 10_000_000
-"""Edges that a line crosses at most, in triangles that are much smaller than most."""
+"""Largest number of edges that a line crosses, for triangles much smaller than most."""
 
 ASIDE = 1e-9
 """Angle, in radians, by which a direction may lie outside the surface and go along its boundary."""
@@ -48,16 +48,16 @@ class ExpMap(FrozenArrays):
     ----------
     mesh : TriangleMesh
     faces : ndarray of shape (Q,), int64
-        The faces that they end in.
+        The faces in which they end.
     barycentric : ndarray of shape (Q, 3), float64
-        Where in those.
+        The barycentric coordinates of the ends in these faces.
     positions : ndarray of shape (Q, 3), float64
-        Where in space.
+        The positions of the ends in space.
     arrival : ndarray of shape (Q, 3), float64
         The directions in which they arrive, of length 1; 0 for a line of no length.
     missing : ndarray of shape (Q,), float64
-        What is left of their lengths where they end at a boundary of the surface, or at an edge of
-        more than two faces; 0 for the others.
+        The rest of their lengths if they end at a boundary of the surface or at an edge of more than
+        two faces; 0 for the others.
     """
 
     mesh: TriangleMesh
@@ -95,7 +95,7 @@ class ExpMap(FrozenArrays):
         Raises
         ------
         InvalidOptionError
-            There is not a line of that number.
+            A number that is not that of a line.
         """
         if not 0 <= i < len(self.faces):
             raise InvalidOptionError(f"line {i} does not exist; there are {len(self.faces)}")
@@ -109,12 +109,11 @@ class ExpMap(FrozenArrays):
 
 
 def exp_map(solver: GeodesicSolver, source: Any, vectors: ArrayLike) -> ExpMap:
-    """Return where straightest lines from one place end, that leave it along tangent vectors.
+    """Return the ends of straightest lines that leave one place along tangent vectors.
 
-    A line goes straight on across edges, as far as its vector is long. Directions at a vertex are
-    those of the tangent frames, in which the angles about it are scaled to 2π, so that this map and
-    the logarithm are inverse to each other as far as the latter is exact. Lines that would pass a
-    vertex exactly pass it on one side.
+    A line goes straight on across edges, and is as long as its vector. Directions at a vertex are
+    those of the tangent frames, in which the angles around it are scaled to 2π, so that this map is
+    the inverse of an exact logarithmic map. A line through a vertex passes it on one side.
 
     Parameters
     ----------
@@ -132,12 +131,12 @@ def exp_map(solver: GeodesicSolver, source: Any, vectors: ArrayLike) -> ExpMap:
     Raises
     ------
     InvalidOptionError
-        Something else than a solver; vectors that are not finite, not of that shape, or more than a
-        million mean edges long.
+        An argument that is not a solver; vectors that are not finite, not of that shape, or
+        more than a million mean edges long.
     UnsupportedDomainError
-        Something else than a mesh; a surface with one side.
+        A domain that is not a mesh; a surface with one side.
     InvalidSourceError
-        A source that names no place, several of them, a vertex of no face.
+        Not exactly one place, or a vertex without faces.
 
     References
     ----------
@@ -218,7 +217,7 @@ class _Ground:
 
     @classmethod
     def of(cls, mesh: TriangleMesh) -> "_Ground":
-        """Return those of a mesh."""
+        """Return the faces of a mesh with an area."""
         faces, inverse, _, _ = measured_triangles(mesh.vertices, mesh.faces)
         proper = np.flatnonzero(proper_faces(mesh.faces))
         normals, axes, (fans,) = fans_of(mesh.vertices, [(faces, lengths_from_inverse(inverse))])
@@ -230,7 +229,7 @@ class _Ground:
         return self.proper[faces], np.where(turned, weights[:, ::-1], weights)
 
     def at_vertex(self, place: SourcePoints, vectors: FloatArray) -> _Starts:
-        """Return in which corners of a vertex lines leave it."""
+        """Return the corners of a vertex through which lines leave it."""
         fans, vertex = self.fans, int(place.vertices[0])
         corners = np.flatnonzero(fans.origin[fans.faces].ravel() == vertex)
         if not len(corners):
@@ -257,7 +256,7 @@ class _Ground:
         )
 
     def in_face(self, place: SourcePoints, vectors: FloatArray) -> _Starts:
-        """Return how lines begin in the face of a point that lies in one."""
+        """Return the beginnings of lines from a point inside a face."""
         faces = self.fans.origin[self.fans.faces]
         has = np.all([(faces == vertex).any(axis=1) for vertex in place.vertices], axis=0)
         face = int(has.argmax())

@@ -27,8 +27,8 @@ from geodesic_toolkit.vector_heat.signed import levelled, signed_potential
 __all__ = ["signed_distance"]
 
 JUMP = 2.0
-"""Mean edges by which two samples of a curve, a quarter of an edge apart, may lie apart on the
-surface: where it is more, the curve has left it, and has been laid onto another part."""
+"""Largest distance on the surface, in mean edges, of two samples of a curve, which are a quarter of
+an edge apart: beyond it the curve has left the surface, and was projected to another part."""
 
 BESIDE = 0.5
 """Mean edges from the curves beyond which the zero set of the plain distance bridges a gap."""
@@ -44,10 +44,9 @@ def signed_distance(
 ) -> FloatArray:
     """Return the distance from curves, positive on their left and negative on their right.
 
-    The curves may be open, closed, or pieces of one: their normals diffuse, and give the sides far
-    away, across gaps too. Refined, the distance itself is swept
-    from the curves, and from where the plain one is zero in their gaps; only its sign is that of
-    heat.
+    The curves may be open, closed, or pieces of one: their normals diffuse, and determine the sides
+    far away, also across gaps. Refined, the distance is swept from the curves and, in their gaps,
+    from the zero set of the plain distance; only its sign is that of the heat.
 
     Parameters
     ----------
@@ -62,24 +61,24 @@ def signed_distance(
         On meshes as the solver does, on clouds plain, unless given. Measured on spheres, plain is
         better on clouds where the curve goes through points.
     level : bool
-        Whether a plain distance is made 0 on the curves all along, and not in the mean only.
+        True to make a plain distance 0 everywhere on the curves, and not only in the mean.
 
     Returns
     -------
     ndarray of shape (N,), float64
-        In the unit of the shape; ``inf`` where no curve connects.
+        In the unit of the shape; ``inf`` without a connection to a curve.
 
     Raises
     ------
     InvalidOptionError
-        Something else than a solver; `refine` or `level` that is neither true nor false.
+        An argument that is not a solver; `refine` or `level` that is neither true nor false.
     UnsupportedDomainError
         A graph, an operator without triangles, a surface with one side.
     InvalidCurveError
-        Something else than curves, none of them, one that leaves the surface: the message says
-        which, and between which of its points.
+        Arguments that are not curves, an empty sequence, or a curve that leaves the surface: the
+        message names it, and its points before and after.
     InvalidSourceError
-        A curve over a masked vertex, or on a face that there is not.
+        A curve over a masked vertex, or on a face that does not exist.
 
     References
     ----------
@@ -194,7 +193,7 @@ def _positions(solver: GeodesicSolver) -> FloatArray:
 
 
 def _bridges(solver: GeodesicSolver, laid: list[LaidCurve], plain: FloatArray) -> list[Curve]:
-    """Return where a plain signed distance is zero away from the curves that it belongs to."""
+    """Return the zero set of a plain signed distance away from its curves."""
     mesh = solver.passable
     assert isinstance(mesh, TriangleMesh)  # for the type checker
     whole = solver.domain
@@ -209,7 +208,7 @@ def _bridges(solver: GeodesicSolver, laid: list[LaidCurve], plain: FloatArray) -
         corners = mesh.vertices[mesh.faces[chain.faces]]
         points = np.einsum("pc,pcd->pd", chain.weights, corners)
         far = np.asarray(near.query(points)[0]) > beside
-        if chain.closed and not far.all():  # begin where it comes near, so that runs are whole
+        if chain.closed and not far.all():  # begin near a curve, so that runs are whole
             first = int((~far).argmax())
             far, order = np.roll(far, -first), np.roll(np.arange(len(far)), -first)
         else:

@@ -1,4 +1,4 @@
-"""Tangent frames of the vertices, to give vectors in numbers."""
+"""Tangent frames of the vertices, for vectors in coordinates."""
 
 from dataclasses import dataclass
 from typing import final
@@ -49,13 +49,13 @@ class TangentFrames(FrozenArrays):
         Raises
         ------
         InvalidOptionError
-            Another shape.
+            Coordinates of another shape.
         """
         given = _table(coordinates, (len(self.normals), 2), "coordinates")
         return np.asarray(given[:, :1] * self.x_axes + given[:, 1:] * self.y_axes)
 
     def to_frame(self, vectors: ArrayLike) -> FloatArray:
-        """Return the coordinates in the frames of vectors in space, without what is normal.
+        """Return the coordinates in the frames of vectors in space, without the normal part.
 
         Parameters
         ----------
@@ -77,7 +77,7 @@ class TangentFrames(FrozenArrays):
 
 
 def tangent_frames(solver: GeodesicSolver) -> TangentFrames:
-    """Return the tangent frames in which a solver keeps vectors.
+    """Return the tangent frames at the vertices of a solver's domain.
 
     Parameters
     ----------
@@ -91,7 +91,7 @@ def tangent_frames(solver: GeodesicSolver) -> TangentFrames:
     Raises
     ------
     InvalidOptionError
-        Something else than a solver.
+        An argument that is not a solver.
     UnsupportedDomainError
         A graph, as an edge has no angle; a surface with one side.
 

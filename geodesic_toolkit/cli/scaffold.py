@@ -36,7 +36,7 @@ class PluginKind(StrEnum):
 
 @dataclass(frozen=True)
 class _Metadata:
-    """What the metadata of a kind of plugin differ in."""
+    """The metadata that depend on the kind of plugin."""
 
     group: str
     target: str

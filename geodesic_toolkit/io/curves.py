@@ -1,4 +1,4 @@
-"""Curves to files: lines to look at, tables to go on with."""
+"""Curves to files: lines for viewers, tables for programs."""
 
 import os
 from itertools import pairwise
@@ -25,7 +25,7 @@ def check_curve_output(path: str | os.PathLike[str]) -> Path:
     InvalidOptionError
         Another suffix.
     WriteError
-        A folder that is not there or not writable.
+        A folder that does not exist or is not writable.
     """
     return check_output(path, SUFFIXES)
 
@@ -44,9 +44,9 @@ def write_curves(path: str | os.PathLike[str], domain: Any, curves: Any) -> None
     Parameters
     ----------
     path : str or path-like
-        Replaced as a whole at the very end.
+        Replaced as a whole at the end; an interrupted run does not change it.
     domain : Domain or object
-        What the curves lie on, or what :func:`as_domain` makes one of.
+        The shape of the curves, or an object that :func:`as_domain` converts.
     curves : Curve, GeodesicPath, CloudPath, or sequence of them
 
     Raises
@@ -54,7 +54,7 @@ def write_curves(path: str | os.PathLike[str], domain: Any, curves: Any) -> None
     InvalidOptionError
         An unknown suffix.
     InvalidSourceError
-        Something that is no curve of the domain.
+        An object that is not a curve of the domain.
     WriteError
         The file cannot be written.
 
@@ -85,7 +85,7 @@ def _rows(lines: list[FloatArray], before: str = "", between: str = " ") -> list
 
 
 def _numbers(lines: list[FloatArray]) -> list[list[int]]:
-    """Return the numbers of the points of each line, all of them counted on."""
+    """Return the numbers of the points of each line, which continue from line to line."""
     starts = np.cumsum([0, *map(len, lines)]).tolist()
     return [list(range(*pair)) for pair in pairwise(starts)]
 

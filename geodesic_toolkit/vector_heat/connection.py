@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 __all__ = ["Connection", "connection_along_edges", "connection_laplacian"]
 
 ALIKE = 1e-9
-"""Sum of turns through the elements of an edge, each of length 1, below which it says nothing."""
+"""Magnitude of the sum of unit turns of an edge's elements below which it has no direction."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -1,4 +1,4 @@
-"""The heat of vectors, over a range of magnitudes that floating point does not have."""
+"""Diffusion of vectors, over a range of magnitudes beyond that of floating point."""
 
 from functools import cached_property
 from typing import NamedTuple
@@ -60,7 +60,7 @@ class VectorFlow:
         return smallest_final_value(self.matrix.diagonal())
 
     def log_solve(self, load: ComplexArray) -> LogVectors:
-        """Return the same as lengths and directions, however small the lengths become.
+        """Return the solution as logarithms of lengths, however small, and directions.
 
         As in :func:`geodesic_toolkit.heat.log_range.log_solve`: where a vector has sunk below a
         threshold, the solve starts again with the load of those above it on the others, scaled.

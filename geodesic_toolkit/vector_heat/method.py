@@ -48,7 +48,7 @@ class PlainLogMap(NamedTuple):
 
 
 class VectorHeatMethod:
-    """Vectors transported and values extended by heat: it knows no domain and no Laplacian.
+    """Transport of vectors and extension of values by heat, for any domain and Laplacian.
 
     ``(M + t L_c) x = b`` with the connection Laplacian L_c, Hermitian and positive semidefinite,
     goes to the linear solvers as a real system of twice as many unknowns; lengths are kept as
@@ -107,7 +107,7 @@ class VectorHeatMethod:
         return sum(flow.nbytes for flow in self._flows.values())
 
     def diffuse(self, load: ComplexArray) -> LogVectors:
-        """Return what vectors at vertices, complex (N,), become when they diffuse."""
+        """Return vectors at vertices, complex (N,), after diffusion."""
         positive = not self.heat.stays_positive(np.abs(load))
         return self._flow(positive=positive).log_solve(load)
 
@@ -228,7 +228,7 @@ class VectorHeatMethod:
 
 
 ROUNDING = 1e-12
-"""Share by which lengths must differ to be different."""
+"""Relative difference of lengths up to which they count as equal."""
 
 
 def _check_directions(sizes: FloatArray, vectors: FloatArray) -> None:

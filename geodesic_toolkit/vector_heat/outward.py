@@ -17,7 +17,7 @@ __all__ = ["outward_load"]
 
 
 def outward_load(metric: Discretization, frames: Frames, points: SourcePoints) -> ComplexArray:
-    """Return what the outward normals of a circle about a point load on vertices, complex (N,).
+    """Return the load on vertices of the outward normals of a circle about a point, complex (N,).
 
     Inside an element hat function k has the gradient g_k, and what the normals n of an arc about a
     vertex weigh with it is r² ∫ (g_k · n) n dθ; the radius r is of no account. A point between
@@ -72,7 +72,7 @@ def _moments(gradient: ElementGradient, around: IntArray, corner: int) -> FloatA
 def _pushed(
     gradient: ElementGradient, frames: Frames, around: IntArray, moments: FloatArray
 ) -> ComplexArray:
-    """Return what moments in some elements load on the vertices, complex (N,)."""
+    """Return the load of moments in some elements on the vertices, complex (N,)."""
     assert frames.surface_turns is not None  # set where they are not given
     assert frames.surface_mirrored is not None
     pull = np.einsum("eab,ebc->eac", moments, gradient.coefficients[around])

@@ -47,7 +47,7 @@ def signed_potential(heat: VectorHeatMethod, curves: list[LaidCurve]) -> FloatAr
 def levelled(
     heat: VectorHeatMethod, curves: list[LaidCurve], potential: FloatArray, *, along: bool
 ) -> FloatArray:
-    """Return a potential that is 0 on curves, as nearly as it can be: ``inf`` where there is none.
+    """Return a potential shifted to 0 on curves; ``inf`` without a connection to a curve.
 
     Parameters
     ----------

@@ -76,8 +76,8 @@ std::vector<Bend> bends_of(const Unfolded& twice, const std::vector<Knot>& knots
   return bends;
 }
 
-// A shorter closed path through the same ring; none where it is the shortest, whose bends it is
-// told then.
+// A shorter closed path through the same ring; none where it is the shortest, in which case
+// `bends` becomes its bends.
 std::optional<Loop> released(const Surface& surface, Loop& loop) {
   const Position n = std::ssize(loop.ring);
   for (Position periods = kFirstPeriods; periods <= kMaxPeriods; periods *= 2) {

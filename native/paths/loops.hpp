@@ -4,8 +4,8 @@
 // shortest closed path is that through a strip. Unfolded time and again, the ring lies in a plane
 // of its own whose distances are convex (a space of no positive curvature); how far a point is from
 // its image a turn later is a convex function then, so that the shortest path over several turns
-// leads to points where that is less, and to the closed geodesic after a few steps. What it bends
-// around is turned to the other side as with strips (paths/turns.hpp).
+// leads to points where that is less, and to the closed geodesic after a few steps. At its bends
+// it is led around the other side, as with strips (paths/turns.hpp).
 #pragma once
 
 #include "paths/strips.hpp"

@@ -51,7 +51,7 @@ class Tracer {
   Tracer(std::span<const double> lengths, std::span<const Index> twin, Index most)
       : lengths_(lengths), twin_(twin), most_(most) {}
 
-  // Add the points of a line; return what is left of its length.
+  // Add the points of a line; return the rest of its length.
   double trace(Index face, const double* weights, double angle, double left,
                std::vector<Point>& points) {
     points.push_back({face, {weights[0], weights[1], weights[2]}});

@@ -13,7 +13,7 @@ namespace geodesic {
 struct StraightLines {
   Array<Index> begins, faces;
   Array<double> weights;  // (P, 3)
-  Array<double> missing;  // what is left of each length where the surface ends
+  Array<double> missing;  // the rest of each length where the surface ends
 };
 
 // Lines from places in faces, (Q, 3) weights, in directions that are angles to half-edge 3 f of the

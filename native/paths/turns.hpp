@@ -43,7 +43,7 @@ Strip turned(const Strip& strip, Turns turns);
 std::vector<Turn> turns_of(const Surface& surface, const Strip& strip,
                            const std::vector<Bend>& bends, const Tried& tried);
 
-// What all turns make of a strip, straightened, or if that is not shorter half of them, and so on.
+// The strip after all turns, straightened; if it is not shorter, after half of them, and so on.
 template <class Straighten>
 auto shortened(const Strip& strip, double length, Turns turns, Tried& tried,
                const Straighten& straighten) -> std::optional<decltype(straighten(strip))> {

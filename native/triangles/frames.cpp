@@ -83,7 +83,7 @@ class Fan {
   bool is_closed_ = false;
 };
 
-// How far directions must be turned to fit steps in space best.
+// The angle by which directions must be turned to fit steps in space best.
 class Fit {
  public:
   Fit(const Vector3& x, const Vector3& y) : x_(x), y_(y) {}

@@ -26,7 +26,7 @@ Array<double> vertex_normals(std::span<const double> vertices, std::span<const I
 Array<double> tangent_axes(std::span<const double> normals);
 
 // The direction of each half-edge 3 f + c, which leaves corner c + 1, as an angle in the frame of
-// that vertex, and by what angles between half-edges are multiplied there.
+// that vertex, and the factor of angles between half-edges there.
 struct Directions {
   Array<double> angles, scales;
 };

@@ -1,4 +1,4 @@
-// The directions in which a vertex sees the corners of its triangles.
+// The directions of the corners of triangles from a vertex.
 #pragma once
 
 #include "triangles/frames.hpp"
@@ -14,8 +14,8 @@ struct Bearing {
 };
 
 // The directions of half-edges from the turns of the corners of elements, (E, 3), complex, as
-// `triangle_turns` makes them of bisectors: its inverse. How angles are scaled about a vertex is
-// told by neighbours, which `twin` has for each half-edge, or -1; without any by 1.
+// `triangle_turns` makes them of bisectors: its inverse. The scale of angles about a vertex
+// follows from neighbours, which `twin` has for each half-edge, or -1; without neighbours it is 1.
 Directions directions_of(std::span<const Index> elements, std::span<const double> lengths,
                          std::span<const double> turns, std::span<const bool> mirrored,
                          std::span<const Index> twin);
@@ -25,7 +25,7 @@ struct DirectionsView {
 };
 
 // In the order of `corners`, which were gathered from such elements, (E, 3), of edges `lengths`
-// opposite the corners. In their planes the elements have such edges as `flat` tells.
+// opposite the corners. `flat` has the edges of the elements in their planes.
 Array<Bearing> bearings_of(const Corners& corners, std::span<const Index> elements,
                            std::span<const double> lengths, std::span<const double> flat,
                            const DirectionsView& directions);

@@ -32,7 +32,7 @@ constexpr double kMeeting = 0.75;
 constexpr double kSettled = 1e-9;
 
 // Times that all is carried at most: ends of edges that are farther than the vertex opposite take
-// from it in turn, and their angles settle in five to eight.
+// from it in turn, and their angles are constant after five to eight.
 constexpr Index kMostRounds = 30;
 
 // Spread of geodesics that turn about a corner of the boundary: all leave their source at one
@@ -50,7 +50,7 @@ struct Characteristic {
   double arrival = 0;
 };
 
-// What a vertex has been given.
+// The data of a vertex.
 struct State {
   double angle, spread, arrival;
   Row label;
@@ -59,7 +59,7 @@ struct State {
 
 double squared(double x) { return x * x; }
 
-// What is left of an angle after whole turns: in (-1/2, 1/2] of them, or where angles are known to
+// The rest of an angle after whole turns: in (-1/2, 1/2] of them, or where angles are known to
 // fall in (-3/4, 1/4].
 double within_turn(double angle, const Circle& circle) {
   if (!(circle.period < kInfinity)) return angle;
@@ -74,7 +74,7 @@ double corner_angle(double to_a, double to_b, double edge) {
   return angle(cosine, std::sqrt(std::max(square - cosine * cosine, 0.0)));
 }
 
-// The way of one set of fronts, and what is carried along it.
+// The paths of one set of fronts, and the data carried along them.
 class Way {
  public:
   Way(const Corners& corners, std::span<const Bearing> bearings, std::span<const double> curvature,
@@ -109,7 +109,7 @@ class Way {
       if (is_point(seeds, p)) begin_about(static_cast<Row>(seeds.vertices[p]), seeds.labels[p]);
   }
 
-  // In the order of the distance, and then once more for whom something has changed behind it.
+  // In the order of the distance, and then again for vertices whose predecessors have changed.
   void carry_on() {
     Array<double> later(n_vertices());
     for (Index v = 0; v < n_vertices(); ++v) later[v] = -front_[v].distance;
@@ -210,7 +210,7 @@ class Way {
             of([&](const Corner& it) { return it.to_b; }, 1.0)};
   }
 
-  // Where the surface ends, an edge is no way but for fronts that begin on it.
+  // Where the surface ends, only fronts that begin on an edge run along it.
   double edge_of(const Corner& corner) const {
     if (corner.edge > 0) return corner.edge;
     const bool begins = states_[corner.a].is_fixed && states_[corner.b].is_fixed &&
@@ -271,7 +271,7 @@ class Way {
   // -- what is carried
   // -----------------------------------------------------------------------------
 
-  // Tell the neighbours of a point, to which a front came straight from it, their directions.
+  // Set the directions of the neighbours of a point that its front reached straight.
   void begin_about(Row source, Row label) {
     const auto tell = [&](std::uint32_t near, double direction, double length, double scale) {
       State& state = states_[near];
@@ -376,7 +376,7 @@ class Way {
            kMeeting * way.edge;
   }
 
-  // Take what the front at one of the ends of an edge brings, carried on by itself.
+  // Take the data of the front at one of the ends of an edge, carried on alone.
   void carry_from_nearer(Row v, bool from_a, bool from_b) {
     const Characteristic& way = ways_[v];
     std::optional<Beyond> best;
@@ -399,7 +399,7 @@ class Way {
     state.spread = states_[near].spread + std::abs(way.step);
   }
 
-  // What the front at a single vertex brings to a neighbour.
+  // The data that the front at a single vertex carries to a neighbour.
   struct Beyond {
     double distance, angle, arrival, spread;
     Row from;
@@ -473,7 +473,7 @@ class Way {
     return angle - 2 * kPi * std::floor(angle / (2 * kPi) + 0.5);
   }
 
-  // Give a vertex that nothing has been carried to what its nearest neighbour has.
+  // Give a vertex without data those of its nearest neighbour.
   void carry_to_left(Row v) {
     State& state = states_[v];
     if (state.label != kNone || !(distance(v) < kInfinity)) return;

@@ -1,12 +1,12 @@
-// Characteristics of swept fronts: the ways that they took, and what is carried along these.
+// Characteristics of swept fronts: their paths, and the data carried along these.
 //
-// After sweeps each vertex knows its distance and the curvature of the front. Looked at once more,
-// they tell through which edge the front came to a vertex, where it crossed that edge, and in which
-// direction it arrived. From vertex to vertex such a way carries what belongs to its source:
+// After sweeps each vertex has its distance and the curvature of the front. These determine the
+// edge through which the front came to a vertex, the place where it crossed that edge, and its
+// direction of arrival. From vertex to vertex such a path carries the data of its source:
 // - an angle: the direction in which the shortest geodesic leaves a point, which is constant along
 //   it, so that angle and distance are the logarithmic map; of a curve the place on it;
 // - the spread of geodesics, how far those are apart at the vertex that leave a unit of angle
-//   apart: a Jacobi field, which tells how angles are spread over an edge;
+//   apart: a Jacobi field, which weights angles along an edge;
 // - the number of the source.
 #pragma once
 
@@ -14,14 +14,14 @@
 
 namespace geodesic {
 
-// What sweeps of one set of sources have left at vertices.
+// Results of the sweeps of one set of sources at vertices.
 struct SweptFronts {
   std::span<const double> distances, kappas;
 };
 
 // Vertices at and around sources, as they were given to the sweeps with their distances. The angle
 // of each, the spread, the direction of arrival and the number of its source count unless the
-// sweeps have found a shorter way to it. About a vertex of distance zero itself all directions are
+// sweeps have found a shorter path to it. About a vertex of distance zero itself all directions are
 // known.
 struct Seeds {
   std::span<const Index> vertices;
@@ -32,15 +32,15 @@ struct Seeds {
 // The numbers that angles are counted by.
 struct Circle {
   double period;    // angles that differ by it are the same; infinite for places along a line
-  bool clockwise;   // whether angles fall from a to b for all corners, seen from a front
-  bool directions;  // whether they are directions at points
+  bool clockwise;   // true if angles fall from a to b for all corners, seen from a front
+  bool directions;  // true for directions at points
 };
 
-// What has been carried to vertices: no number, and no label, where nothing connects.
+// The data carried to vertices: NaN, and -1 as label, at vertices without a connection.
 //
 // The front came to a vertex between vertices `a` and `b`, of which the second has `share` of the
-// angle that the front spans at its centre; from `a` alone where both are the same, and from
-// nowhere at sources.
+// angle that the front spans at its centre; from `a` alone where both are the same, and
+// sources have neither.
 struct Carried {
   Array<double> angles, spreads, arrivals, shares;
   Array<Row> labels, a, b;

@@ -180,7 +180,7 @@ def test_a_loop_may_cross_itself_and_go_around_twice():
     assert loop.length == pytest.approx(2 * polygon(AROUND, MINOR), rel=NARROWER)
 
 
-def test_no_side_of_a_loop_has_a_shorter_way():
+def test_no_side_of_a_loop_has_a_shorter_path():
     """Around every corner of a closed geodesic there are at least π on either side."""
     mesh, corners = pretzel()
     solver = gt.GeodesicSolver(mesh)
@@ -279,7 +279,7 @@ def test_a_loop_goes_around_a_surface_with_one_side():
     assert loop.length <= polygon(n, 1.0) * (1 + 1e-9)
 
 
-def test_a_loop_through_a_pinched_vertex_is_held_there():
+def test_a_loop_through_a_non_manifold_vertex_is_held_there():
     near = shapes.torus(24, 12)
     far = gt.TriangleMesh(near.vertices + np.array([5.0, 0, 0]), near.faces)
     west = near.vertices[:, 0].argmax()

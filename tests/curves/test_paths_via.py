@@ -61,7 +61,7 @@ def test_a_path_via_a_spur_comes_back_from_it():
     assert path.length == pytest.approx(0.25)
 
 
-def test_a_path_takes_the_other_way_around_a_torus():
+def test_a_path_takes_the_other_side_of_a_torus():
     near = gt.geodesic_path(TORUS, 15, 15 + 20 * 30)
     far = gt.geodesic_path(TORUS, 15, 15 + 20 * 30, via=[15 + 40 * 30])
     edge = 2 * 1.5 * np.sin(np.pi / 60)

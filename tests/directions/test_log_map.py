@@ -20,7 +20,7 @@ shapes = gt.testing.shapes
 SWEPT = 1e-6
 """Sweeps leave as much of a mean edge length."""
 BLUNT = 1e-5
-"""Where edges that are flipped hide a source from the corners of its face, in squares of side 1."""
+"""Distance from an edge at which flipped edges hide a source, in squares of side 1."""
 
 
 def log_of(mesh, source, **options):

@@ -77,7 +77,7 @@ def test_options_of_means_outside_their_values_are_named(options, message):
         gt.geodesic_mean(PLATE, [0, 1], **options)
 
 
-def test_means_need_faces_sites_and_ways_between_them():
+def test_means_need_faces_sites_and_a_connection_between_them():
     with pytest.raises(UnsupportedDomainError, match="face"):
         gt.geodesic_mean(gt.GeodesicSolver(gt.Graph(2, [[0, 1]])), [0, 1])
     with pytest.raises(InvalidSourceError, match="not of a curve"):

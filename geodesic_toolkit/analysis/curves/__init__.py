@@ -1,4 +1,4 @@
-"""Isolines of fields on meshes, what they measure and enclose, and discs that they cut out.
+"""Isolines of fields on meshes, their lengths and areas, and discs that they cut out.
 
-Imports solvers and what is below; not paths but for points that become vertices.
+Imports solvers and lower layers; of paths only the insertion of points as vertices.
 """

@@ -1,4 +1,4 @@
-"""Where a level of a field cuts the faces of a mesh: points on edges, the same from either side."""
+"""Intersections of a level of a field with faces: points on edges, the same in both faces."""
 
 from dataclasses import dataclass
 from functools import cached_property
@@ -26,11 +26,11 @@ __all__ = [
 
 
 HUGE = np.finfo(np.float64).max / 2
-"""Values of which one less the other may be infinite."""
+"""Magnitude of values above which a difference of two may be infinite."""
 
 
 def as_mesh(domain: Any, what: str) -> TriangleMesh:
-    """Return a mesh, from whatever :func:`as_domain` takes; an error says what needs one."""
+    """Return a mesh from an argument of :func:`as_domain`; the error names `what` needs one."""
     mesh = as_domain(domain)
     if not isinstance(mesh, TriangleMesh):
         raise UnsupportedDomainError(
@@ -40,7 +40,7 @@ def as_mesh(domain: Any, what: str) -> TriangleMesh:
 
 
 def as_field(values: ArrayLike, n_vertices: int) -> FloatArray:
-    """Return values as an array of shape (N,), not finite where there are none.
+    """Return values as an array of shape (N,), not finite at vertices without a value.
 
     Raises
     ------
@@ -90,21 +90,21 @@ def areas_of(vertices: FloatArray, triangles: IntArray) -> FloatArray:
 
 @dataclass(frozen=True, eq=False)
 class Cuts:
-    """The C triangles that a level cuts, each about the corner that is alone on its side.
+    """The C triangles that a level cuts, each from the corner that is alone on its side.
 
-    A vertex whose value is the level belongs to what lies above.
+    A vertex whose value is the level lies above it.
 
     Attributes
     ----------
     triangles : ndarray of shape (C,), int64
-        Which of the triangles that were given.
+        Indices of the given triangles.
     corners : ndarray of shape (C, 3), int64
-        The corners of each in its order, the one that is alone on its side first.
+        The corners of each in its order, beginning with the one that is alone on its side.
     above : ndarray of shape (C,), bool
-        Whether that one lies above.
+        True if that corner lies above.
     shares : ndarray of shape (C, 2), float64
-        How far along the edge from the lower index to the higher the cuts are, of the edges from
-        the first corner to the second and to the third.
+        Positions of the cuts on the edges from the first corner to the second and to the third, as
+        shares of the edge from its lower index to its higher one.
     """
 
     triangles: IntArray
@@ -114,7 +114,7 @@ class Cuts:
 
     @cached_property
     def edges(self) -> IntArray:
-        """The edges that are cut, (C, 2, 2): of each the lower index and the higher."""
+        """The cut edges, (C, 2, 2), the lower index of each first."""
         first = self.corners[:, [0, 0]]
         return np.sort(np.stack([first, self.corners[:, 1:]], axis=2), axis=2)
 
@@ -126,13 +126,13 @@ class Cuts:
 
 
 def cut_triangles(triangles: IntArray, field: FloatArray, level: float) -> Cuts:
-    """Return where a level cuts some triangles.
+    """Return the intersections of a level with triangles.
 
     Parameters
     ----------
     triangles : ndarray of shape (G, 3), int64
     field : ndarray of shape (N,), float64
-        Finite at the corners of those.
+        Finite at their corners.
     level : float
 
     Returns

@@ -30,7 +30,7 @@ SNAP = 1e-9
 
 @dataclass(frozen=True, eq=False)
 class GeodesicDisc:
-    """What of a mesh lies within a radius of a source, cut along the isoline of the distance.
+    """The part of a mesh within a radius of a source, cut along the isoline of the distance.
 
     Attributes
     ----------
@@ -40,11 +40,11 @@ class GeodesicDisc:
     distance : ndarray of shape (M,), float64
         From the source; the radius along the cut.
     corners : ndarray of shape (M, 3), int64
-        For each vertex three of the given mesh that it lies between; some may be the same.
+        Three vertices of the given mesh between which each vertex lies; some may be the same.
     weights : ndarray of shape (M, 3), float64
         The weights of these, non-negative with sum 1.
     faces : ndarray of shape (G,), int64
-        The face of the given mesh that each is a part of.
+        The face of the given mesh of which each is a part.
 
     Examples
     --------
@@ -66,7 +66,7 @@ class GeodesicDisc:
 
     @property
     def origin(self) -> IntArray:
-        """The (M,) vertex of the given mesh that each is; -1 on cuts and in faces."""
+        """The vertices of the given mesh, (M,); -1 on cuts and in faces."""
         first = self.corners[:, 0]
         return np.where(self.weights.max(axis=1) == 1.0, first, -1)
 
@@ -102,7 +102,7 @@ class GeodesicDisc:
 
     @cached_property
     def n_boundaries(self) -> int:
-        """Number of closed lines that bound it; where two touch in a vertex they count as one."""
+        """Number of closed boundary lines; two that touch at a vertex count as one."""
         edges, counts = self._edges
         border = edges[counts == 1]
         if not len(border):
@@ -112,7 +112,7 @@ class GeodesicDisc:
 
     @property
     def is_disc(self) -> bool:
-        """Whether it is a topological disc: in one piece, with one boundary and no handle."""
+        """True for a topological disc: one component, one boundary, and not a handle."""
         edges, _ = self._edges
         pieces = connected_by_edges(edges, self.mesh.n_vertices).max() + 1
         euler = self.mesh.n_vertices - len(edges) + self.mesh.n_faces
@@ -134,7 +134,7 @@ class GeodesicDisc:
 
 
 def geodesic_disc(solver: GeodesicSolver, source: Any, radius: float) -> GeodesicDisc:
-    """Return what of a mesh is nearer to a source than a radius.
+    """Return the part of a mesh that is nearer to a source than a radius.
 
     Points in faces become vertices first; the distance is linear within a face, so that a disc of
     less than an edge has few corners.
@@ -152,17 +152,17 @@ def geodesic_disc(solver: GeodesicSolver, source: Any, radius: float) -> Geodesi
     -------
     GeodesicDisc
         Not a topological disc where it reaches around a handle, a hole or the whole surface:
-        `n_boundaries` and `is_disc` tell.
+        see `n_boundaries` and `is_disc`.
 
     Raises
     ------
     InvalidOptionError
-        Something else than a solver, a radius that is none or so small that no face has a corner
-        within it.
+        Something else than a solver, a radius that is not a length, or so small that no face has a
+        corner within it.
     UnsupportedDomainError
         Not a mesh.
     InvalidSourceError
-        Sources that name no place.
+        Sources that are not places of the mesh.
 
     Examples
     --------

@@ -25,10 +25,10 @@ __all__ = ["isolines"]
 def isolines(domain: Any, values: ArrayLike, levels: ArrayLike) -> list[Curve]:
     """Return the lines on a mesh along which a field has given values.
 
-    Within a face the field is linear between the values at its corners. What has the level or more
-    lies on the left, seen from outside; the lines are its border within the surface. So they close,
-    or end at the boundary of the mesh, at edges of more than two faces, and where the field has no
-    value; through a vertex that has just the level they pass as through any other.
+    Within a face the field is linear between the values at its corners. The part with the level or
+    more lies on the left, seen from outside, and the lines are its border within the surface. They
+    close, or end at the boundary of the mesh, at edges of more than two faces, and where the field
+    has no value. A vertex with exactly the level counts as above it.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""What curves measure: their length, and the area that a level encloses."""
+"""The length of curves, and the area that a level encloses."""
 
 from typing import Any
 
@@ -28,7 +28,7 @@ def curve_length(domain: Any, curve: Curve) -> float:
     Parameters
     ----------
     domain : Domain or object
-        What the curve lies on, or what :func:`as_domain` makes one of.
+        The shape of the curve, or an object that :func:`as_domain` converts.
     curve : Curve
 
     Returns
@@ -57,7 +57,7 @@ def area_above(domain: Any, values: ArrayLike, level: float) -> float:
     """Return the area of a mesh on which a field has a value or more: left of its isolines.
 
     Within a face the field is linear. The area where it has less is that of the negative field
-    above the negative level, but for faces on which all of it has just the level.
+    above the negative level, except for faces on which the field is the level throughout.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""Places along a curve, by how far they are from its beginning."""
+"""Places along a curve, by their arc length from its beginning."""
 
 from dataclasses import dataclass
 from typing import Any
@@ -19,7 +19,7 @@ AT_ONCE = 1_000_000
 
 @dataclass(frozen=True, eq=False)
 class Course:
-    """The corners of a polyline, with the first once more at the end of a closed one.
+    """The corners of a polyline; a closed one repeats its first corner at the end.
 
     Attributes
     ----------
@@ -50,7 +50,7 @@ class Course:
 
     @property
     def ends(self) -> FloatArray:
-        """How far along the corners are."""
+        """The arc lengths of the corners."""
         steps = np.linalg.norm(np.diff(self.corners, axis=0), axis=1)
         return np.append(0.0, np.cumsum(steps))
 
@@ -60,7 +60,7 @@ class Course:
         return float(self.ends[-1]) if self.closed else np.inf
 
     def places_of(self, points: FloatArray) -> FloatArray:
-        """Return how far along the place is that is nearest to each point, (Q, 3)."""
+        """Return the arc length of the place that is nearest to each point, (Q, 3)."""
         tails, steps = self.corners[:-1], np.diff(self.corners, axis=0)
         squares = np.einsum("sd,sd->s", steps, steps)
         size = max(1, AT_ONCE // len(steps))
@@ -80,7 +80,7 @@ class Course:
     def at(self, along: FloatArray, values: NDArray[Any]) -> NDArray[Any]:
         """Return values at places, (Q,) or (Q, k), from those at the corners.
 
-        Integers are those of the nearest corner, others are linear in between.
+        Integers are those of the nearest corner; floats are interpolated linearly.
         """
         ends = self.ends
         if self.closed:
@@ -95,12 +95,12 @@ class Course:
 
 
 def places_of(domain: Domain) -> FloatArray:
-    """Return where the vertices of a mesh or a cloud are, (N, 3)."""
+    """Return the positions of the vertices of a mesh or a cloud, (N, 3)."""
     assert isinstance(domain, TriangleMesh | PointCloud)  # for the type checker
     return domain.vertices if isinstance(domain, TriangleMesh) else domain.points
 
 
 def positions(domain: Domain, points: SourcePoints) -> FloatArray:
-    """Return where sources are, (P, 3)."""
+    """Return the positions of sources, (P, 3)."""
     corners = places_of(domain)[points.vertices]
     return np.add.reduceat(points.shares[:, None] * corners, points.begins[:-1])

@@ -1,4 +1,4 @@
-"""Values of sources extended to everywhere: each place takes that of its nearest source."""
+"""Extension of values from sources: each place takes the value of its nearest source."""
 
 from typing import Any
 
@@ -20,10 +20,10 @@ def extend(
 ) -> NDArray[Any]:
     """Return at each vertex the value of the nearest source.
 
-    Refined, values come along the shortest geodesic and are what they were: with the numbers of the
-    sources for values the result is their Voronoi cells, in one pass. Along a curve values are
-    linear between its corners. Plain values are the ratio of two diffusions, a smooth ramp from
-    source to source that is wider farther away.
+    Refined, values are carried unchanged along the shortest geodesics: for the numbers of the
+    sources, the result is their Voronoi cells, in one pass. Along a curve values are linear
+    between its corners. Plain values are the ratio of two diffusions, which blends the values of
+    neighbouring sources, over a wider range farther away.
 
     Parameters
     ----------
@@ -40,13 +40,13 @@ def extend(
     Returns
     -------
     ndarray of shape (N,) or (N, k), float64 or int64
-        Where nothing connects NaN, or -1 among integers.
+        NaN, or -1 among integers, at vertices without a connection to a source.
 
     Raises
     ------
     InvalidOptionError
-        Something else than a solver; another number of values than of sources, or some that are not
-        finite; a `refine` that is neither True nor False.
+        An argument that is not a solver; another number of values than of sources, or values that
+        are not finite; a `refine` that is neither True nor False.
     UnsupportedDomainError
         Refined: a graph; a surface with one side; elements that are not triangles.
     InvalidSourceError

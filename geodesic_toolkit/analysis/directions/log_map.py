@@ -1,4 +1,4 @@
-"""The logarithmic map: in which direction, and how far away, everything lies."""
+"""The logarithmic map: directions and lengths of the shortest geodesics from a point."""
 
 from dataclasses import dataclass
 from typing import Any, final
@@ -35,9 +35,9 @@ class LogMap(FrozenArrays):
         Unit vectors in space that touch the geodesics where they arrive, away from the source; 0 at
         the source, NaN where nothing connects.
     spread : ndarray of shape (N,), float64
-        How far geodesics are apart at each vertex that leave the source a radian apart: the Jacobi
-        field. ``inf`` in the shadow of a corner of the boundary, where all leave in one direction;
-        NaN where nothing connects, and where angles come from heat.
+        The Jacobi field: the distance, at each vertex, between geodesics that leave the source, per
+        radian between their directions. ``inf`` in the shadow of a corner of the boundary, where
+        all leave in one direction; NaN where nothing connects, and where angles come from heat.
     frame : ndarray of shape (2, 3), float64
         Two unit vectors at right angles in the tangent plane of the source.
     """
@@ -68,19 +68,20 @@ SHADOW = 1e50
 
 
 def log_map(solver: GeodesicSolver, source: Any, *, refine: bool | None = None) -> LogMap:
-    """Return the logarithmic map of a point: where everything lies, as seen from there.
+    """Return the logarithmic map of a point: the direction and distance of every vertex from it.
 
-    Refined, the fronts that measure distances tell how they came to each vertex, and the direction
-    in which they left the source is carried along. On smooth surfaces angles are of second order,
-    as distances are, and no linear system is solved but that of the heat. Plain ones are those of
-    the vector heat method, beside distances by heat.
+    Refined, the direction in which the front left the source is carried along the path of the front
+    to each vertex. On smooth surfaces angles are of second order, as distances are, and the only
+    linear system is that of the heat. Plain angles are those of the vector heat method, beside
+    distances by heat.
 
     Parameters
     ----------
     solver : GeodesicSolver
         Of a mesh or a point cloud.
     source : int, array-like of float, or SurfacePoint
-        One place: a vertex, a point in space, which is snapped to the surface, or one in a face.
+        One place: a vertex, a point in space, which is projected to the surface, or a point in a
+        face.
     refine : bool, optional
         As the solver does, by default.
 
@@ -91,11 +92,11 @@ def log_map(solver: GeodesicSolver, source: Any, *, refine: bool | None = None) 
     Raises
     ------
     InvalidOptionError
-        Something else than a solver; a `refine` that is neither True nor False.
+        An argument that is not a solver; a `refine` that is neither True nor False.
     UnsupportedDomainError
         A graph, as an edge has no angle; a surface with one side; elements that are not triangles.
     InvalidSourceError
-        No place, or several.
+        Not exactly one place.
 
     References
     ----------

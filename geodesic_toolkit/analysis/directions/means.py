@@ -1,4 +1,4 @@
-"""Means of places on a surface: where the sum of powers of distances is least."""
+"""Means of places on a surface: minima of the sum of powers of distances."""
 
 from dataclasses import dataclass
 from typing import Any, final
@@ -39,7 +39,7 @@ class GeodesicMean(FrozenArrays):
     ----------
     point : SurfacePoint
     position : ndarray of shape (3,), float64
-        Where it is in space.
+        Its position in space.
     energy : float
         The sum there.
     steps : int
@@ -72,8 +72,8 @@ def geodesic_mean(
 ) -> GeodesicMean:
     """Return the mean of some places on a mesh, or their median.
 
-    The distances from all sites tell the best vertex, which is not a local optimum far from it;
-    from there steps along logarithmic maps lead off the vertices.
+    The distances from all sites give the best vertex, so that the result is not a distant local
+    optimum; steps along logarithmic maps lead from there to a point in a face.
 
     Parameters
     ----------
@@ -82,11 +82,11 @@ def geodesic_mean(
     sites : array-like, SurfacePoint, or sequence of them
         As :meth:`GeodesicSolver.distance` takes sources.
     weights : array-like of shape (P,), optional
-        How much each site counts; not negative, and not all zero.
+        Weights of the sites; not negative, and not all zero.
     power : {2, 1}
         Of the distance: 2 is the mean of Fréchet and Karcher, 1 the median.
     tolerance : float
-        Step, in mean edge lengths, below which none follows.
+        Step, in mean edge lengths, below which the iteration ends.
 
     Returns
     -------
@@ -99,7 +99,7 @@ def geodesic_mean(
     UnsupportedDomainError
         Something else than a mesh; a surface with one side.
     InvalidSourceError
-        No site, or something that names no place.
+        Not a site, or an argument that is not a place.
     UnreachableError
         No vertex connects with all sites.
 
@@ -158,7 +158,7 @@ def geodesic_mean(
 def _step(
     share: FloatArray, ways: FloatArray, vectors: FloatArray, power: float, least: float
 ) -> FloatArray:
-    """Return where the sum decreases, and how far: to the mean, or by a step of Weiszfeld's."""
+    """Return the step along which the sum decreases: to the mean, or Weiszfeld's for medians."""
     if power == 2:
         return np.asarray(share @ vectors / share.sum())
     apart = ways > least
@@ -201,7 +201,7 @@ def _only(points: SourcePoints, site: int) -> SourcePoints:
 def _logarithms(
     solver: GeodesicSolver, place: SourcePoints, sites: SourcePoints
 ) -> tuple[FloatArray, FloatArray]:
-    """Return how far sites are from a place, (P,), and their logarithms there in space, (P, 3)."""
+    """Return the distances of sites from a place, (P,), and their logarithms in space, (P, 3)."""
     traced = trace(solver, place)
     around = sites.vertices
     where = traced.distances[around] * np.exp(1j * traced.angles[around])

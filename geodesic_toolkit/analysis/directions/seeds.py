@@ -1,4 +1,4 @@
-"""Where fronts begin, and the directions in which sources see the vertices there."""
+"""Vertices around sources, at which fronts begin, and their directions from the sources."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -15,16 +15,16 @@ from geodesic_toolkit.sources.points import SourcePoints
 __all__ = ["Surroundings", "surroundings"]
 
 MOST_CROSSINGS = 8
-"""Edges that a source is unfolded across at most, one after the other."""
+"""Largest number of edges in succession across which faces are unfolded."""
 
 _HIDDEN: WeakKeyDictionary[TriangleMesh, BoolArray] = WeakKeyDictionary()
-"""What :func:`_hidden` has found out about meshes."""
+"""Results of :func:`_hidden` by mesh."""
 
 RINGS = 4
-"""Rings of faces about a source that it is unfolded in."""
+"""Number of rings of faces that are unfolded around a source."""
 
 REACH = 2.0
-"""How far away vertices are told of a source, in lengths to the farthest corner of its face."""
+"""Reach of a source around it, in distances to the farthest corner of its face."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -34,16 +34,16 @@ class Surroundings:
     Attributes
     ----------
     points : SourcePoints
-        The sources. About one that lies between vertices there are more than those of its face:
-        opposite the edge that it lies on, and beyond edges that are to be flipped, which hide it
+        The sources. One that lies between vertices has more of them than those of its face: the
+        ones opposite the edge on which it lies, and those beyond edges to be flipped, which hide it
         from the corners of its face.
     axes : ndarray of shape (P, 2, 3), float64
         Two unit vectors at right angles for each source: those of the vertex, or else the first of
         them leads along the first edge of the face.
     angles : ndarray of shape (nnz,), float64
-        The direction in which a source sees each vertex around it; 0 where it is that vertex.
+        The direction from a source to each vertex around it; 0 if it is that vertex.
     arrivals : ndarray of shape (nnz,), float64
-        The direction that leads away from the source, in the frame of the vertex; 0 there.
+        The direction away from the source in the frame of the vertex; 0 at the source.
     """
 
     points: SourcePoints
@@ -70,7 +70,7 @@ def surroundings(
     points : SourcePoints
         No curve.
     unfold : bool
-        Whether to look for more vertices in sight of a point; not where it is one of many.
+        True to look for more vertices in sight of a point; False if there are many points.
     """
     first, rows = points.vertices[points.begins[:-1]], points.rows
     axes = np.stack([frames.x_axes[first], frames.y_axes[first]], axis=1)
@@ -165,7 +165,7 @@ class _Unfolding:
     axes: FloatArray
 
     def beyond(self, flat: dict[int, complex]) -> dict[int, complex]:
-        """Return vertices in sight besides those, two or three, whose edge or face it lies in."""
+        """Return vertices in sight besides the two or three of the edge or face of the point."""
         found: dict[int, complex] = {}
         ends = list(flat)
         for third in self._opposite(*ends[:2]):
@@ -189,7 +189,7 @@ class _Unfolding:
         cone: tuple[complex, complex],
         left: int,
     ) -> Iterator[tuple[int, complex]]:
-        """Yield what is in sight beyond the edge of the first two corners of a face."""
+        """Yield the vertices in sight beyond the edge of the first two corners of a face."""
         one, other, inner = face
         beyond = [vertex for vertex in self._opposite(one, other) if vertex != inner]
         if left == 0 or len(beyond) != 1:
@@ -212,7 +212,7 @@ class _Unfolding:
     def _apex(
         self, flat: dict[int, complex], one: int, other: int, apex: int, right: bool
     ) -> complex:
-        """Return where a third corner comes to lie, right or left of the way between two."""
+        """Return the place of a third corner, right or left of the edge from `one` to `other`."""
         edge = flat[other] - flat[one]
         length, to_one = abs(edge), self._length(one, apex)
         x = (length**2 + to_one**2 - self._length(other, apex) ** 2) / (2 * length)

@@ -18,11 +18,10 @@ from geodesic_toolkit.sources.points import SourcePoints
 __all__ = ["Stepper"]
 
 INSIDE = 1e-3
-"""Least barycentric weight of a point that is moved: in a face, and not at its rim, its plane is
-that of the face."""
+"""Least barycentric weight of a moved point: its tangent plane is that of the face."""
 
 MOST = 100_000
-"""Edges that a step crosses at most."""
+"""Largest number of edges that a step crosses."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -35,7 +34,7 @@ class Stepper:
 
     @classmethod
     def of(cls, mesh: TriangleMesh) -> "Stepper":
-        """Return that of a mesh.
+        """Return the stepper of a mesh.
 
         Raises
         ------
@@ -77,7 +76,7 @@ class Stepper:
     def moved(
         self, numbers: IntArray, weights: FloatArray, vectors: FloatArray
     ) -> tuple[IntArray, FloatArray]:
-        """Return where straight lines from points in faces end, along vectors in space, (P, 3)."""
+        """Return the ends of straight lines from points in faces along vectors in space, (P, 3)."""
         apex, tail, head = (self.mesh.vertices[column] for column in self._faces[numbers].T)
         x = _unit(head - tail)
         up = apex - tail

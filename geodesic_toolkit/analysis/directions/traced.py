@@ -1,4 +1,4 @@
-"""Refined fronts with all that they carry: for logarithmic maps, transport and extension."""
+"""Refined fronts and the data that they carry, for log maps, transport and extension."""
 
 from dataclasses import dataclass
 from typing import cast
@@ -17,14 +17,14 @@ from geodesic_toolkit.sources.points import SourcePoints
 __all__ = ["Traced", "refines", "trace", "trace_curve"]
 
 SHADOW = 1e100
-"""Spread of what comes from one place on a curve, as from a kink or an end."""
+"""Spread of geodesics from one place on a curve, such as a kink or an end."""
 
 TURNING = 0.9
-"""Distance times curvature of a front from which on it is a circle about one place."""
+"""Least distance times curvature at which a front is a circle around one place."""
 
 
 def refines(solver: object, what: str, refine: object) -> bool:
-    """Return whether something is to be refined: as it says, or else as the solver does.
+    """Return `refine`, or the option of the solver if it is None.
 
     Raises
     ------
@@ -113,7 +113,7 @@ def trace(solver: GeodesicSolver, points: SourcePoints, *, unfold: bool = True) 
 
 
 def trace_curve(solver: GeodesicSolver, points: SourcePoints, course: Course) -> FloatArray:
-    """Return how far along a curve, (N,), the nearest place on it is; NaN where nothing connects.
+    """Return the arc length, (N,), of the nearest place on a curve; NaN without a connection.
 
     Parameters
     ----------

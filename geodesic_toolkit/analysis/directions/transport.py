@@ -13,7 +13,7 @@ from geodesic_toolkit.solver.solver import GeodesicSolver
 __all__ = ["parallel_transport"]
 
 FLAT = 1e-12
-"""Share of a vector's length along the surface up to which it has no direction there."""
+"""Tangent part of a vector, relative to its length, up to which it has no direction."""
 
 
 def parallel_transport(
@@ -21,8 +21,8 @@ def parallel_transport(
 ) -> FloatArray:
     """Return at each vertex the tangent vector of the nearest source, carried there in parallel.
 
-    Refined, it goes along the shortest geodesic: its angle to that stays the same. Plain transport
-    is the vector heat method, which blurs where the cells of sources meet.
+    Refined, the vector keeps its angle to the shortest geodesic. Plain transport is the vector heat
+    method, which blurs vectors where the cells of sources meet.
 
     Parameters
     ----------
@@ -31,7 +31,7 @@ def parallel_transport(
     sources : int, array-like, SurfacePoint, sequence of them, or OffsetSources
         P places, as :meth:`GeodesicSolver.distance` takes them; no curve.
     vectors : array-like of shape (P, 3), or (3,) of one source
-        In space; what counts is how they lie in the tangent planes.
+        In space; their parts in the tangent planes count.
     refine : bool, optional
         As the solver does, by default.
 
@@ -44,12 +44,12 @@ def parallel_transport(
     Raises
     ------
     InvalidOptionError
-        Something else than a solver; vectors of another shape or that are not finite; a `refine`
-        that is neither True nor False.
+        An argument that is not a solver; vectors of another shape or not finite; a `refine` that
+        is neither True nor False.
     UnsupportedDomainError
         A graph, as an edge has no angle; a surface with one side; elements that are not triangles.
     InvalidSourceError
-        No source, or a curve; a vector without a direction along the surface.
+        Not a source, or a curve; a vector without a direction along the surface.
 
     References
     ----------

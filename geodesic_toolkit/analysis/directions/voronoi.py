@@ -60,23 +60,22 @@ def centroidal_voronoi(
 ) -> CentroidalVoronoi:
     """Move sites to the centres of their geodesic Voronoi cells, again and again.
 
-    Lloyd's iteration: each site goes where the logarithms of its cell are 0 in the mean. One sweep
-    has the logarithmic maps of all cells, however many there are.
+    Lloyd's iteration: each site moves to the mean of the logarithms of its cell. One sweep gives
+    the logarithmic maps of all cells, whatever their number.
 
     Parameters
     ----------
     solver : GeodesicSolver
         Of a mesh.
     sites : array-like, SurfacePoint, sequence of them, or int
-        Where they are at first, as :meth:`GeodesicSolver.distance` takes sources; or with `rng` how
-        many are to be drawn among the vertices, by area and density.
+        Their initial places, as :meth:`GeodesicSolver.distance` takes sources; or, with `rng`, the
+        number of sites to draw among the vertices, by area and density.
     density : array-like of shape (N,), optional
-        How much each vertex counts beside its area; not negative. Where it is large, cells are
-        small.
+        Factors of the areas of the vertices; not negative. Cells are small where it is large.
     steps : int
-        At most.
+        Maximum number of steps.
     tolerance : float
-        Share of the energy by which a step must lower it for another one to follow.
+        Relative decrease of the energy below which the iteration ends.
     rng : numpy.random.Generator, optional
     progress : callable, optional
         Called with the number of steps done and `steps` after each.
@@ -92,7 +91,7 @@ def centroidal_voronoi(
     UnsupportedDomainError
         Something else than a mesh; a surface with one side.
     InvalidSourceError
-        No site, or something that names no place.
+        Not a site, or an argument that is not a place.
 
     References
     ----------

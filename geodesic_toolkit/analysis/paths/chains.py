@@ -28,7 +28,7 @@ SAME_SHARES = 1e-8
 
 @dataclass(frozen=True)
 class Course:
-    """How a path takes its stops.
+    """Options of a path through stops.
 
     Parameters
     ----------
@@ -85,7 +85,7 @@ def located_stops(
 def path_through(
     solver: GeodesicSolver, stops: SourcePoints, course: Course
 ) -> GeodesicPath | None:
-    """Return the geodesic that the shortest way along edges through stops is pulled to.
+    """Return the geodesic to which the shortest path along edges through stops is pulled.
 
     None where a closed one shrinks to a point, or to less than the course's least length.
 

@@ -16,7 +16,7 @@ def geodesic_loop(
 ) -> GeodesicPath:
     """Return the closed geodesic that a loop through way points on a mesh is pulled to.
 
-    The loop starts as the shortest way along edges from each way point to the next and back to the
+    The loop starts as the shortest path along edges from each way point to the next and back to the
     first. The strip of faces that it passes is unfolded, the shortest closed line through it drawn,
     and the strip led around the other side of a vertex wherever that is shorter. So the loop stays
     in its class: it goes around the same handles and holes. Where the surface bulges a class has

@@ -74,7 +74,7 @@ class GeodesicPath(Polyline):
 def path_from_candidate(
     mesh: TriangleMesh, original: IntArray, split: Insertion, way: Candidate
 ) -> GeodesicPath:
-    """Return the path along a way over parts of faces.
+    """Return the path of a candidate over parts of faces.
 
     Parameters
     ----------
