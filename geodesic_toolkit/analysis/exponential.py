@@ -56,7 +56,7 @@ class ExpMap(FrozenArrays):
     arrival : ndarray of shape (Q, 3), float64
         The directions in which they arrive, of length 1; 0 for a line of no length.
     missing : ndarray of shape (Q,), float64
-        The rest of their lengths if they end at a boundary of the surface or at an edge of more than
+        The rest of the lengths of lines that end at a boundary, or at an edge of more than
         two faces; 0 for the others.
     """
 
