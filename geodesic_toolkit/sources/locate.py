@@ -7,11 +7,12 @@ from typing import Any
 import numpy as np
 
 from geodesic_toolkit.core.checks import check_nothing_masked
-from geodesic_toolkit.core.types import FloatArray, IntArray
+from geodesic_toolkit.core.types import BoolArray, FloatArray, IntArray
 from geodesic_toolkit.core.warning import warn
 from geodesic_toolkit.domains import Domain, Located, check_present, positions_of, triangles_of
 from geodesic_toolkit.errors import FarSourceWarning, InvalidSourceError
 from geodesic_toolkit.geometry.triangles import face_edge_lengths
+from geodesic_toolkit.geometry.welding import boundary_edges
 from geodesic_toolkit.sources.ground import Ground, lies_in_triangles
 from geodesic_toolkit.sources.kinds import Curve, OffsetSources
 from geodesic_toolkit.sources.laid import CurveSamples, LaidCurve
@@ -286,9 +287,9 @@ def _along(domain: Domain, ground: Ground, curve: Curve, name: str) -> SourcePoi
         return replace(near, distances=off, front_curvatures=np.zeros(len(vertices)), copy=False)
     if len(points) == 1 or not lies_in_triangles(passable):
         return _between(passable, at)
-    normals = _normals_near(passable, at.vertices)
+    normals, boundary = _surface_near(passable, at.vertices)
     laid = LaidCurve(at.positions(passable), at.vertices, at.weights, samples, curve.closed)
-    return laid.as_fronts(passable.positions, normals)
+    return laid.as_fronts(passable.positions, normals, boundary)
 
 
 def corners_of_curve(domain: Domain, curve: Curve, name: str = "curve") -> FloatArray:
@@ -304,8 +305,11 @@ def corners_of_curve(domain: Domain, curve: Curve, name: str = "curve") -> Float
     return np.asarray(curve.points)
 
 
-def _normals_near(surface: Domain, vertices: IntArray) -> FloatArray:
-    """Return normals of any length at vertices, (N, 3), exact at the given ones and beside them."""
+def _surface_near(surface: Domain, vertices: IntArray) -> tuple[FloatArray, BoolArray]:
+    """Return normals of any length, (N, 3), and a mask of the boundary, (N,), near some vertices.
+
+    Both are exact at these vertices only.
+    """
     triangles, positions = surface.triangles, surface.positions
     near = np.zeros(surface.n_vertices, dtype=np.bool_)
     near[vertices] = True
@@ -315,7 +319,9 @@ def _normals_near(surface: Domain, vertices: IntArray) -> FloatArray:
     sums = np.zeros((surface.n_vertices, 3))
     for corner in range(3):
         np.add.at(sums, around[:, corner], areas)
-    return sums
+    boundary = np.zeros(surface.n_vertices, dtype=np.bool_)
+    boundary[boundary_edges(around)] = True
+    return sums, boundary & near
 
 
 def _spacing(domain: Domain) -> float:
