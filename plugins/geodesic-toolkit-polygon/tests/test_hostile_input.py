@@ -94,6 +94,7 @@ def test_a_mesh_of_one_place_is_refused():
 
 
 def test_a_face_that_no_place_sees_all_of_is_split_inside():
+    pytest.importorskip("manifold3d")  # an extra of the core
     u = [[0, 0], [5, 0], [5, 4], [4, 4], [4, 1], [1, 1], [1, 4], [0, 4]]
     mesh = PolygonMesh(np.column_stack([u, np.zeros(8)]), [range(8)])
     discretization = PolygonLaplacian().assemble(mesh)
