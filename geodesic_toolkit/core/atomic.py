@@ -103,7 +103,7 @@ def new_folder(path: str | os.PathLike[str]) -> Iterator[Path]:
         try:
             yield temporary
             temporary.rename(target)
-        except BaseException:
+        except BaseException:  # also Ctrl-C: remove what was begun, then re-raise
             shutil.rmtree(temporary, ignore_errors=True)
             raise
 
