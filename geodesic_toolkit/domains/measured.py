@@ -28,12 +28,14 @@ MAX_DISAGREEMENT_OF_LENGTHS = 1e-6
 """Relative difference up to which the lengths of an edge in two faces are rounding: single
 precision has 6e-8."""
 
-MIN_SLACK_OF_VERTEX_COSTS = 0.05
+MIN_SLACK_OF_VERTEX_COSTS = 0.01
 """Slack of a triangle inequality, in longest edges, below which a face has the mean cost of its
 corners, instead of edges with the mean cost of their ends.
 
-Edges by their ends close to a triangle unless the cost changes several times within a face. Values
-from 0.01 to 0.2 change distances on a random cost of ratio 100 by less than the error there.
+Edges by their ends make a proper triangle unless the cost changes several times within a face.
+Measured on squares of 20 and 40 edges with a random cost on a grid of 10, against 160 edges: at a
+ratio of 10 the error is 3.1 and 0.7 % with 0 to 0.05 and 2.6 and 0.5 % with 0.2; at a ratio of 100
+it is 2.8 and 0.9 % with 0.01, 3.3 and 1.8 % with 0.05, and 9.6 and 7.2 % with 0.2.
 """
 
 MAX_ROUNDING_OF_TRIANGLES = 1e-6
@@ -183,9 +185,7 @@ class IntrinsicMesh(MeasuredFaces):
     lengths: FloatArray
     _n_vertices: int
 
-    def __init__(
-        self, faces: ArrayLike, lengths: ArrayLike, n_vertices: int | None = None
-    ) -> None:
+    def __init__(self, faces: ArrayLike, lengths: ArrayLike, n_vertices: int | None = None) -> None:
         check_corners(faces)
         triangles = as_indices(faces, "faces", "face", (None, 3))
         if len(triangles) == 0:
@@ -350,9 +350,7 @@ def _unmasked(faces: IntArray, mask: BoolArray) -> BoolArray:
     return np.asarray(left)
 
 
-def distinct_edges(
-    faces: IntArray, lengths: FloatArray
-) -> tuple[IntArray, FloatArray, FloatArray]:
+def distinct_edges(faces: IntArray, lengths: FloatArray) -> tuple[IntArray, FloatArray, FloatArray]:
     """Return the edges (E, 2) of proper faces, and their shortest and longest lengths, (E,)."""
     edges, place, proper = _numbered_edges(faces)
     sides = lengths[proper].ravel()
@@ -389,7 +387,7 @@ def _check_lengths(lengths: FloatArray) -> None:
 
 
 def _with_one_length(faces: IntArray, lengths: FloatArray) -> FloatArray:
-    """Return lengths that are the same in all faces of an edge, after checking that they nearly are.
+    """Return lengths that are the same in all faces of an edge: the means of nearly equal ones.
 
     Raises
     ------
@@ -477,7 +475,7 @@ def _slack(lengths: FloatArray) -> FloatArray:
     """Return the slack of the triangle inequality in longest edges, (F,); 1 for equal edges."""
     longest = lengths.max(axis=1)
     slack = lengths.sum(axis=1) - 2 * longest
-    return np.divide(slack, longest, out=np.zeros(len(longest)), where=longest > 0)
+    return np.asarray(np.divide(slack, longest, out=np.zeros(len(longest)), where=longest > 0))
 
 
 def _lengths_with_tensor(mesh: TriangleMesh, tensor: ArrayLike, on: str) -> FloatArray:
@@ -522,7 +520,10 @@ def _lengths_with_tensor(mesh: TriangleMesh, tensor: ArrayLike, on: str) -> Floa
 def _measured(sides: FloatArray, tensors: FloatArray) -> FloatArray:
     """Return the lengths (F, 3) of edges by tensors of faces, or of each of their edges."""
     each = tensors[:, None] if tensors.ndim == 3 else tensors
-    squares = np.einsum("fcd,fcde,fce->fc", sides, np.broadcast_to(each, (*sides.shape, sides.shape[2])), sides)
+    stretched = np.einsum(
+        "fcde,fce->fcd", np.broadcast_to(each, (*sides.shape, len(each.T))), sides
+    )
+    squares = np.einsum("fcd,fcd->fc", sides, stretched)
     return np.asarray(np.sqrt(np.maximum(squares, 0.0)))
 
 

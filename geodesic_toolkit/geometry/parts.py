@@ -40,7 +40,8 @@ def mean_edges_of_parts(
     mean = np.full(count, lengths.mean() if spacing is None else spacing)
     total = np.bincount(parts[tails], lengths, count)
     number = np.bincount(parts[tails], minlength=count)
-    return np.divide(total, number, out=mean, where=total > 0)
+    np.divide(total, number, out=mean, where=total > 0)
+    return mean
 
 
 def part_scales(

@@ -252,8 +252,11 @@ class CotanLaplacian(LaplaceOperator):
     def _measured(self, domain: Domain) -> "_Measured":
         """Return the measured triangles of a mesh, and a mask of those to be flipped."""
         self.check_domain(domain)
-        own = isinstance(domain, MeasuredFaces)
-        faces, inverse, areas, added = _triangles_by_length(domain) if own else _triangles(domain)
+        assert isinstance(domain, TriangleMesh | MeasuredFaces)  # for the type checker
+        if isinstance(domain, MeasuredFaces):
+            faces, inverse, areas, added = _triangles_by_length(domain)
+        else:
+            faces, inverse, areas, added = _triangles(domain)
         if not len(faces):
             raise UnsupportedDomainError(
                 "all corners of every face are at one position; the mesh has zero area"
@@ -285,7 +288,7 @@ class CotanLaplacian(LaplaceOperator):
             flip=self._to_be_flipped(faces, parts, excess, slivers),
             added=added,
             dropped=domain.n_faces - len(faces),
-            edges_agree=domain.edges_agree if own else True,
+            edges_agree=not isinstance(domain, MeasuredFaces) or domain.edges_agree,
         )
 
     def _to_be_flipped(
@@ -359,9 +362,7 @@ def _triangles_by_length(
     return faces, *measured_by_lengths(longer), float(added.max())
 
 
-def _mean_edges(
-    domain: Domain, sums: TriangleSums, parts: IntArray
-) -> tuple[float, FloatArray]:
+def _mean_edges(domain: Domain, sums: TriangleSums, parts: IntArray) -> tuple[float, FloatArray]:
     """Return the mean edge length of a shape, and of each of its components."""
     if isinstance(domain, MeasuredFaces):
         graph = domain.as_graph()
