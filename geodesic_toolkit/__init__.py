@@ -41,7 +41,15 @@ if TYPE_CHECKING:
     from geodesic_toolkit.discretization.element_gradient import ElementGradient
     from geodesic_toolkit.discretization.gradient import Gradient
     from geodesic_toolkit.discretization.subdivision import Subdivision
-    from geodesic_toolkit.domains import Domain, Graph, Located, PointCloud, TriangleMesh
+    from geodesic_toolkit.domains import (
+        Domain,
+        Graph,
+        IntrinsicMesh,
+        Located,
+        MetricMesh,
+        PointCloud,
+        TriangleMesh,
+    )
     from geodesic_toolkit.exact import exact_distance
     from geodesic_toolkit.heat.method import HeatMethod, HeatReport
     from geodesic_toolkit.interop.conversion import as_domain
@@ -100,10 +108,12 @@ __all__ = [
     "Graph",
     "HeatMethod",
     "HeatReport",
+    "IntrinsicMesh",
     "LaplaceOperator",
     "LinearSolver",
     "Located",
     "LogMap",
+    "MetricMesh",
     "OffsetSources",
     "PluginStatus",
     "PointCloud",
@@ -190,10 +200,12 @@ _HOMES = {
     "Graph": "domains",
     "HeatMethod": "heat.method",
     "HeatReport": "heat.method",
+    "IntrinsicMesh": "domains",
     "LaplaceOperator": "laplacians.base",
     "LinearSolver": "linear.base",
     "Located": "domains",
     "LogMap": "analysis.directions.log_map",
+    "MetricMesh": "domains",
     "OffsetSources": "sources.kinds",
     "PluginStatus": "registry.registry",
     "PointCloud": "domains",

@@ -364,12 +364,17 @@ class Corners:
     def edge(self) -> Numbers: ...
 
 def gather_corners(
-    elements: Indices, frames: Numbers, stars: bool, add_missed: bool, boundary: Bools
+    elements: Indices,
+    frames: Numbers,
+    stars: bool,
+    add_missed: bool,
+    boundary: Bools,
+    edges_agree: bool = True,
 ) -> Corners:
     """Sort the corners of triangles by their vertices; `add_missed` adds triangles that stars lack.
 
     Without stars, `edge` is negative for edges at which the surface ends, between vertices of the
-    `boundary`.
+    `boundary`; unless `edges_agree`, edges are distinguished by their ends alone.
     """
 
 def angle_defects(elements: Indices, frames: Numbers, boundary: Bools) -> Numbers:

@@ -81,6 +81,8 @@ class Discretization(FrozenArrays):
         For triangles: "given", "intrinsic Delaunay" after edge flips, or "partly intrinsic
         Delaunay" after flips in some connected components. Refinement does not flip edges of an
         intrinsic Delaunay triangulation again.
+    edges_agree : bool, optional
+        False if two triangles may disagree about the length of their edge, as where a cost jumps.
     known_components : ndarray of shape (N,), int64, optional
         The connected component of every vertex, numbered from 0, if the operator knows it already;
         otherwise it is found from the stiffness.
@@ -122,6 +124,7 @@ class Discretization(FrozenArrays):
     representatives: IntArray = field(default_factory=lambda: np.zeros(0, dtype=np.int64))
     local_scale: bool = False
     triangulation: str = ""
+    edges_agree: bool = True
     known_components: InitVar[IntArray | None] = None
     notes: Mapping[str, Any] = field(default_factory=dict)
     copy: InitVar[bool] = True

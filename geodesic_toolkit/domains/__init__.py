@@ -14,12 +14,16 @@ from geodesic_toolkit.domains.checked import (
 from geodesic_toolkit.domains.cloud import PointCloud
 from geodesic_toolkit.domains.graph import Graph
 from geodesic_toolkit.domains.located import Located, check_present
+from geodesic_toolkit.domains.measured import IntrinsicMesh, MeasuredFaces, MetricMesh
 from geodesic_toolkit.domains.mesh import TriangleMesh
 
 __all__ = [
     "Domain",
     "Graph",
+    "IntrinsicMesh",
     "Located",
+    "MeasuredFaces",
+    "MetricMesh",
     "PointCloud",
     "TriangleMesh",
     "check_present",

@@ -50,9 +50,13 @@ class Domain(FrozenArrays, abc.ABC):
     ----------
     vertex_name : str
         Singular noun for a vertex in messages.
+    measured_in_space : bool
+        True if places within an element are as far apart as their positions in space; False for a
+        kind with a metric of its own, which then has a method ``spans``.
     """
 
     vertex_name: ClassVar[str] = "vertex"
+    measured_in_space: ClassVar[bool] = True
 
     @property
     @abc.abstractmethod
@@ -175,6 +179,29 @@ class Domain(FrozenArrays, abc.ABC):
             This kind of domain leaves it to its triangles or vertices.
         """
         raise _without_capability(self, "no places of its own between vertices", "closest(points)")
+
+    def spans(self, vertices: IntArray, weights: FloatArray) -> FloatArray:
+        """Return the straight distances of places in elements from the vertices of these, (P, C).
+
+        Parameters
+        ----------
+        vertices : ndarray of shape (P, C), int64
+            The vertices of the element of each place.
+        weights : ndarray of shape (P, C), float64
+            Convex weights.
+
+        Returns
+        -------
+        ndarray of shape (P, C), float64
+
+        Raises
+        ------
+        UnsupportedDomainError
+            This kind of domain has no positions.
+        """
+        corners = self.positions[vertices]
+        at = np.einsum("pc,pcd->pd", weights, corners)
+        return np.asarray(np.linalg.norm(corners - at[:, None], axis=2))
 
     @classmethod
     def from_file(cls, path: Path) -> Domain:

@@ -7,22 +7,30 @@ are flipped by our own kernel: libigl's flips take longer than all other steps o
 import numpy as np
 
 from geodesic_toolkit import _native
-from geodesic_toolkit.core.types import FloatArray, IntArray
+from geodesic_toolkit.core.types import BoolArray, FloatArray, IntArray
 from geodesic_toolkit.geometry.components import connected_by_edges
 
 __all__ = [
     "MOST_SIDES",
     "coherently_oriented",
+    "cut_disagreeing",
     "delaunay_triangles",
     "voronoi_areas",
 ]
+
+MAX_ROUNDING_OF_LENGTHS = 1e-9
+"""Relative difference of the lengths of an edge in two faces that is rounding."""
 
 MOST_SIDES = np.iinfo(np.int32).max
 """Maximum number of half-edges that our kernels can pair."""
 
 
 def delaunay_triangles(
-    faces: IntArray, lengths: FloatArray, sides: _native.HalfEdges | None = None
+    faces: IntArray,
+    lengths: FloatArray,
+    sides: _native.HalfEdges | None = None,
+    *,
+    edges_agree: bool = True,
 ) -> tuple[IntArray, FloatArray, IntArray]:
     """Return the intrinsic Delaunay triangulation of any triangles.
 
@@ -34,6 +42,8 @@ def delaunay_triangles(
         The edge opposite corner i in column i, with every triangle inequality strict.
     sides : _native.HalfEdges, optional
         The half-edges of the faces, if they have been sorted already.
+    edges_agree : bool
+        False if two faces may disagree about the length of their edge, which then stays.
 
     Returns
     -------
@@ -47,11 +57,38 @@ def delaunay_triangles(
     count = int(faces.max()) + 1
     twin, coherent = (sides or _native.sorted_half_edges(faces, count)).twins()
     if coherent:
+        if not edges_agree:
+            cut_disagreeing(twin, lengths)
         return _flipped(faces, lengths, twin, count)
     cut, cut_lengths, origin = coherently_oriented(faces, lengths)
     twin, _ = _native.sorted_half_edges(cut, len(origin)).twins()
+    if not edges_agree:
+        cut_disagreeing(twin, cut_lengths)
     flipped, flipped_lengths, twin = _flipped(cut, cut_lengths, twin, len(origin))
     return origin[flipped], flipped_lengths, twin
+
+
+def cut_disagreeing(twin: IntArray, lengths: FloatArray) -> BoolArray:
+    """Cut half-edges from their twins in place where these have another length.
+
+    Two faces in which the metric differs are not isometric to a flat quadrangle, so that the edge
+    between them has no other diagonal.
+
+    Parameters
+    ----------
+    twin : ndarray of shape (3 F,), int64
+    lengths : ndarray of shape (F, 3), float64
+
+    Returns
+    -------
+    ndarray of shape (3 F,), bool
+        True at the half-edges that have been cut.
+    """
+    flat = lengths.ravel()
+    other = flat[np.where(twin < 0, np.arange(len(twin)), twin)]
+    cut = np.abs(flat - other) > MAX_ROUNDING_OF_LENGTHS * flat
+    twin[cut] = -1
+    return np.asarray(cut)
 
 
 def _flipped(

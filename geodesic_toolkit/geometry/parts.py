@@ -5,15 +5,49 @@ import numpy as np
 from geodesic_toolkit.core.rows import CompressedRows
 from geodesic_toolkit.core.types import FloatArray, IntArray
 
-__all__ = ["part_scales"]
+__all__ = ["lengths_of_pattern", "mean_edges_of_parts", "part_scales"]
+
+
+def lengths_of_pattern(vertices: FloatArray, edges: CompressedRows) -> tuple[IntArray, FloatArray]:
+    """Return one end and the length of each edge in the pattern of a symmetric matrix.
+
+    Parameters
+    ----------
+    vertices : ndarray of shape (N, 3)
+    edges : CompressedRows of shape (N, N)
+    """
+    tails = np.repeat(np.arange(len(vertices)), np.diff(edges.indptr))
+    upper = edges.indices > tails
+    tails, heads = tails[upper], edges.indices[upper]
+    return tails, np.asarray(np.linalg.norm(vertices[tails] - vertices[heads], axis=1))
+
+
+def mean_edges_of_parts(
+    lengths: FloatArray, tails: IntArray, parts: IntArray, spacing: float | None = None
+) -> FloatArray:
+    """Return the mean edge length of each component, (C,); `spacing` in those without any edge.
+
+    Parameters
+    ----------
+    lengths, tails : ndarray of shape (E,)
+        The length of every edge, and one of its ends.
+    parts : ndarray of shape (N,), int64
+        The connected component of every vertex.
+    spacing : float, optional
+        The mean of all lengths, unless given.
+    """
+    count = int(parts.max()) + 1
+    mean = np.full(count, lengths.mean() if spacing is None else spacing)
+    total = np.bincount(parts[tails], lengths, count)
+    number = np.bincount(parts[tails], minlength=count)
+    np.divide(total, number, out=mean, where=total > 0)
+    return mean
 
 
 def part_scales(
-    vertices: FloatArray,
-    edges: CompressedRows,
     parts: IntArray,
+    mean: FloatArray,
     *,
-    spacing: float,
     first_vertices: IntArray,
     squares: FloatArray,
     areas: FloatArray,
@@ -28,28 +62,16 @@ def part_scales(
 
     Parameters
     ----------
-    vertices : ndarray of shape (N, 3)
-    edges : CompressedRows of shape (N, N)
-        Pattern with an entry for every edge.
     parts : ndarray of shape (N,), int64
         The connected component of every vertex.
-    spacing : float
-        Mean length of all edges.
+    mean : ndarray of shape (C,), float64
+        The mean edge length of each component.
     first_vertices : ndarray of shape (F,)
         One vertex of every triangle.
     squares, areas : ndarray of shape (F,)
         Mean squared edge length and area of the triangles.
     """
-    count = int(parts.max()) + 1
-    mean = np.full(count, spacing)
-    if count > 1:
-        tails = np.repeat(np.arange(len(vertices)), np.diff(edges.indptr))
-        upper = edges.indices > tails
-        tails, heads = tails[upper], edges.indices[upper]
-        lengths = np.linalg.norm(vertices[tails] - vertices[heads], axis=1)
-        total = np.bincount(parts[tails], lengths, count)
-        number = np.bincount(parts[tails], minlength=count)
-        np.divide(total, number, out=mean, where=total > 0)
+    count = len(mean)
     part = parts[first_vertices] if count > 1 else None
     area, covered = _totals(areas, part, count), _totals(areas * squares, part, count)
     square = np.divide(covered, area, out=np.zeros(count), where=area > 0)

@@ -32,8 +32,8 @@ class LaplaceOperator(abc.ABC):
     Examples
     --------
     >>> import geodesic_toolkit as gt
-    >>> gt.CotanLaplacian.domains
-    (<class 'geodesic_toolkit.domains.mesh.TriangleMesh'>,)
+    >>> gt.PointCloudLaplacian.domains
+    (<class 'geodesic_toolkit.domains.cloud.PointCloud'>,)
     """
 
     domains: ClassVar[tuple[type[Domain], ...]]

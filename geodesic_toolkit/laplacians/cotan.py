@@ -11,12 +11,18 @@ from geodesic_toolkit.discretization.data import Discretization
 from geodesic_toolkit.discretization.element_gradient import ElementGradient
 from geodesic_toolkit.discretization.positivity import obtuse_excess
 from geodesic_toolkit.discretization.triangle_sums import TriangleSums
-from geodesic_toolkit.domains import Domain, TriangleMesh
+from geodesic_toolkit.domains import (
+    Domain,
+    IntrinsicMesh,
+    MeasuredFaces,
+    MetricMesh,
+    TriangleMesh,
+)
 from geodesic_toolkit.errors import InvalidOptionError, UnsupportedDomainError
-from geodesic_toolkit.geometry.components import connected_vertices
+from geodesic_toolkit.geometry.components import connected_by_faces, connected_vertices
 from geodesic_toolkit.geometry.frames import ComplexArray, Fans, Frames, fans_of
 from geodesic_toolkit.geometry.intrinsic import delaunay_triangles, voronoi_areas
-from geodesic_toolkit.geometry.parts import part_scales
+from geodesic_toolkit.geometry.parts import lengths_of_pattern, mean_edges_of_parts, part_scales
 from geodesic_toolkit.geometry.rims import (
     Trapezoids,
     mirrored_at_rims,
@@ -29,6 +35,8 @@ from geodesic_toolkit.geometry.triangles import (
     mean_squared_edges,
     measured_by_lengths,
     measured_triangles,
+    mollified_lengths,
+    proper_faces,
 )
 from geodesic_toolkit.laplacians.base import LaplaceOperator
 
@@ -124,7 +132,7 @@ class CotanLaplacian(LaplaceOperator):
     mass: Literal["barycentric", "voronoi", "identity"] = "barycentric"
     intrinsic_delaunay: bool | Literal["auto"] = False
 
-    domains: ClassVar[tuple[type[Domain], ...]] = (TriangleMesh,)
+    domains: ClassVar[tuple[type[Domain], ...]] = (TriangleMesh, MetricMesh, IntrinsicMesh)
     references: ClassVar[tuple[str, ...]] = (
         "10.1080/10586458.1993.10504266",
         "10.1007/s00454-007-9006-1",
@@ -145,7 +153,7 @@ class CotanLaplacian(LaplaceOperator):
 
         Parameters
         ----------
-        domain : TriangleMesh
+        domain : TriangleMesh, MetricMesh or IntrinsicMesh
             Faces with a repeated vertex, and repeated faces, are dropped; faces of zero area are
             mollified.
 
@@ -167,12 +175,16 @@ class CotanLaplacian(LaplaceOperator):
         measured = self._measured(domain)
         gradient, sums, flip, surface = measured.gradient, measured.sums, measured.flip, None
         if flip.any():
-            faces, lengths, twin = _flipped(gradient.elements, measured.lengths, flip, sums.sides)
+            agree = measured.edges_agree
+            faces, lengths, twin = _flipped(
+                gradient.elements, measured.lengths, flip, sums.sides, edges_agree=agree
+            )
             gradient = ElementGradient.of_triangles(
                 faces, *measured_by_lengths(lengths), gradient.n_vertices, copy=False
             )
-            kept, trapezoids = mirrored_at_rims(faces, lengths, twin)
-            if not kept.all():
+            # An edge whose faces disagree is not a boundary: heat flows across it.
+            kept, trapezoids = mirrored_at_rims(faces, lengths, twin) if agree else (None, None)
+            if kept is not None and trapezoids is not None and not kept.all():
                 surface, gradient = gradient, _mirrored(gradient, kept, trapezoids)
             sums = gradient.sums()
         triangulation = _TRIANGULATION[bool(flip.any()), bool(flip.all())]
@@ -191,6 +203,7 @@ class CotanLaplacian(LaplaceOperator):
             scales=measured.scales[measured.parts],
             surface=surface,
             triangulation=triangulation,
+            edges_agree=measured.edges_agree,
             known_components=measured.parts,  # flips do not change components
             notes=notes,
             copy=False,
@@ -203,7 +216,10 @@ class CotanLaplacian(LaplaceOperator):
         triangulation the metric has.
         """
         self.check_domain(domain)
-        assert isinstance(domain, TriangleMesh)  # for the type checker; check_domain has raised
+        if not isinstance(domain, TriangleMesh):
+            raise UnsupportedDomainError(
+                f"tangent vectors are those of a surface in space, not of a {type(domain).__name__}"
+            )
         given, flipped = self._triangles_of(domain, metric)
         normals, axes, fans = fans_of(domain.vertices, [*given, *flipped])
         if flipped:
@@ -236,9 +252,11 @@ class CotanLaplacian(LaplaceOperator):
     def _measured(self, domain: Domain) -> "_Measured":
         """Return the measured triangles of a mesh, and a mask of those to be flipped."""
         self.check_domain(domain)
-        assert isinstance(domain, TriangleMesh)  # for the type checker; check_domain has raised
-        _check_extent(domain)
-        faces, inverse, areas, added = measured_triangles(domain.vertices, domain.faces)
+        assert isinstance(domain, TriangleMesh | MeasuredFaces)  # for the type checker
+        if isinstance(domain, MeasuredFaces):
+            faces, inverse, areas, added = _triangles_by_length(domain)
+        else:
+            faces, inverse, areas, added = _triangles(domain)
         if not len(faces):
             raise UnsupportedDomainError(
                 "all corners of every face are at one position; the mesh has zero area"
@@ -247,13 +265,11 @@ class CotanLaplacian(LaplaceOperator):
             faces, inverse, areas, domain.n_vertices, copy=False
         )
         sums, lengths = gradient.sums(), lengths_from_inverse(inverse)
-        spacing = mean_edge_length(domain.vertices, sums.edges)
         parts = connected_vertices(sums.edges)
+        spacing, means = _mean_edges(domain, sums, parts)
         scales = part_scales(
-            domain.vertices,
-            sums.edges,
             parts,
-            spacing=spacing,
+            means,
             first_vertices=faces[:, 0],
             squares=mean_squared_edges(lengths),
             areas=areas,
@@ -272,6 +288,7 @@ class CotanLaplacian(LaplaceOperator):
             flip=self._to_be_flipped(faces, parts, excess, slivers),
             added=added,
             dropped=domain.n_faces - len(faces),
+            edges_agree=not isinstance(domain, MeasuredFaces) or domain.edges_agree,
         )
 
     def _to_be_flipped(
@@ -321,6 +338,43 @@ class _Measured:
     flip: BoolArray
     added: float
     dropped: int
+    edges_agree: bool
+
+
+def _triangles(mesh: TriangleMesh) -> tuple[IntArray, FloatArray, FloatArray, float]:
+    """Return the proper faces of a mesh, as :func:`measured_triangles` does."""
+    _check_extent(mesh)
+    return measured_triangles(mesh.vertices, mesh.faces)
+
+
+def _triangles_by_length(
+    surface: MeasuredFaces,
+) -> tuple[IntArray, FloatArray, FloatArray, float]:
+    """Return the same of faces with lengths."""
+    proper = proper_faces(surface.faces)
+    faces, lengths = surface.faces[proper], surface.lengths[proper]
+    longest = float(lengths.max(initial=0.0))
+    if longest == 0:
+        return faces[:0], np.zeros((0, 3)), np.zeros(0), 0.0
+    _check_width(longest)
+    part = connected_by_faces(faces, surface.n_vertices)[faces[:, 0]]
+    longer, added = mollified_lengths(lengths, part)
+    return faces, *measured_by_lengths(longer), float(added.max())
+
+
+def _mean_edges(domain: Domain, sums: TriangleSums, parts: IntArray) -> tuple[float, FloatArray]:
+    """Return the mean edge length of a shape, and of each of its components."""
+    if isinstance(domain, MeasuredFaces):
+        graph = domain.as_graph()
+        return float(graph.lengths.mean()), mean_edges_of_parts(
+            graph.lengths, graph.edges[:, 0], parts
+        )
+    assert isinstance(domain, TriangleMesh)  # for the type checker; check_domain has raised
+    spacing = mean_edge_length(domain.vertices, sums.edges)
+    if not parts.any():
+        return spacing, np.full(1, spacing)
+    tails, lengths = lengths_of_pattern(domain.vertices, sums.edges)
+    return spacing, mean_edges_of_parts(lengths, tails, parts, spacing)
 
 
 def _check_extent(mesh: TriangleMesh) -> None:
@@ -328,6 +382,10 @@ def _check_extent(mesh: TriangleMesh) -> None:
     extent = _widest(mesh.vertices)
     if not extent <= 1 / MIN_WIDTH_OF_MESH:  # also for NaN: unused vertices may have any value
         extent = _widest(mesh.vertices[mesh.used])
+    _check_width(extent)
+
+
+def _check_width(extent: float) -> None:
     if extent and not MIN_WIDTH_OF_MESH <= extent <= 1 / MIN_WIDTH_OF_MESH:
         raise UnsupportedDomainError(
             f"the mesh is {extent:.3g} wide: squares of such lengths are out of the range of "
@@ -347,16 +405,23 @@ def _are_too_obtuse(lengths: FloatArray, rims: IntArray) -> BoolArray:
 
 
 def _flipped(
-    faces: IntArray, lengths: FloatArray, flip: BoolArray, sides: _native.HalfEdges
+    faces: IntArray,
+    lengths: FloatArray,
+    flip: BoolArray,
+    sides: _native.HalfEdges,
+    *,
+    edges_agree: bool,
 ) -> tuple[IntArray, FloatArray, IntArray]:
     """Make the chosen triangles intrinsically Delaunay; return all triangles and their twins.
 
     Triangles that are not chosen come first, and are their own twins.
     """
     if flip.all():
-        return delaunay_triangles(faces, lengths, sides)
+        return delaunay_triangles(faces, lengths, sides, edges_agree=edges_agree)
     rest = 3 * np.count_nonzero(~flip)
-    delaunay, delaunay_lengths, twin = delaunay_triangles(faces[flip], lengths[flip])
+    delaunay, delaunay_lengths, twin = delaunay_triangles(
+        faces[flip], lengths[flip], edges_agree=edges_agree
+    )
     return (
         np.concatenate([faces[~flip], delaunay]),
         np.concatenate([lengths[~flip], delaunay_lengths]),

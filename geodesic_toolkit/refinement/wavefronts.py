@@ -27,7 +27,7 @@ from geodesic_toolkit.discretization.element_gradient import ElementGradient
 from geodesic_toolkit.discretization.heat import Heat
 from geodesic_toolkit.errors import UnsupportedDomainError
 from geodesic_toolkit.geometry.frames import ComplexArray
-from geodesic_toolkit.geometry.intrinsic import MOST_SIDES
+from geodesic_toolkit.geometry.intrinsic import MOST_SIDES, cut_disagreeing
 from geodesic_toolkit.sources.points import SourcePoints
 
 __all__ = ["WavefrontSweeper", "made_of_triangles"]
@@ -300,7 +300,8 @@ class WavefrontSweeper:
         """
         elements, frames, _ = self._triangles
         stars, add_missed = self._gradient.stars, bool(len(self.metric.surface_frames))
-        return _native.gather_corners(elements, frames, stars, add_missed, self.metric.boundary)
+        boundary, agree = self.metric.boundary, self.metric.edges_agree
+        return _native.gather_corners(elements, frames, stars, add_missed, boundary, agree)
 
     @cached_property
     def _triangles(self) -> tuple[IntArray, FloatArray, FloatArray]:
@@ -339,7 +340,23 @@ class WavefrontSweeper:
     def _twins(self) -> tuple[IntArray, bool]:
         """The twins of half-edges, and whether neighbours agree; flips change a copy of twins."""
         gradient = self._gradient
-        return _native.sorted_half_edges(gradient.elements, gradient.n_vertices).twins()
+        twin, coherent = _native.sorted_half_edges(gradient.elements, gradient.n_vertices).twins()
+        if not self.metric.edges_agree:
+            cut_disagreeing(twin, _native.edge_lengths(gradient.inverse_frames))
+        return twin, coherent
+
+    @cached_property
+    def _torn(self) -> IntArray:
+        """The vertices of edges about whose length two triangles disagree.
+
+        The angles around them do not sum to a curvature.
+        """
+        gradient = self._gradient
+        sides = _native.edge_lengths(gradient.inverse_frames)
+        twin, _ = _native.sorted_half_edges(gradient.elements, gradient.n_vertices).twins()
+        halves = np.flatnonzero(cut_disagreeing(twin, sides))
+        ends = [gradient.elements[halves // 3, (halves + step) % 3] for step in (1, 2)]
+        return np.concatenate(ends)
 
     @cached_property
     def _defects(self) -> FloatArray:
@@ -377,5 +394,9 @@ class WavefrontSweeper:
             return _native.star_curvatures(
                 elements, frames, boundary, CURVATURE_OF_HALF_WEIGHT_ON_STARS
             )
-        triangles = (elements, areas, self._defects)
+        defects = self._defects
+        if not self.metric.edges_agree:
+            defects = defects.copy()
+            defects[self._torn] = 0.0
+        triangles = (elements, areas, defects)
         return _native.curvatures(*triangles, self._corners, boundary, CURVATURE_OF_HALF_WEIGHT)

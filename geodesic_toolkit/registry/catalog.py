@@ -2,7 +2,7 @@
 
 from typing import Any
 
-from geodesic_toolkit.domains import Domain, Graph, PointCloud, TriangleMesh
+from geodesic_toolkit.domains import Domain, Graph, MeasuredFaces, PointCloud, TriangleMesh
 from geodesic_toolkit.errors import InvalidOptionError, PluginLoadError, UnsupportedDomainError
 from geodesic_toolkit.laplacians.base import LaplaceOperator
 from geodesic_toolkit.laplacians.cotan import CotanLaplacian
@@ -65,7 +65,7 @@ def resolve_operator(choice: object, domain: Domain) -> LaplaceOperator:
         return operator
     # The core's own operators are not looked up by name: scanning all installed distributions
     # takes as long as a mesh of 10,000 vertices.
-    if isinstance(domain, TriangleMesh):
+    if isinstance(domain, TriangleMesh | MeasuredFaces):
         return CotanLaplacian(intrinsic_delaunay="auto")
     if isinstance(domain, PointCloud):
         from geodesic_toolkit.laplacians.pointcloud.operator import PointCloudLaplacian

@@ -16,7 +16,7 @@ from geodesic_toolkit.domains import Domain, positions_of, triangles_of
 from geodesic_toolkit.errors import InvalidOptionError, UnsupportedDomainError
 from geodesic_toolkit.geometry.closest import TriangleTree
 from geodesic_toolkit.geometry.entering import entered
-from geodesic_toolkit.geometry.triangles import proper_faces
+from geodesic_toolkit.geometry.triangles import face_edge_lengths, proper_faces
 from geodesic_toolkit.heat.method import Progress
 from geodesic_toolkit.sources.ground import Ground, lies_in_triangles
 from geodesic_toolkit.sources.points import SourcePoints
@@ -167,6 +167,7 @@ class Surface:
         self._mask, self._left = mask, ground
         self._positions = positions_of(domain)
         self._spacing = discretization.spacing
+        self._in_space = domain.measured_in_space
         self._box: tuple[FloatArray, FloatArray] | None = None
         self._own: Ground | None = None
         if domain.has("closest"):
@@ -177,6 +178,8 @@ class Surface:
         self._faces = _triangles(domain, discretization)
         if len(self._faces) == 0:  # all faces are degenerate, or all points are equal
             return
+        if not self._in_space:
+            self._spacing = float(face_edge_lengths(self._positions, self._faces).mean())
         low, high = np.full(3, np.inf), np.full(3, -np.inf)
         for some in _batches(len(self._faces)):
             places = self._positions[self._faces[some]]
@@ -337,7 +340,7 @@ class Surface:
         corners = feet.corners
         found = _mean(feet.weights, values[corners])
         beyond = np.flatnonzero(found == np.inf)
-        if self._mask is not None and len(beyond):
+        if self._mask is not None and len(beyond) and self._in_space:
             found[beyond] = self._values_in_cut_faces(values, feet.chosen(beyond))
         if kinks is not None:
             rings = found / self._spacing
@@ -382,7 +385,7 @@ class Surface:
         return rows[whole], faces[whole]
 
     def _kinks(self, sources: SourcePoints | None) -> "_Kinks | None":
-        if sources is None or not sources.radial:
+        if sources is None or not sources.radial or not self._in_space:
             return None
         return _Kinks(np.asarray(sources.weights @ self._positions))
 

@@ -111,7 +111,8 @@ def _as_located(domain: Domain, sources: Any, name: str) -> Located | None:
     if isinstance(sources, Located):
         if not len(sources):
             raise InvalidSourceError(f"{name}: there are none; give at least one place")
-        _check_positions(domain, name)
+        if domain.measured_in_space:
+            _check_positions(domain, name)
         sources.check_on(domain, name)
         return sources
     if isinstance(sources, SurfacePoint):
@@ -257,6 +258,11 @@ def samples_of(domain: Domain, passable: Domain, curve: Curve, name: str) -> Cur
     """
     from geodesic_toolkit.sources.curves import sample_polyline
 
+    if not domain.measured_in_space:
+        raise InvalidSourceError(
+            f"{name}: a curve is measured in space, and a {type(domain).__name__} has a metric of "
+            "its own; give points of the curve as sources, closer together than the edges"
+        )
     corners = corners_of_curve(domain, curve, name)
     spacing = _spacing(passable)
     step = spacing / SAMPLES_PER_EDGE
@@ -341,9 +347,9 @@ def _spacing(domain: Domain) -> float:
 def _between(domain: Domain, places: Located) -> SourcePoints:
     """Return places as sources; the distances of their vertices are straight."""
     vertices, weights = places.vertices, places.weights
-    corners = positions_of(domain)[vertices]
-    at = np.einsum("pc,pcd->pd", weights, corners)
-    distances = np.linalg.norm(corners - at[:, None], axis=2)
+    if domain.measured_in_space:
+        positions_of(domain)  # raises for positions of another shape
+    distances = domain.spans(vertices, weights)
     used = weights > 0
     return SourcePoints(
         vertices=vertices[used],

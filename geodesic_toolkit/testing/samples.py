@@ -1,13 +1,20 @@
 """Domains with known distances, on which operators are measured."""
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, Generic, TypeVar
 
 import numpy as np
 
 from geodesic_toolkit.core.types import BoolArray, FloatArray, IntArray
-from geodesic_toolkit.domains import Domain, Graph, PointCloud, TriangleMesh
+from geodesic_toolkit.domains import (
+    Domain,
+    Graph,
+    IntrinsicMesh,
+    MetricMesh,
+    PointCloud,
+    TriangleMesh,
+)
 from geodesic_toolkit.errors import InvalidOptionError
 from geodesic_toolkit.testing import shapes
 
@@ -331,8 +338,92 @@ def _lattice(n: int) -> tuple[Graph, FloatArray]:
     return Graph(n * n, edges, np.full(len(edges), 1 / (n - 1))), shapes.grid(n).vertices[:, :2]
 
 
+def _intrinsic(mesh: TriangleMesh) -> IntrinsicMesh:
+    """Return a mesh without degenerate faces by its edge lengths."""
+    return IntrinsicMesh(mesh.faces, MetricMesh(mesh, cost=1.0).lengths, mesh.n_vertices)
+
+
+def _remeasured(sample: Sample, domain: Domain) -> Sample:
+    name = sample.name.replace(TriangleMesh.__name__, type(domain).__name__)
+    return replace(sample, name=name, domain=domain)
+
+
+def _intrinsic_samples() -> DomainSamples[IntrinsicMesh]:
+    meshes = _mesh_samples()
+    return DomainSamples(
+        kind=IntrinsicMesh,
+        families=[
+            [_remeasured(one, _intrinsic(_mesh_of(one))) for one in family]
+            for family in meshes.families
+        ],
+        generic=_intrinsic(meshes.generic),
+        permuted=lambda m, order: IntrinsicMesh(
+            np.argsort(order)[m.faces], m.lengths, m.n_vertices
+        ),
+        united=lambda first, second: IntrinsicMesh(
+            np.concatenate([first.faces, second.faces + first.n_vertices]),
+            np.concatenate([first.lengths, second.lengths]),
+            first.n_vertices + second.n_vertices,
+        ),
+        isolated=lambda m: IntrinsicMesh(m.faces, m.lengths, m.n_vertices + 1),
+        scaled=lambda m, factor: IntrinsicMesh(m.faces, m.lengths * factor, m.n_vertices),
+        degenerate=(
+            IntrinsicMesh([[0, 1, 2]], [[1.0, 1.0, 1.0]]),
+            IntrinsicMesh([[0, 1, 2]], [[1.0, 1.0, 2.0]]),
+            IntrinsicMesh([[0, 0, 1]], [[1.0, 1.0, 1.0]]),
+        ),
+    )
+
+
+def _mesh_of(sample: Sample) -> TriangleMesh:
+    assert isinstance(sample.domain, TriangleMesh)  # for the type checker
+    return sample.domain
+
+
+COST = 2.0
+"""Cost of a sample; distances by closed forms are multiplied by it."""
+
+
+def _weighted(mesh: TriangleMesh) -> MetricMesh:
+    return MetricMesh(mesh, cost=COST)
+
+
+def _mesh_within(domain: MetricMesh) -> TriangleMesh:
+    return TriangleMesh(domain.vertices, domain.faces)
+
+
+def _metric_samples() -> DomainSamples[MetricMesh]:
+    meshes = _mesh_samples()
+    return DomainSamples(
+        kind=MetricMesh,
+        families=[
+            [
+                replace(
+                    _remeasured(one, _weighted(_mesh_of(one))),
+                    positions=COST * one.positions,
+                    distance=COST * one.distance,
+                    spacing=COST * one.spacing,
+                    measure=COST**2 * one.measure,
+                )
+                for one in family
+            ]
+            for family in meshes.families
+        ],
+        generic=_weighted(meshes.generic),
+        permuted=lambda m, order: _weighted(meshes.permuted(_mesh_within(m), order)),
+        united=lambda first, second: _weighted(
+            meshes.united(_mesh_within(first), _mesh_within(second))
+        ),
+        isolated=lambda m: _weighted(meshes.isolated(_mesh_within(m))),
+        scaled=lambda m, factor: _weighted(TriangleMesh(m.vertices * factor, m.faces)),
+        degenerate=tuple(map(_weighted, meshes.degenerate)),
+    )
+
+
 _MAKERS: Mapping[type[Domain], Callable[[], DomainSamples[Any]]] = {
     TriangleMesh: _mesh_samples,
     PointCloud: _cloud_samples,
     Graph: _graph_samples,
+    MetricMesh: _metric_samples,
+    IntrinsicMesh: _intrinsic_samples,
 }

@@ -45,11 +45,11 @@ void require_sources(const Sources& sources, Index n_sets, Index n_vertices) {
 }
 
 Corners gathered(std::span<const Index> elements, std::span<const double> frames, bool stars,
-                 bool add_missed, std::span<const bool> boundary) {
+                 bool add_missed, std::span<const bool> boundary, bool edges_agree) {
   require(elements.size() < std::size_t{1} << 31, "fewer than 2^31 corners");
   Corners corners = gather_corners(elements, frames, stars, count(boundary));
   if (add_missed) add_missed_triangles(corners);
-  if (!stars) close_rims(corners, boundary);
+  if (!stars) close_rims(corners, boundary, edges_agree);
   return corners;
 }
 
@@ -86,7 +86,7 @@ void bind_tracer(nb::module_& module) {
                     "a curvature for each vertex, and whether fronts turn about it");
             unlocked([&] {
               Corners corners =
-                  gathered(span(elements), span(frames), stars, add_missed, span(boundary));
+                  gathered(span(elements), span(frames), stars, add_missed, span(boundary), true);
               Array<Bearing> bearings =
                   bearings_of(corners, span(elements), edge_lengths(span(frames)), span(flat),
                               {span(angles), span(scales)});
@@ -143,14 +143,15 @@ void bind_wavefront(nb::module_& module) {
   module.def(
       "gather_corners",
       [](In<Index, 2> elements, In<double, 2> frames, bool stars, bool add_missed,
-         In<bool> boundary) {
+         In<bool> boundary, bool edges_agree) {
         require_elements(elements, frames);
         return unlocked([&] {
-          return gathered(span(elements), span(frames), stars, add_missed, span(boundary));
+          return gathered(span(elements), span(frames), stars, add_missed, span(boundary),
+                          edges_agree);
         });
       },
       "elements"_a.noconvert(), "frames"_a.noconvert(), "stars"_a, "add_missed"_a,
-      "boundary"_a.noconvert());
+      "boundary"_a.noconvert(), "edges_agree"_a = true);
   module.def(
       "angle_defects",
       [](In<Index, 2> elements, In<double, 2> frames, In<bool> boundary) {

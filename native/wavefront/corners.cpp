@@ -1,6 +1,7 @@
 #include "wavefront/corners.hpp"
 
 #include <cmath>
+#include <limits>
 #include <utility>
 
 #include "core/processor.hpp"
@@ -13,6 +14,9 @@ constexpr Index kMaxSortedCorners = 32;
 
 // Share of a length by which two triangles may differ about an edge: more than rounding.
 constexpr double kLengthTolerance = 1e-9;
+
+// The same where triangles may disagree about an edge by any share.
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 constexpr Index kPrefetchDistance =
     48;  // corners by which memory is asked for: places come in no order
@@ -94,15 +98,16 @@ Corners gather_corners(std::span<const Index> elements, std::span<const double> 
   return result;
 }
 
-void close_rims(Corners& corners, std::span<const bool> boundary) {
+void close_rims(Corners& corners, std::span<const bool> boundary, bool edges_agree) {
   const auto around = [&](Index v) {
     return std::span(corners.around.data() + corners.starts[v],
                      corners.around.data() + corners.starts[v + 1]);
   };
   // Flips may leave several edges between the same ends, and they differ in their lengths.
-  const auto is_side = [](const Corner& corner, std::uint32_t end, double length) {
-    return (corner.a == end && std::abs(corner.to_a - length) <= kLengthTolerance * length) ||
-           (corner.b == end && std::abs(corner.to_b - length) <= kLengthTolerance * length);
+  const double tolerance = edges_agree ? kLengthTolerance : kInfinity;
+  const auto is_side = [tolerance](const Corner& corner, std::uint32_t end, double length) {
+    return (corner.a == end && std::abs(corner.to_a - length) <= tolerance * length) ||
+           (corner.b == end && std::abs(corner.to_b - length) <= tolerance * length);
   };
   for (Index v = 0; v < corners.n_vertices(); ++v) {
     for (Corner& corner : around(v)) {

@@ -31,8 +31,9 @@ Corners gather_corners(std::span<const Index> elements, std::span<const double> 
                        Index n_vertices);
 
 // Make the edges less than zero that one triangle alone has, both of whose ends are at the
-// boundary.
-void close_rims(Corners& corners, std::span<const bool> boundary);
+// boundary. Where two triangles may disagree about the length of their edge, as where the cost of
+// a surface jumps, triangles share an edge if its ends are the same.
+void close_rims(Corners& corners, std::span<const bool> boundary, bool edges_agree = true);
 
 // Add triangles to the stars of vertices that lack them although both other vertices have them.
 //
