@@ -62,7 +62,8 @@ def _lines(error: BaseException) -> list[str]:
         message = one_line(error.format_message())
         return [f"error: {message}", f"see: {command} --help"]
     if isinstance(error, errors.GeodesicError):
-        return [f"error: {one_line(error)}"]
+        kind = next(one.__name__ for one in type(error).__mro__ if one.__name__ in errors.__all__)
+        return [f"error: {one_line(error)} [{kind}]"]
     if isinstance(error, MemoryError):
         return [f"error: not enough memory: {one_line(error) or 'the system has none left'}"]
     return [

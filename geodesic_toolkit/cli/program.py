@@ -14,6 +14,7 @@ from geodesic_toolkit.cli.demo import demo
 from geodesic_toolkit.cli.distance import distance
 from geodesic_toolkit.cli.doctor import doctor
 from geodesic_toolkit.cli.exits import INTERRUPTED, WRONG_USAGE, report
+from geodesic_toolkit.cli.explain import explain
 from geodesic_toolkit.cli.extensions import command_of, names_of_commands
 from geodesic_toolkit.cli.interrupts import leave_soon, prompt_interrupts
 from geodesic_toolkit.cli.isolines import isolines
@@ -63,9 +64,9 @@ app = typer.Typer(
     name=NAME,
     help="Geodesic distance on meshes, point clouds and graphs, by the heat method.",
     epilog="Results go to stdout, all else to stderr. Exit status: 0 done, 1 a law is broken "
-    "(check), 2 wrong usage, 3 bad input, 4 the computation failed.",
+    "(check), 2 wrong usage, 3 bad input, 4 the computation failed. The command explain takes the "
+    "name in brackets at the end of a message.",
     invoke_without_command=True,
-    add_completion=False,
     rich_markup_mode=None,  # rich would double the time of --help
     pretty_exceptions_enable=False,
     context_settings={"help_option_names": ["-h", "--help"]},
@@ -105,6 +106,7 @@ COMMANDS = (
     new_plugin,
     check,
     doctor,
+    explain,
 )
 
 for command in COMMANDS:

@@ -43,9 +43,9 @@ class Run:
         """The elapsed time as text."""
         return ", ".join(f"{name} {seconds:.2f} s" for name, seconds in self.timings.items())
 
-    def warn(self, message: object) -> None:
-        """Print a warning on stderr and keep it for the result."""
-        text = one_line(message)
+    def warn(self, message: object, kind: str = "") -> None:
+        """Print a warning on stderr, with the kind that it has, and keep it for the result."""
+        text = f"{one_line(message)} [{kind}]" if kind else one_line(message)
         if text not in self.warnings:
             self.warnings.append(text)
             self._progress.say(f"warning: {text}")
@@ -72,8 +72,7 @@ def running() -> Iterator[Run]:
         def show_warning(
             message: Warning | str, category: type[Warning], *_: Any, **__: Any
         ) -> None:
-            foreign = "" if issubclass(category, GeodesicWarning) else f"{category.__name__}: "
-            run.warn(f"{foreign}{message}")
+            run.warn(message, category.__name__)
 
         warnings.simplefilter("always", GeodesicWarning)
         warnings.showwarning = show_warning
