@@ -1,6 +1,7 @@
 """Arguments shared by commands, checked before any work."""
 
 import math
+import os
 from collections.abc import Sequence
 from dataclasses import dataclass
 from enum import StrEnum
@@ -9,6 +10,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from geodesic_toolkit.cli.streams import is_stream
 from geodesic_toolkit.errors import InvalidOptionError, InvalidSourceError
 
 if TYPE_CHECKING:
@@ -19,6 +21,7 @@ __all__ = [
     "BoundaryChoice",
     "Folder",
     "Input",
+    "Inputs",
     "Json",
     "MarkedVertices",
     "Mask",
@@ -36,14 +39,40 @@ __all__ = [
     "parse_sources",
 ]
 
+
+def _existing(path: Path) -> Path:
+    """Return a path of a file that exists, or that is a stream."""
+    if is_stream(path):
+        return path
+    if not path.exists():
+        raise typer.BadParameter(f"File {str(path)!r} does not exist.")
+    if path.is_dir():
+        raise typer.BadParameter(f"File {str(path)!r} is a directory.")
+    if not os.access(path, os.R_OK):
+        raise typer.BadParameter(f"File {str(path)!r} is not readable.")
+    return path
+
+
+def _all_existing(paths: list[Path]) -> list[Path]:
+    return [_existing(path) for path in paths]
+
+
 Input = Annotated[
     Path,
     typer.Argument(
-        exists=True,
-        dir_okay=False,
-        readable=True,
+        callback=_existing,
         metavar="INPUT",
-        help="A mesh, point cloud or graph.",
+        help="A mesh, point cloud or graph; - reads standard input.",
+        show_default=False,
+    ),
+]
+
+Inputs = Annotated[
+    list[Path],
+    typer.Argument(
+        callback=_all_existing,
+        metavar="INPUT...",
+        help="Meshes, point clouds or graphs; - reads standard input.",
         show_default=False,
     ),
 ]

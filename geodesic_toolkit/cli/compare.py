@@ -54,7 +54,7 @@ def compare(
     """Compare variants of distances on INPUT: operators, options, refinement.
 
     Errors are relative to the exact distance along the surface if that is affordable, else to
-    the refined one. Example: geodesic-toolkit compare bunny.off --source 500
+    the refined one.
     """
     from geodesic_toolkit.analysis.comparison import compare as compared
     from geodesic_toolkit.io import read

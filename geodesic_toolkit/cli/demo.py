@@ -2,8 +2,8 @@
 
 from pathlib import Path
 
-from geodesic_toolkit.cli.arguments import Folder
-from geodesic_toolkit.cli.output import aligned, one_line, say, show
+from geodesic_toolkit.cli.arguments import Folder, Json
+from geodesic_toolkit.cli.output import aligned, one_line, say, show, show_json, versions
 from geodesic_toolkit.cli.run import running
 from geodesic_toolkit.cli.targets import Targets
 from geodesic_toolkit.core.atomic import make_folder
@@ -23,7 +23,7 @@ KINDS = {
 DRAWN = " --picture distances.png"
 
 
-def demo(out: Folder = Path("geodesic-demo")) -> None:
+def demo(out: Folder = Path("geodesic-demo"), json: Json = False) -> None:
     """Compute and draw distances on a generated shape.
 
     Writes tables of numbers, a picture, and a page that shows the shape in a browser.
@@ -53,6 +53,22 @@ def demo(out: Folder = Path("geodesic-demo")) -> None:
                 missing.append(one_line(failure))
             else:
                 written += targets.paths
+    for reason in missing:
+        say(f"warning: not everything was drawn: {reason}")
+    if json:
+        show_json(
+            {
+                "n_vertices": knot.n_vertices,
+                "source": SOURCE,
+                "max": distances.max(),
+                "mean_error_on_sphere": error,
+                "timings": run.timings,
+                "warnings": [*run.warnings, *missing],
+                "outputs": [str(path) for path in written],
+                "versions": versions(),
+            }
+        )
+        return
     rows = [
         ("shape", f"a trefoil knot, {knot!r}"),
         ("result", f"distance along the surface from vertex {SOURCE}: up to {distances.max():.2f}"),
@@ -62,8 +78,6 @@ def demo(out: Folder = Path("geodesic-demo")) -> None:
     ]
     for line in aligned(rows):
         show(line)
-    for reason in missing:
-        say(f"warning: not everything was drawn: {reason}")
     show("")
     show("The lines on the picture are equally far apart on the surface, however it bends.")
     show("Do the same with your own shape:")

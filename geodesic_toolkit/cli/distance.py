@@ -9,7 +9,7 @@ import typer
 
 from geodesic_toolkit.cli.arguments import (
     BoundaryChoice,
-    Input,
+    Inputs,
     Json,
     MarkedVertices,
     Mask,
@@ -26,8 +26,9 @@ from geodesic_toolkit.cli.arguments import (
     kinds_of,
     parse_sources,
 )
-from geodesic_toolkit.cli.output import aligned, one_line, show, show_json, versions
+from geodesic_toolkit.cli.output import aligned, one_line, versions
 from geodesic_toolkit.cli.run import Run, method_in_words, running
+from geodesic_toolkit.cli.several import answer_each
 from geodesic_toolkit.cli.targets import Targets
 from geodesic_toolkit.cli.welding import Welded, check_weld, welded
 from geodesic_toolkit.errors import InvalidOptionError
@@ -43,7 +44,7 @@ __all__ = ["distance"]
 
 
 def distance(
-    path: Input,
+    paths: Inputs,
     *,
     source: Annotated[
         list[str],
@@ -114,7 +115,9 @@ def distance(
         typer.Option(
             metavar="FILE",
             help="Write the distances to a .ply, .pcd, .las, .laz, .vtp, .vtk, .vtu, .gii, .npy, "
-            ".csv or .txt file; may be given several times. A .ply, .pcd, .las or .laz of the "
+            ".csv or .txt file, or to standard output as -.csv; may be given several times. With "
+            "several INPUTs it has {name}, which is replaced by the name of each without its "
+            "suffix. A .ply, .pcd, .las or .laz of the "
             "format of INPUT, or of --at, keeps all other data of that file.",
         ),
     ] = None,
@@ -135,12 +138,7 @@ def distance(
     ] = None,
     json: Json = False,
 ) -> None:
-    """Geodesic distance of every vertex of INPUT, or of the points --at, from the sources.
-
-    Example: geodesic-toolkit distance bunny.off --source 500 --output d.ply --picture d.png
-    """
-    from geodesic_toolkit.solver.solver import GeodesicSolver
-
+    """Geodesic distance of every vertex of INPUT, or of the points --at, from the sources."""
     sources = parse_sources(source)
     check_time(time, time_factor)
     check_reach(reach, at)
@@ -152,67 +150,88 @@ def distance(
     )
     marked = [mask, *map(find_marked, source)]
     used = [at, *(None if file is None else file.path for file in marked)]
-    targets.check(path, *(file for file in used if file is not None))
+    each = targets.of_each(paths, *(file for file in used if file is not None))
+    options = {
+        "operator": operator,
+        "diffusion": diffusion,
+        "time": time,
+        "time_factor": 1.0 if time_factor is None else time_factor,
+        "boundary": boundary.value,
+        "solver": solver,
+        "refine": "auto" if refine is None else refine,
+    }
+    question = Question(sources, at, reach, thin, mask, weld, options)
+    answer_each(paths, lambda path: question.answer(path, each[path]), json=json)
 
-    with running() as run:
-        if targets.drawn:
-            with run.step("loading graphics"):
-                targets.load_graphics()
-        with run.step("reading"):
-            shape, masked, located = _shape(run, path, sources, mask, weld, operator=operator)
-            domain = shape.domain
-            targets.check_domain(domain)
-            points = _points(at, domain)
-        thinned = None
-        if thin is not None:
-            with run.step("thinning"):
-                thinned, located = _thinned(domain, thin, located)
+
+@dataclass(frozen=True)
+class Question:
+    """The distances that are asked of each file, and the options of the solver."""
+
+    sources: list[int] | list[list[float]]
+    at: Path | None
+    reach: float | None
+    thin: float | None
+    mask: MarkedVertices | None
+    weld: float | None
+    options: dict[str, Any]
+
+    def answer(self, path: Path, targets: Targets) -> "Result":
+        """Compute, write and draw the distances of one file."""
+        with running() as run:
+            if targets.drawn:
+                with run.step("loading graphics"):
+                    targets.load_graphics()
+            with run.step("reading"):
+                shape, masked, located = _shape(run, path, self)
+                targets.check_domain(shape.domain)
+                points = _points(self.at, shape.domain)
+            thinned = None
+            if self.thin is not None:
+                with run.step("thinning"):
+                    thinned, located = _thinned(shape.domain, self.thin, located)
+            solver, distances = self._solved(run, shape.domain, masked, thinned, located)
+            asked = None
+            if points is not None:
+                with run.step("asking"):
+                    found = _at(run, points, solver, distances, located=located, reach=self.reach)
+                    asked = points, found
+            if thinned is not None:
+                with run.step("carrying back"):
+                    distances = thinned.carry_back(
+                        distances, solver, sources=located, progress=run.advance
+                    )
+            own = shape.values(distances)
+            targets.write(
+                run,
+                shape.file,
+                own,
+                self.sources,
+                parts=shape.values(_parts(solver, thinned)),
+                asked=asked,
+                like=path if self.at is None else self.at,
+            )
+            found = own if asked is None else asked[1]
+            result = Result(path, self, shape, solver, thinned, found, targets.paths, run)
+            result.warn_where_nothing_is_reached()
+        return result
+
+    def _solved(
+        self,
+        run: Run,
+        domain: "Domain",
+        masked: "BoolArray | None",
+        thinned: "Thinned | None",
+        located: "SourcePoints",
+    ) -> "tuple[GeodesicSolver, FloatArray]":
+        from geodesic_toolkit.solver.solver import GeodesicSolver
+
         with run.step("factorising"):
-            geodesic = GeodesicSolver(
-                domain if thinned is None else thinned.cloud,
-                operator=operator,
-                diffusion=diffusion,
-                time=time,
-                time_factor=1.0 if time_factor is None else time_factor,
-                boundary=boundary.value,
-                solver=solver,
-                refine="auto" if refine is None else refine,
-                mask=masked,
+            solver = GeodesicSolver(
+                domain if thinned is None else thinned.cloud, mask=masked, **self.options
             )
         with run.step("solving"):
-            distances = geodesic.distance(located)
-        asked = None
-        if points is not None:
-            with run.step("asking"):
-                found = _at(run, points, geodesic, distances, located=located, reach=reach)
-                asked = points, found
-        if thinned is not None:
-            with run.step("carrying back"):
-                distances = thinned.carry_back(
-                    distances, geodesic, sources=located, progress=run.advance
-                )
-        own = shape.values(distances)
-        targets.write(
-            run,
-            shape.file,
-            own,
-            sources,
-            parts=shape.values(_parts(geodesic, thinned)),
-            asked=asked,
-            like=path if at is None else at,
-        )
-        summed_up = own if asked is None else asked[1]
-        result = Result(
-            path, shape, geodesic, sources, at, mask, thinned, summed_up, targets.paths, run
-        )
-        if at is None and result.reached == len(sources):
-            run.warn("the sources are connected to no other vertex: every other distance is inf")
-        elif result.reached == 0:
-            run.warn(f"no point of {at} has a distance: none is near what the sources reach")
-    if json:
-        show_json(result.as_dict())
-    else:
-        show(str(result))
+            return solver, solver.distance(located)
 
 
 @dataclass(frozen=True)
@@ -220,11 +239,9 @@ class Result:
     """The result of the command, as text and as JSON."""
 
     path: Path
+    question: Question
     shape: Welded
     solver: "GeodesicSolver"
-    sources: list[int] | list[list[float]]
-    at: Path | None
-    mask: MarkedVertices | None
     thinned: "Thinned | None"
     distances: "FloatArray"
     outputs: Sequence[Path]
@@ -242,18 +259,28 @@ class Result:
         """The number of reached vertices."""
         return len(self.finite)
 
+    def warn_where_nothing_is_reached(self) -> None:
+        """Warn if no distance but those of the sources is finite."""
+        at, sources = self.question.at, self.question.sources
+        if at is None and self.reached == len(sources):
+            self.run.warn(
+                "the sources are connected to no other vertex: every other distance is inf"
+            )
+        elif self.reached == 0:
+            self.run.warn(f"no point of {at} has a distance: none is near what the sources reach")
+
     def as_dict(self) -> dict[str, Any]:
         """Return everything, for JSON."""
-        method, finite = self.solver.method, self.finite
+        method, finite, asked = self.solver.method, self.finite, self.question
         return {
             "input": str(self.path),
             "domain": type(self.shape.domain).__name__,
             "n_vertices": self.shape.file.n_vertices,
             "n_merged": self.shape.domain.n_vertices,
-            "sources": self.sources,
-            "at": None if self.at is None else str(self.at),
-            "n_points": None if self.at is None else len(self.distances),
-            "mask": None if self.mask is None else str(self.mask),
+            "sources": asked.sources,
+            "at": None if asked.at is None else str(asked.at),
+            "n_points": None if asked.at is None else len(self.distances),
+            "mask": None if asked.mask is None else str(asked.mask),
             "thin": None if self.thinned is None else self.thinned.spacing,
             "n_kept": None if self.thinned is None else self.thinned.cloud.n_vertices,
             "operator": repr(self.solver.operator),
@@ -276,14 +303,14 @@ class Result:
         }
 
     def __str__(self) -> str:
-        method, finite = self.solver.method, self.finite
-        noun = "vertices" if self.at is None else "points"
+        method, finite, asked = self.solver.method, self.finite, self.question
+        noun = "vertices" if asked.at is None else "points"
         rows = [
             ("shape", repr(self.shape.file)),
             *self.shape.rows,
-            ("source", "; ".join(map(_place, self.sources))),
-            *([] if self.at is None else [("at", f"{len(self.distances)} points of {self.at}")]),
-            *([] if self.mask is None else [("mask", str(self.mask))]),
+            ("source", "; ".join(map(_place, asked.sources))),
+            *([] if asked.at is None else [("at", f"{len(self.distances)} points of {asked.at}")]),
+            *([] if asked.mask is None else [("mask", str(asked.mask))]),
             *([] if self.thinned is None else [("thinned", repr(self.thinned.cloud))]),
             ("method", method_in_words(self.solver)),
             ("time step", f"{method.time:.4g}, mean edge length {method.metric.spacing:.4g}"),
@@ -309,23 +336,20 @@ class Result:
 
 
 def _shape(
-    run: Run,
-    path: Path,
-    sources: list[int] | list[list[float]],
-    mask: MarkedVertices | None,
-    weld: float | None,
-    *,
-    operator: str,
+    run: Run, path: Path, question: Question
 ) -> "tuple[Welded, BoolArray | None, SourcePoints]":
     """Return the shape of a file, its mask, and the located sources."""
     from geodesic_toolkit.io import read
     from geodesic_toolkit.solver.masks import check_unmasked, passable_part
     from geodesic_toolkit.sources.locate import locate_sources
 
-    shape = welded(read(path, kinds=kinds_of(operator)), weld, run)
-    masked = shape.mask(None if mask is None else mask.mask(shape.file.n_vertices))
+    file = read(path, kinds=kinds_of(question.options["operator"]))
+    shape = welded(file, question.weld, run)
+    mask = question.mask
+    masked = shape.mask(None if mask is None else mask.mask(file.n_vertices))
     passable = shape.domain if masked is None else passable_part(shape.domain, masked)
-    located = locate_sources(shape.domain, shape.sources(sources, masked), passable=passable)
+    sources = shape.sources(question.sources, masked)
+    located = locate_sources(shape.domain, sources, passable=passable)
     if masked is not None:
         check_unmasked(located, masked)
     return shape, masked, located

@@ -9,7 +9,7 @@ import typer
 from geodesic_toolkit import errors
 from geodesic_toolkit.cli.output import one_line, say
 
-__all__ = ["BAD_INPUT", "FAILED", "INTERRUPTED", "WRONG_USAGE", "exit_status", "report"]
+__all__ = ["BAD_INPUT", "FAILED", "INTERRUPTED", "WRONG_USAGE", "exit_status", "kind_of", "report"]
 
 WRONG_USAGE = 2
 BAD_INPUT = 3
@@ -44,6 +44,12 @@ def exit_status(error: BaseException) -> int:
     return next((status for kind, status in EXIT_STATUS if isinstance(error, kind)), FAILED)
 
 
+def kind_of(error: BaseException) -> str:
+    """Return the name of the class of an error: that of the package for an error of a plugin."""
+    names = [one.__name__ for one in type(error).__mro__]
+    return next((name for name in names if name in errors.__all__), names[0])
+
+
 def report(error: BaseException) -> int:
     """Report an error on stderr, in three lines at most, and return the exit status."""
     if os.environ.get(DEBUG_VARIABLE) == "1":
@@ -62,8 +68,7 @@ def _lines(error: BaseException) -> list[str]:
         message = one_line(error.format_message())
         return [f"error: {message}", f"see: {command} --help"]
     if isinstance(error, errors.GeodesicError):
-        kind = next(one.__name__ for one in type(error).__mro__ if one.__name__ in errors.__all__)
-        return [f"error: {one_line(error)} [{kind}]"]
+        return [f"error: {one_line(error)} [{kind_of(error)}]"]
     if isinstance(error, MemoryError):
         return [f"error: not enough memory: {one_line(error) or 'the system has none left'}"]
     return [

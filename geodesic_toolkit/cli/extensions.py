@@ -4,6 +4,7 @@ from typing import Any
 
 import typer
 
+from geodesic_toolkit.cli.commands import add_command
 from geodesic_toolkit.errors import PluginError
 from geodesic_toolkit.registry.registry import Registry
 
@@ -45,5 +46,5 @@ def command_of(name: str) -> Any:
     if name not in commands and name not in commands.install_hints:
         return None
     program = typer.Typer(add_completion=False, rich_markup_mode=None)
-    program.command(name)(commands[name])
+    add_command(program, commands[name], name)
     return typer.main.get_command(program)

@@ -41,10 +41,7 @@ def isolines(
     html: Page = None,
     json: Json = False,
 ) -> None:
-    """Lines at given distances from the sources on the mesh INPUT, with length and area inside.
-
-    Example: geodesic-toolkit isolines bunny.off --source 500 --level 0.05 --output circle.obj
-    """
+    """Lines at given distances from the sources on the mesh INPUT, with length and area inside."""
     from geodesic_toolkit.analysis.curves.isolines import isolines as lines_of
     from geodesic_toolkit.analysis.curves.measures import area_above, curve_length
     from geodesic_toolkit.io import read

@@ -48,10 +48,7 @@ def logmap(
     ] = False,
     json: Json = False,
 ) -> None:
-    """Direction and length of the shortest geodesic from a place on INPUT to every vertex.
-
-    Example: geodesic-toolkit logmap bunny.off --source 500 --output uv.obj --picture uv.png
-    """
+    """Direction and length of the shortest geodesic from a place on INPUT to every vertex."""
     import numpy as np
 
     from geodesic_toolkit.analysis.directions.log_map import log_map

@@ -47,10 +47,7 @@ def loop(
     html: Page = None,
     json: Json = False,
 ) -> None:
-    """Closed geodesic on the mesh INPUT that a loop through places is pulled to.
-
-    Example: geodesic-toolkit loop torus.ply --through 0,8,16 --output loop.obj --picture loop.png
-    """
+    """Closed geodesic on the mesh INPUT that a loop through places is pulled to."""
     from geodesic_toolkit.analysis.paths.loops import geodesic_loop
     from geodesic_toolkit.io import read
 

@@ -115,8 +115,6 @@ def matrix(
     """Matrix of the geodesic distances between vertices of INPUT.
 
     May be interrupted: the same command resumes, and its result is the same to the last bit.
-
-    Example: geodesic-toolkit matrix bunny.off --float32 --output D.zarr
     """
     from geodesic_toolkit.analysis.matrix.matrix import check_matrix_output, distance_matrix
     from geodesic_toolkit.io import read, read_vertices

@@ -36,8 +36,7 @@ def new_plugin(
     """Write a distribution with a plugin that works, is typed, and has tests.
 
     Replace its example by code of your own; the tests check the contract of its kind. The plugin is
-    called NAME without geodesic-toolkit-. Example: geodesic-toolkit new-plugin
-    geodesic-toolkit-hodge --kind operator
+    called NAME without geodesic-toolkit-.
     """
     names = names_of(name)
     check_names(names, kind)

@@ -3,7 +3,9 @@
 import json
 import math
 import platform
-from collections.abc import Iterable, Mapping, Sequence
+import threading
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from importlib import metadata
 from typing import Any
 
@@ -14,8 +16,11 @@ from geodesic_toolkit import __version__
 __all__ = [
     "SCHEMA_VERSION",
     "aligned",
+    "is_quiet",
     "one_line",
     "plain",
+    "quiet",
+    "renamed",
     "say",
     "show",
     "show_json",
@@ -29,20 +34,62 @@ MAX_LENGTH_OF_MESSAGE = 600
 """Number of characters of a message shown: a third party's may hold a whole log."""
 
 
+_silenced = {"results": threading.Event(), "remarks": threading.Event()}
+_names: dict[str, str] = {}
+
+
+@contextmanager
+def quiet(*, results: bool = False, remarks: bool = False) -> Iterator[None]:
+    """Print no results, or no remarks: progress, notes and warnings, also of other threads."""
+    wanted = {"results": results, "remarks": remarks}
+    events = [event for kind, event in _silenced.items() if wanted[kind] and not event.is_set()]
+    for event in events:
+        event.set()
+    try:
+        yield
+    finally:
+        for event in events:
+            event.clear()
+
+
+def is_quiet() -> bool:
+    """Return True if remarks are not printed."""
+    return _silenced["remarks"].is_set()
+
+
+@contextmanager
+def renamed(names: Mapping[str, str]) -> Iterator[None]:
+    """Show files by other names: those of the streams that they stand for."""
+    _names.update(names)
+    try:
+        yield
+    finally:
+        for name in names:
+            del _names[name]
+
+
+def _by_names(text: str) -> str:
+    for file, name in _names.items():
+        text = text.replace(file, name)
+    return text
+
+
 def show(text: str) -> None:
     """Print a result."""
-    typer.echo(text)
+    if not _silenced["results"].is_set():
+        typer.echo(_by_names(text))
 
 
 def say(text: str) -> None:
     """Print a text that is not a result: a warning, a note, an error."""
-    typer.echo(text, err=True)
+    if not is_quiet():
+        typer.echo(_by_names(text), err=True)
 
 
 def show_json(content: Mapping[str, Any]) -> None:
     """Print one JSON object, with the version of its schema first."""
     content = plain({"schema_version": SCHEMA_VERSION, **content})
-    typer.echo(json.dumps(content, indent=2, allow_nan=False))
+    show(json.dumps(content, indent=2, allow_nan=False))
 
 
 def one_line(message: object) -> str:
@@ -81,4 +128,6 @@ def plain(value: Any) -> Any:
         return [plain(item) for item in value]
     if isinstance(value, float) and not math.isfinite(value):
         return None
-    return value if value is None or isinstance(value, str | int | float | bool) else str(value)
+    if value is None or isinstance(value, int | float | bool):
+        return value
+    return _by_names(str(value))

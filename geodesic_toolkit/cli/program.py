@@ -9,6 +9,7 @@ from typer.core import TyperGroup
 
 from geodesic_toolkit import __version__
 from geodesic_toolkit.cli.check import check
+from geodesic_toolkit.cli.commands import add_command
 from geodesic_toolkit.cli.compare import compare
 from geodesic_toolkit.cli.demo import demo
 from geodesic_toolkit.cli.distance import distance
@@ -110,7 +111,7 @@ COMMANDS = (
 )
 
 for command in COMMANDS:
-    app.command()(command)
+    add_command(app, command)
 
 
 def main() -> None:

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from types import TracebackType
 from typing import Self
 
-from geodesic_toolkit.cli.output import say
+from geodesic_toolkit.cli.output import is_quiet, say
 
 __all__ = ["Progress"]
 
@@ -139,6 +139,8 @@ class Progress:
         return f"{'━' * full}{'─' * (BAR_WIDTH - full)} {self._line}"
 
     def _watch(self) -> None:
+        if is_quiet():
+            return
         terminal = sys.stderr is not None and sys.stderr.isatty()
         if terminal and os.environ.get("TERM") != "dumb":
             if not self._wait(self._done, DELAY_OF_FIRST_MESSAGE):

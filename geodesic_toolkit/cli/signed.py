@@ -60,10 +60,7 @@ def signed(
     html: Page = None,
     json: Json = False,
 ) -> None:
-    """Distance of every vertex of INPUT from curves: positive on their left, negative on the right.
-
-    Example: geodesic-toolkit signed bunny.off --curve circle.obj --output d.ply --picture d.png
-    """
+    """Distance of every vertex of INPUT from curves: positive on their left, else negative."""
     import numpy as np
 
     from geodesic_toolkit.analysis.signed import signed_distance

@@ -47,6 +47,51 @@ class Targets:
         """True if there is a picture or page to draw."""
         return len(self.paths) > len(self.tables)
 
+    def of_each(self, inputs: Sequence[Path], *used: Path) -> "dict[Path, Targets]":
+        """Return the targets of each input, checked: with its name in place of ``{name}``.
+
+        Parameters
+        ----------
+        inputs : sequence of Path
+        *used : Path
+            Other files that no output may overwrite.
+
+        Raises
+        ------
+        InvalidOptionError
+            Several inputs have one output; and see :meth:`check`.
+        WriteError, MissingDependencyError
+            See :meth:`check`.
+        """
+        each = {path: self._named(path.stem) for path in inputs}
+        if len(each) < len(inputs):
+            twice = next(path for path in inputs if inputs.count(path) > 1)
+            raise InvalidOptionError(f"{twice} is given several times")
+        seen: dict[Path, Path] = {}
+        for path, targets in each.items():
+            targets.check(*inputs, *used)
+            for output in targets.paths:
+                if output in seen:
+                    raise InvalidOptionError(
+                        f"{output} would be the output of {seen[output]} and of {path}; write "
+                        "{name} where the names of outputs differ, as in {name}.npy, and give "
+                        "inputs of one name apart"
+                    )
+                seen[output] = path
+        return each
+
+    def _named(self, name: str) -> "Targets":
+        def named(path: Path | None) -> Path | None:
+            return None if path is None else Path(str(path).replace("{name}", name))
+
+        return Targets(
+            tables=tuple(Path(str(path).replace("{name}", name)) for path in self.tables),
+            picture=named(self.picture),
+            html=named(self.html),
+            parts=named(self.parts),
+            cmap=self.cmap,
+        )
+
     def check(self, *inputs: Path) -> None:
         """Raise, before any work, if a file could not be written after it.
 
@@ -113,6 +158,7 @@ class Targets:
         domain: "Domain",
         distances: "FloatArray",
         sources: Sequence[int] | Sequence[Sequence[float]],
+        /,  # pictures of two sides have `sources` of their own in their look
         *,
         parts: "FloatArray | None" = None,
         asked: "tuple[Domain, FloatArray] | None" = None,
