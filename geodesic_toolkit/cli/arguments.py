@@ -19,6 +19,7 @@ if TYPE_CHECKING:
 
 __all__ = [
     "BoundaryChoice",
+    "Cost",
     "Folder",
     "Input",
     "Inputs",
@@ -152,6 +153,20 @@ Weld = Annotated[
         help="Merge vertices of a mesh that are no farther apart than this, in its unit, so that "
         "paths cross seams: 0 for those at the same position. Inputs and outputs still use the "
         "vertices of the file.",
+        show_default=False,
+    ),
+]
+
+
+Cost = Annotated[
+    Path | None,
+    typer.Option(
+        exists=True,
+        dir_okay=False,
+        readable=True,
+        metavar="FILE",
+        help="Time that a unit of length takes: an .npy, .txt or .csv file with a positive number "
+        "for each face, or for each vertex, of a mesh. Distances are then travel times.",
         show_default=False,
     ),
 ]

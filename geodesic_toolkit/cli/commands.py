@@ -17,6 +17,7 @@ EXAMPLES: dict[str, tuple[str, ...]] = {
     "distance": (
         "distance bunny.off --source 500 --output d.ply --picture d.png",
         "distance bunny.off --source 500 --source 600 --json",
+        "distance terrain.ply --source 0 --cost seconds_per_metre.csv --output seconds.ply",
         "distance scan.ply --source 0 --at trees.csv --output trees_with_distance.csv",
         "distance bunny.off scan.ply --source 0 --output {name}.npy",
         "distance - --source 500 --output -.csv < bunny.off > d.csv",

@@ -9,6 +9,7 @@ import typer
 
 from geodesic_toolkit.cli.arguments import (
     BoundaryChoice,
+    Cost,
     Inputs,
     Json,
     MarkedVertices,
@@ -87,6 +88,7 @@ def distance(
         ),
     ] = None,
     mask: Mask = None,
+    cost: Cost = None,
     weld: Weld = None,
     operator: Operator = "auto",
     diffusion: Annotated[
@@ -149,7 +151,7 @@ def distance(
         tables=tuple(output or ()), picture=picture, html=html, parts=parts, cmap=cmap
     )
     marked = [mask, *map(find_marked, source)]
-    used = [at, *(None if file is None else file.path for file in marked)]
+    used = [at, cost, *(None if file is None else file.path for file in marked)]
     each = targets.of_each(paths, *(file for file in used if file is not None))
     options = {
         "operator": operator,
@@ -160,7 +162,7 @@ def distance(
         "solver": solver,
         "refine": "auto" if refine is None else refine,
     }
-    question = Question(sources, at, reach, thin, mask, weld, options)
+    question = Question(sources, at, reach, thin, mask, cost, weld, options)
     answer_each(paths, lambda path: question.answer(path, each[path]), json=json)
 
 
@@ -173,6 +175,7 @@ class Question:
     reach: float | None
     thin: float | None
     mask: MarkedVertices | None
+    cost: Path | None
     weld: float | None
     options: dict[str, Any]
 
@@ -281,6 +284,7 @@ class Result:
             "at": None if asked.at is None else str(asked.at),
             "n_points": None if asked.at is None else len(self.distances),
             "mask": None if asked.mask is None else str(asked.mask),
+            "cost": None if asked.cost is None else str(asked.cost),
             "thin": None if self.thinned is None else self.thinned.spacing,
             "n_kept": None if self.thinned is None else self.thinned.cloud.n_vertices,
             "operator": repr(self.solver.operator),
@@ -311,6 +315,7 @@ class Result:
             ("source", "; ".join(map(_place, asked.sources))),
             *([] if asked.at is None else [("at", f"{len(self.distances)} points of {asked.at}")]),
             *([] if asked.mask is None else [("mask", str(asked.mask))]),
+            *([] if asked.cost is None else [("cost", str(asked.cost))]),
             *([] if self.thinned is None else [("thinned", repr(self.thinned.cloud))]),
             ("method", method_in_words(self.solver)),
             ("time step", f"{method.time:.4g}, mean edge length {method.metric.spacing:.4g}"),
@@ -344,7 +349,7 @@ def _shape(
     from geodesic_toolkit.sources.locate import locate_sources
 
     file = read(path, kinds=kinds_of(question.options["operator"]))
-    shape = welded(file, question.weld, run)
+    shape = welded(file, question.weld, run).with_cost(question.cost)
     mask = question.mask
     masked = shape.mask(None if mask is None else mask.mask(file.n_vertices))
     passable = shape.domain if masked is None else passable_part(shape.domain, masked)

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Annotated, Any, cast
 import typer
 
 from geodesic_toolkit.cli.arguments import (
+    Cost,
     Input,
     Json,
     Mask,
@@ -101,6 +102,7 @@ def matrix(
         ),
     ] = None,
     mask: Mask = None,
+    cost: Cost = None,
     weld: Weld = None,
     operator: Operator = "auto",
     solver: Solver = "auto",
@@ -125,10 +127,10 @@ def matrix(
     check_plugins(solver, operator)
     check_weld(weld)
     check_matrix_output(output, sparse=max_distance is not None)
-    _check_apart(output, path, sources, None if mask is None else mask.path)
+    _check_apart(output, path, sources, cost, None if mask is None else mask.path)
     with running() as run:
         with run.step("reading"):
-            shape = welded(read(path, kinds=kinds_of(operator)), weld, run)
+            shape = welded(read(path, kinds=kinds_of(operator)), weld, run).with_cost(cost)
             rows = None if sources is None else read_vertices(sources)
             masked = shape.mask(None if mask is None else mask.mask(shape.file.n_vertices))
         with run.step("factorising"):

@@ -1,7 +1,8 @@
 """The option ``--weld``: compute on merged vertices, report those of the file."""
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 from geodesic_toolkit.cli.run import Run
@@ -87,6 +88,33 @@ class Welded:
     def values(self, values: "FloatArray") -> "FloatArray":
         """Return values at the vertices of the domain as values at those of the file, (N,)."""
         return values if self.new is None else values[self.new]
+
+    def with_cost(self, cost: Path | None) -> "Welded":
+        """Return the shape with the costs of a file on its faces or vertices, if there is one.
+
+        Raises
+        ------
+        InvalidOptionError
+            The shape is not a mesh.
+        ReadError, InvalidDomainError
+            The file has no numbers, or they are not costs of its faces or vertices.
+        """
+        if cost is None:
+            return self
+        import numpy as np
+
+        from geodesic_toolkit.domains import MetricMesh, TriangleMesh
+        from geodesic_toolkit.io import read_values
+
+        if not isinstance(self.domain, TriangleMesh):
+            raise InvalidOptionError(
+                f"--cost is for faces or vertices of a mesh; the input is a "
+                f"{type(self.domain).__name__}"
+            )
+        values = read_values(cost, "cost")
+        if self.new is not None and len(values) == self.file.n_vertices:
+            values = values[self.firsts(np.arange(self.domain.n_vertices))]
+        return replace(self, domain=MetricMesh(self.domain, cost=values))
 
     @property
     def rows(self) -> list[tuple[str, str]]:

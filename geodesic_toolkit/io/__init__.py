@@ -8,6 +8,7 @@ from geodesic_toolkit.io.log_maps import write_log_map
 from geodesic_toolkit.io.polygons import read_polygons
 from geodesic_toolkit.io.reading import read
 from geodesic_toolkit.io.tables.points import read_points
+from geodesic_toolkit.io.tables.values import read_values
 from geodesic_toolkit.io.tables.vertices import read_mask, read_vertices
 from geodesic_toolkit.io.writing import write
 
@@ -22,6 +23,7 @@ __all__ = [
     "read_mask",
     "read_points",
     "read_polygons",
+    "read_values",
     "read_vertices",
     "replacing",
     "write",

@@ -1,7 +1,9 @@
 """The help of commands, and what every command has in common."""
 
 import json
+import re
 import shlex
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -10,6 +12,8 @@ from command_line import run, run_process
 import geodesic_toolkit as gt
 from geodesic_toolkit.cli.commands import EXAMPLES
 from geodesic_toolkit.cli.program import COMMANDS
+
+DOCS = Path(__file__).parents[2] / "docs"
 
 NAMES = [function.__name__.replace("_", "-") for function in COMMANDS]
 
@@ -24,6 +28,8 @@ def files(tmp_path, monkeypatch):
     text += [" ".join(map(str, [3, *row])) for row in ball.faces.tolist()]
     (tmp_path / "bunny.off").write_text("\n".join(text))
     gt.write("scan.ply", gt.PointCloud(ball.vertices), np.zeros(ball.n_vertices))
+    gt.write("terrain.ply", gt.testing.shapes.grid(9), np.zeros(81))
+    np.savetxt("seconds_per_metre.csv", np.linspace(1, 2, 128))
     np.savetxt("trees.csv", ball.vertices[:9], delimiter=",")
     torus = gt.testing.shapes.torus(24, 12)
     gt.write("torus.ply", torus, np.zeros(torus.n_vertices))
@@ -83,3 +89,28 @@ def test_a_shell_completes_commands_and_options(words, found):
         COMP_CWORD=str(len(words.split())),
     )
     assert found in done.stdout.split()
+
+
+def documented(section):
+    """Return the keys in the tables of a section of the page of JSON results."""
+    text = (DOCS / "json.md").read_text(encoding="utf-8")
+    rows = text.split(f"\n## {section}\n")[1].split("\n## ")[0].splitlines()
+    cells = [row.split("|")[1] for row in rows if row.startswith("| `")]
+    return {key for cell in cells for key in re.findall(r"`(\w+)`", cell)}
+
+
+ONCE = [(name, lines[0]) for name, lines in EXAMPLES.items()]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("name", "line"), [*ONCE, ("doctor", "doctor bunny.off")])
+def test_json_has_the_documented_keys(files, name, line):
+    if "--picture" in line or name in ("compare", "demo"):
+        pytest.importorskip("pyvista")
+    found = json.loads(run(*shlex.split(line.partition(" --picture")[0]), "--json").stdout)
+    known = documented(name)
+    assert set(found) <= known | documented("All commands")
+    if name == "doctor":
+        shape = {"input", "diagnosis", "recommendations"}
+        known = known & shape if "input" in found else known - shape
+    assert known <= set(found)
