@@ -3,7 +3,7 @@ Distances in a graph: a maze
 ============================
 
 A picture of a maze is a graph of its free pixels. Distances in it are nearly those of the floor, not
-those of a knight who moves along rows and columns.
+those of steps along rows and columns.
 """
 
 import matplotlib.pyplot as plt
