@@ -150,14 +150,17 @@ if [ -z "$uv" ]; then
 fi
 # Editable, so that Python finds the kernels in this folder, too; and they are built for this
 # processor only, which takes a third of the time.
-plugins="--editable ./plugins/geodesic-toolkit-study"
-[ "$mode" != dev ] || plugins="$plugins --editable ./plugins/geodesic-toolkit-polygon"
+plugins=(--editable ./plugins/geodesic-toolkit-study)
+if [ "$mode" = dev ]; then
+    for name in polygon knn amg cholmod; do
+        plugins+=(--editable "./plugins/geodesic-toolkit-$name")
+    done
+fi
 say "installing geodesic-toolkit ($requirement) into .venv"
 if [ -n "$uv" ]; then
-    # shellcheck disable=SC2086 # several words
-    "$uv" pip install --quiet --python "$python" --editable "$requirement" $plugins
+    "$uv" pip install --quiet --python "$python" --editable "$requirement" "${plugins[@]}"
 else
-    # shellcheck disable=SC2086 # several words
-    "$python" -m pip install -qq --disable-pip-version-check --editable "$requirement" $plugins
+    "$python" -m pip install -qq --disable-pip-version-check --editable "$requirement" \
+        "${plugins[@]}"
 fi
 say "done: $("$python" --version), .venv/bin/geodesic-toolkit"

@@ -108,7 +108,7 @@ def tie_breakers(points: FloatArray, neighbours: IntArray) -> FloatArray:
     """
     if neighbours.shape[1] == 0:
         return np.zeros(len(points))
-    with np.errstate(invalid="ignore"):  # of coordinates that make no sense
+    with np.errstate(invalid="ignore"):  # from overflowing coordinates
         steps = points[neighbours[:, 0]] - points
     return tie_widths(np.einsum("nd,nd->n", steps, steps))
 

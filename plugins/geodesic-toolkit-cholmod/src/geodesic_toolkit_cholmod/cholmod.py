@@ -94,9 +94,7 @@ class Cholmod(gt.LinearSolver):
         """Return the ordering of all matrices of this pattern."""
         columns = _columns(pattern)
         with _typed_errors(columns):
-            symbolic = _library().analyze(
-                columns, mode=self.mode, ordering_method=self.ordering
-            )
+            symbolic = _library().analyze(columns, mode=self.mode, ordering_method=self.ordering)
         return Analysis(self, symbolic, columns)
 
     def factorize(self, matrix: csr_array) -> CholmodFactor:

@@ -3,6 +3,13 @@
 from geodesic_toolkit_knn.annotated import from_anndata, to_anndata
 from geodesic_toolkit_knn.dimension import intrinsic_dimension
 from geodesic_toolkit_knn.domain import KNNGraph
-from geodesic_toolkit_knn.operator import KNNLaplacian
+from geodesic_toolkit_knn.operator import HighDimensionWarning, KNNLaplacian
 
-__all__ = ["KNNGraph", "KNNLaplacian", "from_anndata", "intrinsic_dimension", "to_anndata"]
+__all__ = [
+    "HighDimensionWarning",
+    "KNNGraph",
+    "KNNLaplacian",
+    "from_anndata",
+    "intrinsic_dimension",
+    "to_anndata",
+]

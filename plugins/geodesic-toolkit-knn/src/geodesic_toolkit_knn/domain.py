@@ -294,7 +294,7 @@ class KNNGraph(gt.Domain):
             k = min(self.k, int(left.sum()) - 1)
             return KNNGraph(
                 np.where(mask[:, None], np.nan, self.points),
-                k=k if k else None,
+                k=k or None,
                 metric=self.metric,
                 dimension=self.dimension,
                 search=self.__dict__["search"],

@@ -77,8 +77,7 @@ def _by_descent(points: FloatArray, k: int, metric: str) -> tuple[Any, Any]:
     if (near < 0).any():
         bad = int((near < 0).any(axis=1).argmax())
         raise InvalidOptionError(
-            f"pynndescent found fewer than {k} neighbours of sample {bad}; take "
-            'search="exact"'
+            f'pynndescent found fewer than {k} neighbours of sample {bad}; take search="exact"'
         )
     return near, far
 
