@@ -95,7 +95,10 @@ def discretization_of_charts(
     pairs = np.zeros((0, 2), dtype=np.int64) if links is None else np.asarray(links, np.int64)
     far = np.zeros(0) if link_lengths is None else np.asarray(link_lengths, np.float64)
     first = near.shape[1] // 2 if k is None else k
-    triangles, frames, is_open = _stars(near, laid_out, own, n_vertices, first, positions)
+    weights = _tie_breakers(laid_out, own, n_vertices)
+    triangles, frames, is_open = _stars(
+        near, laid_out, own, weights, k=first, smooth=positions is not None
+    )
     if not len(triangles) + len(pairs):
         raise InvalidDiscretizationError("the charts have neither triangles nor links")
     spokes = np.concatenate([frames[:, 0], np.hypot(frames[:, 1], frames[:, 2])])
@@ -112,8 +115,12 @@ def discretization_of_charts(
         n_vertices=n_vertices,
     )
     corners = np.repeat(face_areas(frames) / 9, 3)
-    mass = np.bincount(triangles.ravel(), corners, minlength=n_vertices)
-    mass += np.bincount(pairs.ravel(), np.repeat(far * widths / 2, 2), minlength=n_vertices)
+    ends = np.repeat(far * widths / 2, 2)
+    mass = np.asarray(
+        np.bincount(triangles.ravel(), corners, minlength=n_vertices)
+        + np.bincount(pairs.ravel(), ends, minlength=n_vertices),
+        dtype=np.float64,
+    )
     boundary = np.zeros(n_vertices, dtype=np.bool_)
     boundary[own] = is_open
     others = np.zeros(0, dtype=np.int64) if representatives is None else representatives
@@ -154,17 +161,14 @@ def _stars(
     near: IntArray,
     laid_out: FloatArray,
     own: IntArray,
-    n_vertices: int,
+    weights: FloatArray,
+    *,
     k: int,
-    positions: FloatArray | None,
+    smooth: bool,
 ) -> tuple[IntArray, FloatArray, BoolArray]:
     """Return the stars of all charts: triangles (E, 3), frames (E, 3), which stars are open."""
     squared = np.einsum("nmd,nmd->nm", laid_out, laid_out)
     on_sheet = np.isfinite(squared)
-    squared = np.where(on_sheet, squared, np.inf)
-    nearest = squared.min(axis=1, initial=np.inf)
-    weights = np.zeros(n_vertices)
-    weights[own] = tie_widths(np.where(np.isfinite(nearest), nearest, 0.0))
     size = near.shape[1]
     triangles, frames = [np.zeros((0, 3), dtype=np.int64)], [np.zeros((0, 3))]
     is_open = np.ones(len(own), dtype=np.bool_)
@@ -183,13 +187,22 @@ def _stars(
             middle[:, None] + 1 + np.arange(size),
             k=k,
             oriented=False,
-            smooth=positions is not None,
+            smooth=smooth,
             centres=middle,
             weights=weights[vertices].ravel(),
         )
         triangles.append(vertices.ravel()[found])
         frames.append(planar)
     return np.concatenate(triangles), np.concatenate(frames), is_open
+
+
+def _tie_breakers(laid_out: FloatArray, own: IntArray, n_vertices: int) -> FloatArray:
+    """Return what squared distances from vertices are lessened by, (N,), in all charts."""
+    squared = np.einsum("nmd,nmd->nm", laid_out, laid_out)
+    nearest = np.where(np.isfinite(squared), squared, np.inf).min(axis=1, initial=np.inf)
+    weights = np.zeros(n_vertices)
+    weights[own] = tie_widths(np.where(np.isfinite(nearest), nearest, 0.0))
+    return weights
 
 
 def _reach(squared: FloatArray) -> FloatArray:

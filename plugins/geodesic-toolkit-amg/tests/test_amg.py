@@ -53,7 +53,7 @@ def test_a_matrix_with_a_negative_diagonal_is_refused():
 def test_too_few_iterations_are_an_error_that_says_so():
     plane = gt.CotanLaplacian().assemble(gt.testing.shapes.grid(60))
     matrix = plane.stiffness + csr_array(np.diag(plane.mass * 1e-3))
-    with pytest.raises(SolverError, match="residual .* after 1 iterations"):
+    with pytest.raises(SolverError, match=r"residual .* after 1 iterations"):
         AMG(max_iterations=1).factorize(csr_array(matrix))
 
 

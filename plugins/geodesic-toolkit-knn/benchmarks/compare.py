@@ -33,6 +33,7 @@ def flat(points: FloatArray, parameters: FloatArray) -> Shape:
 
 
 def roll(count: int, rng: np.random.Generator) -> Shape:
+    """Return samples of a Swiss roll."""
     angle, height = 1.5 * np.pi * (1 + 2 * rng.random(count)), 21 * rng.random(count)
     arc = (angle * np.sqrt(1 + angle**2) + np.arcsinh(angle)) / 2
     points = np.column_stack([angle * np.cos(angle), height, angle * np.sin(angle)])
@@ -40,12 +41,14 @@ def roll(count: int, rng: np.random.Generator) -> Shape:
 
 
 def s_curve(count: int, rng: np.random.Generator) -> Shape:
+    """Return samples of an S-curve."""
     angle, height = 3 * np.pi * (rng.random(count) - 0.5), 2 * rng.random(count)
     points = np.column_stack([np.sin(angle), height, np.sign(angle) * (np.cos(angle) - 1)])
     return flat(points, np.column_stack([angle, height]))
 
 
 def torus(count: int, rng: np.random.Generator) -> Shape:
+    """Return samples of the flat torus in four dimensions."""
     angles = 2 * np.pi * rng.random((count, 2))
     points = np.concatenate([np.cos(angles), np.sin(angles)], axis=1)
 
@@ -57,18 +60,22 @@ def torus(count: int, rng: np.random.Generator) -> Shape:
 
 
 def sphere(count: int, rng: np.random.Generator) -> Shape:
+    """Return samples of the unit sphere."""
     points = rng.standard_normal((count, 3))
     points /= np.linalg.norm(points, axis=1, keepdims=True)
     return points, lambda source: np.arccos(np.clip(points @ points[source], -1, 1))
 
 
 def helix(count: int, rng: np.random.Generator) -> Shape:
+    """Return samples of three turns of a helix."""
     angle = 6 * np.pi * rng.random(count)
     points = np.column_stack([np.cos(angle), np.sin(angle), angle / 4])
     return flat(points, angle[:, None] * np.sqrt(1 + 1 / 16))
 
 
 def cube(dimension: int) -> Callable[[int, np.random.Generator], Shape]:
+    """Return what samples the unit cube of a dimension."""
+
     def sampled(count: int, rng: np.random.Generator) -> Shape:
         parameters = rng.random((count, dimension))
         return flat(parameters, parameters)

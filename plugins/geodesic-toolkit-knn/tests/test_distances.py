@@ -114,7 +114,7 @@ def test_sheets_of_a_roll_are_not_connected_though_samples_beyond_are_neighbours
 def test_parts_that_the_graph_connects_are_connected():
     square = np.random.default_rng(4).random((300, 2))
     bridge = np.column_stack([np.linspace(1.05, 1.95, 12), np.full(12, 0.5)])
-    points = np.concatenate([square, bridge, square + [2.0, 0.0]])
+    points = np.concatenate([square, bridge, square + np.array([2.0, 0.0])])
     domain = KNNGraph(points, k=6, dimension=2)
     found = gt.geodesic_distance(domain, 0)
     straight = np.linalg.norm(points - points[0], axis=1)

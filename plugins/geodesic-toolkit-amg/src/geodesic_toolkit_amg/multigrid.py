@@ -19,7 +19,7 @@ __all__ = ["AMG"]
 FloatArray: TypeAlias = NDArray[np.float64]
 
 MAX_UNKNOWNS_OF_COARSEST = 500
-"""Unknowns of a level that is factorised. From 100 to 2,000 the time changes by less than a tenth."""
+"""Unknowns of a level that is factorised, by a direct solver."""
 
 STALLED = 1e3
 """Residual, in tolerances, above which an iteration that ended has not found the solution: PyAMG

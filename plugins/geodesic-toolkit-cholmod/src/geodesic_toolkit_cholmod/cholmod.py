@@ -111,7 +111,7 @@ class Analysis(gt.Analysis):
         self._lock = threading.Lock()
 
     def factorize(self, matrix: csr_array) -> CholmodFactor:
-        """Return the Cholesky factor of `matrix`, in this ordering where the pattern is the same."""
+        """Return the Cholesky factor of `matrix`, in this ordering if it has the pattern."""
         columns = _columns(matrix)
         if not all(map(np.array_equal, self._pattern, (columns.indptr, columns.indices))):
             return self._solver.factorize(matrix)

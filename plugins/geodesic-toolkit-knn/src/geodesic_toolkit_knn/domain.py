@@ -132,7 +132,7 @@ class KNNGraph(gt.Domain):
             raise InvalidOptionError(
                 f'search must be "auto", "exact" or "approximate", not {search!r}'
             )
-        present = ~np.isnan(table).all(axis=1)
+        present: NDArray[np.bool_] = ~np.isnan(table).all(axis=1)
         centres, places, scale, place = _places(table, present, metric)
         others = len(centres) - 1
         if k is not None and k > others:
@@ -198,7 +198,7 @@ class KNNGraph(gt.Domain):
         lengths = entries.data[off].astype(np.float64)
         matrix = _matrix(row[off], column[off], lengths, graph.n_vertices)
         domain = cls.__new__(cls)
-        domain._set(
+        domain._set(  # noqa: SLF001 - of this class: it is a constructor
             points=None,
             metric="precomputed",
             search="exact",
@@ -207,7 +207,8 @@ class KNNGraph(gt.Domain):
         )
         counts = np.diff(matrix.indptr)
         k = int(np.median(counts)) if counts.any() else 0
-        domain._set_graph(matrix, k, dimension, _full_rows(matrix, k))
+        far = _full_rows(matrix, k)
+        domain._set_graph(matrix, k, dimension, far)  # noqa: SLF001 - as above
         return domain
 
     def _set_graph(
@@ -304,7 +305,7 @@ class KNNGraph(gt.Domain):
         kept = left[row] & left[column]
         matrix = _matrix(row[kept], column[kept], entries.data[kept], self.n_vertices)
         domain = KNNGraph.from_distances(matrix, dimension=self.dimension)
-        domain._set(_present=left)
+        domain._set(_present=left)  # noqa: SLF001 - of this class
         return domain
 
     @classmethod
@@ -323,7 +324,7 @@ class KNNGraph(gt.Domain):
 def _check_options(k: int | None, dimension: object) -> None:
     for name, value, other in (("k", k, None), ("dimension", dimension, "auto")):
         whole = isinstance(value, int | np.integer) and not isinstance(value, bool)
-        if value != other and not (whole and int(value) >= 1):  # type: ignore[arg-type, call-overload]
+        if value != other and not (whole and int(str(value)) >= 1):
             raise InvalidOptionError(f"{name} must be a positive integer, not {value!r}")
 
 
@@ -403,4 +404,4 @@ def _full_rows(matrix: csr_array, k: int) -> FloatArray:
     row = np.repeat(np.arange(len(counts)), counts)
     order = np.lexsort((matrix.data, row))
     lengths = np.asarray(matrix.data)[order]
-    return lengths[matrix.indptr[:-1][rows][:, None] + np.arange(k)]
+    return np.asarray(lengths[matrix.indptr[:-1][rows][:, None] + np.arange(k)])

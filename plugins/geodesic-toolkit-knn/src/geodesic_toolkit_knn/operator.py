@@ -1,4 +1,4 @@
-"""The Laplacian of samples: curves by their order, surfaces by stars, everything else by a graph."""
+"""The Laplacian of samples: curves by their order, surfaces by stars, others by a graph."""
 
 import warnings
 from dataclasses import dataclass, replace
@@ -224,7 +224,8 @@ def _curve(domain: KNNGraph, found: Neighbourhoods, notes: dict[str, Any]) -> gt
     own = found.centres[np.concatenate(ends)]
     edges, lengths = _edges(domain, found)
     pairs = coo_array((np.ones(len(own)), tuple(own.T)), shape=(domain.n_vertices,) * 2)
-    links = _between(connected_components(pairs, directed=False)[1][edges], lengths)
+    parts = connected_components(pairs, directed=False)[1].astype(np.int64)
+    links = _between(parts[edges], lengths)
     again = np.flatnonzero(domain.as_graph().lengths == 0)
     graph = gt.Graph(
         domain.n_vertices,

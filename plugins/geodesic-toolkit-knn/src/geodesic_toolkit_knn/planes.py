@@ -18,7 +18,7 @@ MAX_ROUGHNESS_OF_ROUNDING = 1e-3
 """Roughness up to which there is only rounding."""
 
 GROWTH_ON_SMOOTH_SURFACES = 1.58
-"""Growth of the roughness where it is only rounding: that of neighbourhoods sqrt(30 / 12) as wide."""
+"""Growth of the roughness where it is only rounding: the ratio sqrt(30 / 12) of the widths."""
 
 MAX_SQUARED_SINE = (0.5, 0.2)
 """Square of the sine of the elevation up to which a neighbour is on the sheet of a sample: of the
