@@ -132,7 +132,7 @@ class KNNGraph(gt.Domain):
             raise InvalidOptionError(
                 f'search must be "auto", "exact" or "approximate", not {search!r}'
             )
-        present: NDArray[np.bool_] = ~np.isnan(table).all(axis=1)
+        present = np.asarray(~np.isnan(table).all(axis=1))
         centres, places, scale, place = _places(table, present, metric)
         others = len(centres) - 1
         if k is not None and k > others:
