@@ -57,10 +57,10 @@ def discretization_of_charts(
         The vertex of each chart, ascending; by default all N.
     k : int, optional
         Neighbours that a star begins with, half of m by default; it grows where these do not
-        settle it.
+        determine it.
     positions : array of shape (N, d), float64, optional
         Places in a Euclidean space of any dimension, by which refinement measures the triangles:
-        for vertices that lie on the surface with hardly any noise.
+        for vertices that lie on the surface almost without noise.
     links : array of shape (L, 2), int64, optional
         Further connections between vertices.
     link_lengths : array of shape (L,), float64, optional

@@ -1,4 +1,4 @@
-"""Are charts of a surface as good as its triangles, and are bad ones refused by name?"""
+"""Do charts of a surface give the distances of its triangles, and are bad charts refused?"""
 
 import numpy as np
 import pytest

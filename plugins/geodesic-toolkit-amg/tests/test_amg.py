@@ -9,7 +9,7 @@ from geodesic_toolkit.errors import InvalidOptionError, SolverError
 from geodesic_toolkit_amg import AMG
 
 AGREEMENT = 1e-6
-"""Of distances with those of the default solver, relative to the largest."""
+"""Difference of distances from those of the default solver, relative to the largest."""
 
 
 @pytest.mark.parametrize("law", gt.testing.linear_solver_checks(AMG()), ids=str)

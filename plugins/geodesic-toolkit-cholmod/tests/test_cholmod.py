@@ -11,7 +11,7 @@ from geodesic_toolkit.errors import InvalidOptionError, MissingDependencyError, 
 from geodesic_toolkit_cholmod import Cholmod
 
 AGREEMENT = 1e-6
-"""Of distances on a unit sphere with those of the default solver."""
+"""Difference of distances on a unit sphere from those of the default solver."""
 
 
 @pytest.fixture

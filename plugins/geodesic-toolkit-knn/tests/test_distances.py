@@ -67,7 +67,7 @@ def test_samples_in_ten_dimensions_have_the_distances_of_their_space(shape):
 
 
 @pytest.mark.parametrize("shape", [torus, roll, helix])
-def test_noise_in_ten_dimensions_hardly_lengthens_them(shape):
+def test_noise_in_ten_dimensions_lengthens_them_less_than_isomap(shape):
     points, truth = shape()
     domain = KNNGraph(in_ten_dimensions(points, noise=0.2))
     found = gt.geodesic_distance(domain, 0)
@@ -129,6 +129,42 @@ def test_samples_at_one_place_read_the_same(shape):
     found = gt.geodesic_distance(KNNGraph(twice), 0)
     np.testing.assert_allclose(found[300:], found[:300][::-1], atol=1e-12)
     np.testing.assert_allclose(found[:300], gt.geodesic_distance(KNNGraph(points), 0), atol=1e-9)
+
+
+@pytest.mark.parametrize("k", [1, 2, 5, 12, 30])
+@pytest.mark.parametrize("shape", [torus, roll, helix])
+def test_charts_are_as_accurate_with_any_number_of_neighbours(shape, k):
+    points, truth = shape()
+    domain = KNNGraph(points, k=k, dimension=1 if shape is helix else 2)
+    assert mean_error(gt.geodesic_distance(domain, 0), truth) < CLOSE
+
+
+@pytest.mark.parametrize("scale", [1e-58, 1e-9, 1e9, 1e58])
+def test_distances_scale_with_the_samples(scale):
+    points, _ = torus(300)
+    found = gt.geodesic_distance(KNNGraph(points * scale), 0)
+    np.testing.assert_allclose(found / scale, gt.geodesic_distance(KNNGraph(points), 0), rtol=1e-9)
+
+
+def test_coordinates_that_are_constant_change_nothing():
+    points, _ = torus(300)
+    wide = np.column_stack([points, np.full(300, 7.0), np.zeros(300)])
+    usual = gt.geodesic_distance(KNNGraph(points), 0)
+    np.testing.assert_allclose(gt.geodesic_distance(KNNGraph(wide), 0), usual, atol=1e-9)
+
+
+def test_whole_numbers_are_samples_too():
+    lattice = np.indices((15, 15)).reshape(2, -1).T
+    found = gt.geodesic_distance(KNNGraph(lattice), 0)
+    np.testing.assert_allclose(found, np.linalg.norm(lattice, axis=1), rtol=1e-3)
+
+
+@pytest.mark.parametrize("shape", [torus, helix, lambda n: cube(3, n)])
+def test_parts_that_nothing_connects_are_infinitely_far(shape):
+    points, _ = shape(150)
+    found = gt.geodesic_distance(KNNGraph(np.concatenate([points, points + 100.0])), 0)
+    assert np.isfinite(found[:150]).all()
+    assert np.isinf(found[150:]).all()
 
 
 def test_the_way_can_be_chosen():

@@ -1,4 +1,4 @@
-"""Which samples are taken, which refused and how, and do matrices and AnnData fit?"""
+"""Are sound samples accepted and others refused, and do matrices and AnnData fit?"""
 
 import sys
 from types import SimpleNamespace
@@ -26,14 +26,19 @@ POINTS = RNG.normal(size=(200, 2)) @ RNG.normal(size=(2, 6))
     [
         (np.zeros(4), "shape"),
         (np.zeros((0, 3)), "shape"),
-        ([[0.0, 1.0], [0.0]], "table"),
-        ([["a", "b"]], "table"),
+        ([[0.0, 1.0], [0.0]], "row 1 has 1 entries"),
+        ([["a", "b"]], "real numbers"),
+        (POINTS + 1j, "real numbers"),
+        (csr_array(POINTS), "sparse matrix; give points.toarray"),
+        (np.ma.masked_greater(POINTS, 1.0), "masked"),
+        (POINTS * 1e-200, "rescale"),
+        (POINTS * 1e200, "rescale"),
         ([[np.nan, np.nan]], "all samples are missing"),
         ([[0.0, 0.0], [np.nan, 1.0]], "sample 1"),
         ([[0.0, 0.0], [np.inf, 1.0]], "sample 1"),
     ],
 )
-def test_what_is_no_table_of_samples_is_refused(points, message):
+def test_points_that_are_not_a_table_of_samples_are_refused(points, message):
     with pytest.raises(InvalidDomainError, match=message):
         KNNGraph(points)
 
@@ -44,9 +49,19 @@ def test_what_is_no_table_of_samples_is_refused(points, message):
         ({"k": 0}, "k must be a positive integer"),
         ({"k": 200}, "there are 199 samples at other places"),
         ({"k": True}, "k must be"),
+        ({"k": np.array([5, 6])}, "k must be"),
+        ({"k": 5.0}, "k must be"),
         ({"dimension": 0}, "dimension must be"),
+        ({"dimension": 7}, "samples have 6 coordinates"),
         ({"dimension": "two"}, "dimension must be"),
         ({"metric": "nearness"}, "nearness"),
+        ({"metric": "precomputed"}, "from_distances"),
+        ({"metric": "seuclidean"}, "seuclidean"),
+        ({"metric": lambda a, b: -1.0}, "returns -1.0"),
+        ({"metric": lambda a, b: np.nan}, "returns nan"),
+        ({"metric": lambda a, b: None}, "returns None"),
+        ({"metric": lambda a, b: max(a[0] - b[0], 0.0)}, "not symmetric"),
+        ({"metric": lambda a, b: 1.0, "search": "approximate"}, "takes metrics by name"),
         ({"search": "quick"}, "search must be"),
     ],
 )
@@ -84,15 +99,55 @@ def test_neighbours_that_are_known_give_the_same_graph():
     np.testing.assert_array_equal(known.affinities().data, domain.affinities().data)
 
 
-@pytest.mark.parametrize("matrix", [csr_array((2, 3)), csr_array([[0.0, -1.0], [1.0, 0.0]])])
+@pytest.mark.parametrize(
+    "matrix",
+    [
+        csr_array((2, 3)),
+        csr_array([[0.0, -1.0], [1.0, 0.0]]),
+        csr_array([[0.0, np.nan], [1.0, 0.0]]),
+        csr_array([[0.0, np.inf], [1.0, 0.0]]),
+    ],
+)
 def test_a_matrix_that_holds_no_distances_is_refused(matrix):
     with pytest.raises(InvalidDomainError):
         KNNGraph.from_distances(matrix)
 
 
-def test_a_dense_matrix_is_refused_by_name():
+@pytest.mark.parametrize("known", [KNNGraph.from_distances, KNNGraph.from_affinities])
+def test_a_dense_matrix_is_refused_by_name(known):
     with pytest.raises(InvalidDomainError, match="ndarray"):
-        KNNGraph.from_distances(np.zeros((3, 3)))
+        known(np.zeros((3, 3)))
+
+
+def test_a_function_is_a_metric():
+    named = KNNGraph(POINTS, k=7, metric="manhattan")
+    function = KNNGraph(POINTS, k=7, metric=lambda a, b: np.abs(a - b).sum())
+    np.testing.assert_allclose(named.distances.toarray(), function.distances.toarray())
+
+
+def test_affinities_give_the_distances_that_they_are_made_of():
+    steps = np.linspace(0.5, 1.5, 30)
+    places = np.concatenate([[0.0], np.cumsum(steps)])
+    gaps = np.exp(-(np.subtract.outer(places, places) ** 2))
+    chain = csr_array(np.triu(np.tril(gaps, 1), -1))  # with 1 on the diagonal
+    domain = KNNGraph.from_affinities(chain, dimension=1)
+    np.testing.assert_allclose(gt.geodesic_distance(domain, 0), places, rtol=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("matrix", "message"),
+    [
+        (csr_array((2, 3)), "square"),
+        (csr_array([[0, 1j], [1j, 0]]), "real numbers"),
+        (csr_array([[0.0, -0.1], [-0.1, 0.0]]), "samples 0 and 1 is -0.1"),
+        (csr_array([[0.0, 2.0], [2.0, 0.0]]), "Divide by the largest"),
+        (csr_array([[0.0, np.nan], [np.nan, 0.0]]), "is nan"),
+        (csr_array([[0.0, 0.5], [0.4, 0.0]]), "not symmetric: samples 0 and 1 have 0.5 and 0.4"),
+    ],
+)
+def test_a_matrix_that_holds_no_affinities_is_refused(matrix, message):
+    with pytest.raises(InvalidDomainError, match=message):
+        KNNGraph.from_affinities(matrix)
 
 
 @pytest.mark.parametrize("known", [False, True])
@@ -123,6 +178,8 @@ def test_without_pynndescent_the_message_says_how_to_install_it(monkeypatch):
 def test_too_few_samples_show_no_dimension():
     with pytest.raises(InvalidDomainError, match="different samples"):
         intrinsic_dimension(POINTS[:10])
+    with pytest.raises(InvalidDomainError, match="sample 1 has"):
+        intrinsic_dimension([[0.0, 1.0], [np.nan, 1.0]])
     assert np.isnan(KNNGraph(POINTS[:3]).dimension_estimate)
 
 
@@ -148,6 +205,8 @@ def test_what_is_not_in_anndata_is_named():
     with pytest.raises(UnsupportedDomainError, match="AnnData"):
         from_anndata(POINTS)
     to_anndata(data, KNNGraph(POINTS))
+    with pytest.raises(InvalidOptionError, match=r'affinities; .* "distances"'):
+        from_anndata(data, key="connectivities")
     with pytest.raises(InvalidOptionError, match="k: neighbours in obsp"):
         from_anndata(data, k=3)
     with pytest.raises(InvalidOptionError, match="200 observations"):

@@ -115,7 +115,7 @@ class AMG(gt.LinearSolver):
 
 
 class AMGFactor(gt.Factor):
-    """The levels of a matrix, on which every solve iterates anew."""
+    """The levels of a matrix, on which every solve iterates from the start."""
 
     def __init__(self, matrix: Any, levels: Any, options: AMG) -> None:
         self._matrix, self._levels, self._options = matrix, levels, options

@@ -39,7 +39,7 @@ def from_anndata(
     UnsupportedDomainError
         Something else than an AnnData.
     InvalidOptionError
-        A key that is not there; the message has those that are.
+        A key that is not there, the message has those that are; connectivities as `key`.
     """
     if not (hasattr(data, "obsp") and hasattr(data, "obsm")):
         raise UnsupportedDomainError(
@@ -53,6 +53,11 @@ def from_anndata(
             f"{which} has no {name!r}; it has: {', '.join(map(str, table)) or 'nothing'}{cure}"
         )
     if representation is None:
+        if name.endswith("connectivities"):
+            raise InvalidOptionError(
+                f"obsp[{name!r}] has affinities; give the key of the distances, as "
+                f'"{name.removesuffix("connectivities")}distances"'
+            )
         if options:
             raise InvalidOptionError(
                 f"{', '.join(options)}: neighbours in obsp are taken as they are; give a "

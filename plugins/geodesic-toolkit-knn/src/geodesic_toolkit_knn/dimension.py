@@ -5,7 +5,8 @@ from numpy.typing import ArrayLike
 from scipy.special import digamma
 
 from geodesic_toolkit.errors import InvalidDomainError
-from geodesic_toolkit_knn.neighbours import FloatArray, nearest
+from geodesic_toolkit_knn.neighbours import nearest
+from geodesic_toolkit_knn.tables import FloatArray, as_table
 
 __all__ = ["dimension_from_distances", "intrinsic_dimension"]
 
@@ -23,7 +24,7 @@ def intrinsic_dimension(points: ArrayLike, k: int = N_NEIGHBOURS) -> float:
     Parameters
     ----------
     points : array-like of shape (N, D)
-        More than k different ones.
+        More than k different ones, beside those that are missing: entirely NaN.
     k : int, optional
         Neighbours, 4 or more.
 
@@ -36,7 +37,7 @@ def intrinsic_dimension(points: ArrayLike, k: int = N_NEIGHBOURS) -> float:
     Raises
     ------
     InvalidDomainError
-        Fewer than k + 1 different samples, or fewer than 4 neighbours.
+        As for :class:`KNNGraph`; fewer than k + 1 different samples, or fewer than 4 neighbours.
 
     References
     ----------
@@ -53,8 +54,9 @@ def intrinsic_dimension(points: ArrayLike, k: int = N_NEIGHBOURS) -> float:
     >>> round(intrinsic_dimension(np.column_stack([np.cos(angle), np.sin(angle)])))
     1
     """
-    places = np.unique(np.asarray(points, dtype=np.float64), axis=0)
-    if not 4 <= k < len(places):
+    table = as_table(points)
+    places = np.unique(table[~np.isnan(table).any(axis=1)], axis=0)
+    if not (isinstance(k, int | np.integer) and 4 <= k < len(places)):
         raise InvalidDomainError(
             f"{k} neighbours of {len(places)} different samples: take 4 or more, and fewer than "
             "samples"

@@ -13,7 +13,9 @@ from scipy.sparse import coo_array, csr_array
 import geodesic_toolkit as gt
 from geodesic_toolkit.errors import InvalidDomainError, InvalidOptionError
 from geodesic_toolkit_knn.dimension import dimension_from_distances
-from geodesic_toolkit_knn.neighbours import FloatArray, IntArray, nearest
+from geodesic_toolkit_knn.neighbours import ASYMMETRY, Metric, nearest
+from geodesic_toolkit_knn.planes import NEIGHBOURS_IN_NOISE
+from geodesic_toolkit_knn.tables import FloatArray, IntArray, as_table
 
 __all__ = ["KNNGraph", "Neighbourhoods"]
 
@@ -39,7 +41,8 @@ class Neighbourhoods:
     scale : float
         That unit.
     near : ndarray of shape (M, m), int64
-        Neighbours as indices of `centres`, nearest first; up to twice as many as the graph has.
+        Neighbours as indices of `centres`, nearest first: twice as many as the graph has, and 30
+        or more, where there are so many others. Charts are made of these.
     far : ndarray of shape (M, m), float64
         How far they are, in the unit of the data.
     """
@@ -64,9 +67,10 @@ class KNNGraph(gt.Domain):
         Samples, in any number D of coordinates.
     k : int, optional
         Neighbours of a sample; by default 20, or all others where there are fewer.
-    metric : str
-        How distances between samples are measured, as in scikit-learn's ``NearestNeighbors``; it
-        should obey the triangle inequality ("cosine" does not).
+    metric : str or callable
+        How distances between samples are measured, as in scikit-learn's ``NearestNeighbors``, or a
+        function of two samples. It should obey the triangle inequality, which "cosine" and
+        "sqeuclidean" do not.
     dimension : int or "auto"
         Dimension of the space that is sampled: 1 for a curve, 2 for a surface. "auto" estimates it.
     search : {"auto", "exact", "approximate"}
@@ -78,10 +82,10 @@ class KNNGraph(gt.Domain):
     points : ndarray of shape (N, D), float64, or None
         None for a domain of :meth:`from_distances`.
     k : int
-    metric : str
+    metric : str or callable
     dimension : int
     dimension_estimate : float
-        What the neighbours show; NaN where there are too few.
+        The estimate from the neighbours; NaN where there are too few.
     distances : csr_array of shape (N, N)
         Row i holds the distances of the neighbours of sample i. An explicit 0 connects samples at
         one place.
@@ -89,9 +93,12 @@ class KNNGraph(gt.Domain):
     Raises
     ------
     InvalidDomainError
-        Not a table, no sample that is not missing, or a value that is not finite.
+        Not a table of real numbers, no sample that is not missing, a value that is not finite, or
+        samples that extend over less than 1e-60 or more than 1e60.
     InvalidOptionError
-        k is not positive, or there are not so many other samples; an unknown metric or search.
+        k is not positive, or there are not so many other samples; more dimensions than
+        coordinates; an unknown search; a metric that is unknown or not symmetric, or has negative
+        values.
     MissingDependencyError
         ``search="approximate"``, and pynndescent is not installed.
 
@@ -112,7 +119,7 @@ class KNNGraph(gt.Domain):
 
     points: FloatArray | None
     k: int
-    metric: str
+    metric: Metric
     dimension: int
     dimension_estimate: float
     distances: csr_array
@@ -122,12 +129,17 @@ class KNNGraph(gt.Domain):
         points: ArrayLike,
         *,
         k: int | None = None,
-        metric: str = "euclidean",
+        metric: Metric = "euclidean",
         dimension: int | Literal["auto"] = "auto",
         search: Literal["auto", "exact", "approximate"] = "auto",
     ) -> None:
-        table = _as_table(points)
+        table = as_table(points)
         _check_options(k, dimension)
+        if not isinstance(dimension, str) and dimension > table.shape[1]:
+            raise InvalidOptionError(
+                f"dimension={dimension}: samples have {table.shape[1]} coordinates, and their "
+                "space cannot have more dimensions"
+            )
         if search not in ("auto", "exact", "approximate"):
             raise InvalidOptionError(
                 f'search must be "auto", "exact" or "approximate", not {search!r}'
@@ -140,7 +152,9 @@ class KNNGraph(gt.Domain):
                 f"k={k}: there are {others} samples at other places; take fewer, or leave k out"
             )
         own = min(DEFAULT_K, others) if k is None else int(k)
-        near, far = _neighbourhoods(places, min(2 * own, others), metric, search)
+        near, far = _neighbourhoods(
+            places, min(max(2 * own, NEIGHBOURS_IN_NOISE), others), metric, search
+        )
         where = np.flatnonzero(present)
         again = np.flatnonzero(centres[place] != where)
         rows = np.concatenate([np.repeat(centres, own), where[again]])
@@ -194,6 +208,12 @@ class KNNGraph(gt.Domain):
         graph = gt.as_domain(distances)  # which refuses what is not square, or not a length
         entries = coo_array(distances)
         row, column = entries.coords
+        if (endless := ~np.isfinite(entries.data)).any():  # where the other direction is finite
+            bad = int(endless.argmax())
+            raise InvalidDomainError(
+                f"the distance from sample {row[bad]} to {column[bad]} is {entries.data[bad]}; "
+                "leave out entries that connect nothing"
+            )
         off = row != column
         lengths = entries.data[off].astype(np.float64)
         matrix = _matrix(row[off], column[off], lengths, graph.n_vertices)
@@ -210,6 +230,71 @@ class KNNGraph(gt.Domain):
         far = _full_rows(matrix, k)
         domain._set_graph(matrix, k, dimension, far)  # noqa: SLF001 - as above
         return domain
+
+    @classmethod
+    def from_affinities(
+        cls, affinities: Any, *, dimension: int | Literal["auto"] = "auto"
+    ) -> KNNGraph:
+        """Return the domain of samples whose affinities are known.
+
+        Parameters
+        ----------
+        affinities : sparse array or matrix of shape (N, N)
+            Symmetric, of a Gaussian kernel: ``exp(-d²)`` at distance d, in the unit in which the
+            kernel has width 1. Entries of 0, like those that are not stored, connect nothing.
+        dimension : int or "auto"
+            As above.
+
+        Returns
+        -------
+        KNNGraph
+            Without points, with distances ``sqrt(-log a)``.
+
+        Raises
+        ------
+        InvalidDomainError
+            Not square, not symmetric, or an entry outside 0 to 1.
+
+        Examples
+        --------
+        >>> from scipy.sparse import csr_array
+        >>> from geodesic_toolkit_knn import KNNGraph
+        >>> near = KNNGraph.from_affinities(csr_array([[1.0, 0.5], [0.5, 1.0]]), dimension=1)
+        >>> near.distances.data.round(2)
+        array([0.83, 0.83])
+        """
+        if not hasattr(affinities, "tocoo"):
+            raise InvalidDomainError(
+                f"affinities are a sparse matrix of SciPy's, not {type(affinities).__name__}"
+            )
+        matrix = csr_array(affinities)
+        if matrix.shape[0] != matrix.shape[1] or matrix.dtype.kind not in "iufb":
+            raise InvalidDomainError(
+                "affinities are a square matrix of real numbers, not "
+                f"{matrix.dtype} of shape {matrix.shape}"
+            )
+        entries = coo_array(matrix.astype(np.float64))
+        row, column = entries.coords
+        sound = (entries.data >= 0) & (entries.data <= 1)
+        if not sound.all():
+            bad = int(sound.argmin())
+            raise InvalidDomainError(
+                f"the affinity of samples {row[bad]} and {column[bad]} is {entries.data[bad]}; a "
+                "Gaussian kernel has values of 0 to 1. Divide by the largest, or give distances to "
+                "from_distances"
+            )
+        apart = coo_array(abs(entries.tocsr() - entries.T.tocsr()))
+        if apart.nnz and apart.data.max() > ASYMMETRY:
+            worst = int(apart.data.argmax())
+            i, j = (int(ends[worst]) for ends in apart.coords)
+            raise InvalidDomainError(
+                f"affinities are not symmetric: samples {i} and {j} have {matrix[i, j]} and "
+                f"{matrix[j, i]}; give (a + a.T) / 2, or a.maximum(a.T)"
+            )
+        kept = (entries.data > 0) & (row != column)
+        lengths = np.sqrt(-np.log(entries.data[kept]))
+        known = _matrix(row[kept], column[kept], lengths, matrix.shape[0])
+        return cls.from_distances(known, dimension=dimension)
 
     def _set_graph(
         self, matrix: csr_array, k: int, dimension: int | Literal["auto"], far: FloatArray
@@ -323,33 +408,17 @@ class KNNGraph(gt.Domain):
 
 def _check_options(k: int | None, dimension: object) -> None:
     for name, value, other in (("k", k, None), ("dimension", dimension, "auto")):
-        whole = isinstance(value, int | np.integer) and not isinstance(value, bool)
-        if value != other and not (whole and int(str(value)) >= 1):
+        if value is None or isinstance(value, str):
+            sound = value == other
+        else:
+            whole = isinstance(value, int | np.integer) and not isinstance(value, bool)
+            sound = whole and int(str(value)) >= 1
+        if not sound:
             raise InvalidOptionError(f"{name} must be a positive integer, not {value!r}")
 
 
-def _as_table(points: ArrayLike) -> FloatArray:
-    try:
-        table = np.array(points, dtype=np.float64)
-    except (TypeError, ValueError) as error:
-        raise InvalidDomainError(f"points cannot be read as a table of numbers: {error}") from error
-    if table.ndim != 2 or 0 in table.shape:
-        raise InvalidDomainError(f"points must have shape (N, D), not {table.shape}")
-    missing = np.isnan(table).all(axis=1)
-    if missing.all():
-        raise InvalidDomainError("all samples are missing: every coordinate is NaN")
-    sound = np.isfinite(table).all(axis=1) | missing
-    if not sound.all():
-        bad = int(sound.argmin())
-        raise InvalidDomainError(
-            f"sample {bad} has a coordinate that is not finite; fill it, or set all its "
-            "coordinates to NaN to leave it out"
-        )
-    return table
-
-
 def _places(
-    table: FloatArray, present: NDArray[np.bool_], metric: str
+    table: FloatArray, present: NDArray[np.bool_], metric: Metric
 ) -> tuple[IntArray, FloatArray, float, IntArray]:
     """Return the first sample at each place, the places, their unit, and the place of each sample.
 
@@ -368,7 +437,7 @@ def _places(
 
 
 def _neighbourhoods(
-    places: FloatArray, m: int, metric: str, search: str
+    places: FloatArray, m: int, metric: Metric, search: str
 ) -> tuple[IntArray, FloatArray]:
     """Return m neighbours of each place and how far they are, in the unit of the places."""
     if m == 0:
@@ -380,11 +449,6 @@ def _neighbourhoods(
             far[:, column] = np.sqrt(np.einsum("nd,nd->n", steps, steps))
         order = np.argsort(far, axis=1, kind="stable")
         near, far = np.take_along_axis(near, order, 1), np.take_along_axis(far, order, 1)
-    if not np.isfinite(far).all():
-        bad = int(np.isfinite(far).all(axis=1).argmin())
-        raise InvalidDomainError(
-            f"place {bad} has no finite distance to its neighbours by metric {metric!r}"
-        )
     return near, far
 
 

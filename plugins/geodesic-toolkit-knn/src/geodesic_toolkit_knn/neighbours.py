@@ -1,17 +1,18 @@
 """Nearest neighbours in any dimension, by scikit-learn, or by pynndescent where it is installed."""
 
 import importlib.util
+import itertools
+from collections.abc import Callable
 from typing import Any, TypeAlias
 
 import numpy as np
-from numpy.typing import NDArray
 
 from geodesic_toolkit.errors import InvalidOptionError, MissingDependencyError
+from geodesic_toolkit_knn.tables import FloatArray, IntArray
 
-__all__ = ["FloatArray", "IntArray", "nearest"]
+__all__ = ["ASYMMETRY", "Metric", "nearest"]
 
-FloatArray: TypeAlias = NDArray[np.float64]
-IntArray: TypeAlias = NDArray[np.int64]
+Metric: TypeAlias = str | Callable[[FloatArray, FloatArray], float]
 
 MIN_SAMPLES_OF_APPROXIMATE_SEARCH = 20_000
 """Samples from which on "auto" takes the approximate search, if it is installed. Compiling it takes
@@ -21,8 +22,14 @@ MAX_DIMENSION_OF_TREES = 15
 """Dimension of the space up to which trees find neighbours without looking at nearly all samples:
 "auto" is exact up to there."""
 
+N_PROBES = 64
+"""Pairs of samples on which a function is tried as a metric."""
 
-def nearest(points: FloatArray, k: int, metric: str, search: str) -> tuple[IntArray, FloatArray]:
+ASYMMETRY = 1e-9
+"""Relative difference of two values of one pair of samples that rounding accounts for."""
+
+
+def nearest(points: FloatArray, k: int, metric: Metric, search: str) -> tuple[IntArray, FloatArray]:
     """Return the k nearest other samples of each, nearest first, and how far they are, (N, k).
 
     Parameters
@@ -31,33 +38,76 @@ def nearest(points: FloatArray, k: int, metric: str, search: str) -> tuple[IntAr
         Distinct.
     k : int
         Below N.
-    metric : str
+    metric : str or callable
         As scikit-learn's ``NearestNeighbors`` has it.
     search : {"auto", "exact", "approximate"}
 
     Raises
     ------
     InvalidOptionError
-        The metric is not known.
+        The metric is not known or not a metric.
     MissingDependencyError
         "approximate", and pynndescent is not installed.
     """
+    if callable(metric):
+        _try_metric(points, metric)
+        search = "exact" if search == "auto" else search
     if search == "auto":
         large = len(points) > MIN_SAMPLES_OF_APPROXIMATE_SEARCH
         wide = points.shape[1] > MAX_DIMENSION_OF_TREES
         installed = importlib.util.find_spec("pynndescent") is not None
         search = "approximate" if large and wide and installed else "exact"
+    if metric == "precomputed":
+        raise InvalidOptionError(
+            'metric="precomputed": give distances that are known as a sparse matrix to '
+            "KNNGraph.from_distances"
+        )
+    find = _by_descent if search == "approximate" else _by_trees
     try:
-        if search == "approximate":
-            near, far = _by_descent(points, k, metric)
-        else:
-            near, far = _by_trees(points, k, metric)
-    except (ValueError, KeyError) as error:
+        near, far = find(points, k, metric)
+    except (ValueError, KeyError, TypeError) as error:
         raise InvalidOptionError(f"neighbours by metric {metric!r}: {error}") from error
+    sound = np.isfinite(far) & (far >= -ASYMMETRY * np.abs(far).max())
+    if not sound.all():
+        bad = int(sound.all(axis=1).argmin())
+        raise InvalidOptionError(
+            f"the metric {metric!r} gives distances that are negative or not finite, as from "
+            f"{_shown(points[bad])}"
+        )
     return _without_self(near, far)
 
 
-def _by_trees(points: FloatArray, k: int, metric: str) -> tuple[Any, Any]:
+def _try_metric(points: FloatArray, metric: Callable[[FloatArray, FloatArray], float]) -> None:
+    """Raise unless a function gives some pairs of samples the same length in both directions."""
+    tried = points[: N_PROBES + 1]
+    for one, other in itertools.pairwise(tried):
+        there, back = _length(metric, one, other), _length(metric, other, one)
+        if abs(there - back) > ASYMMETRY * (there + back):
+            raise InvalidOptionError(
+                f"the metric {metric!r} is not symmetric: {there} from {_shown(one)} to "
+                f"{_shown(other)}, and {back} in the other direction"
+            )
+
+
+def _length(metric: Callable[[FloatArray, FloatArray], Any], *ends: FloatArray) -> float:
+    found = metric(*ends)
+    try:
+        length = float(found)
+    except (TypeError, ValueError):
+        length = np.nan
+    if not 0 <= length < np.inf:
+        raise InvalidOptionError(
+            f"the metric {metric!r} returns {found!r} for {' and '.join(map(_shown, ends))}; "
+            "distances are finite numbers and not negative"
+        )
+    return length
+
+
+def _shown(sample: FloatArray) -> str:
+    return np.array2string(sample, precision=3, threshold=6, edgeitems=2)
+
+
+def _by_trees(points: FloatArray, k: int, metric: Metric) -> tuple[Any, Any]:
     from sklearn.neighbors import NearestNeighbors
 
     index = NearestNeighbors(n_neighbors=k + 1, metric=metric).fit(points)
@@ -65,7 +115,11 @@ def _by_trees(points: FloatArray, k: int, metric: str) -> tuple[Any, Any]:
     return near, far
 
 
-def _by_descent(points: FloatArray, k: int, metric: str) -> tuple[Any, Any]:
+def _by_descent(points: FloatArray, k: int, metric: Metric) -> tuple[Any, Any]:
+    if callable(metric):
+        raise InvalidOptionError(
+            'search="approximate" takes metrics by name; take search="exact" for a function'
+        )
     try:
         from pynndescent import NNDescent
     except ImportError as error:

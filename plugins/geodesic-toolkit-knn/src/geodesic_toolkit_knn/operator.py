@@ -16,8 +16,8 @@ from geodesic_toolkit.errors import (
     UnsupportedDomainError,
 )
 from geodesic_toolkit_knn.domain import KNNGraph, Neighbourhoods
-from geodesic_toolkit_knn.neighbours import FloatArray, IntArray
 from geodesic_toolkit_knn.planes import charts, growth_of_roughness
+from geodesic_toolkit_knn.tables import FloatArray, IntArray
 
 __all__ = ["HighDimensionWarning", "KNNLaplacian"]
 
@@ -159,8 +159,6 @@ def _why_no_charts(domain: KNNGraph) -> str:
         return f"there are {len(found.centres)} samples at different places"
     if domain.dimension > 2:
         return f"the dimension is {domain.dimension}, and charts are for curves and surfaces"
-    if domain.dimension > found.places.shape[1]:
-        return f"points have {found.places.shape[1]} coordinate, and the dimension is 2"
     return ""
 
 
@@ -190,7 +188,7 @@ def _surface(domain: KNNGraph, found: Neighbourhoods, notes: dict[str, Any]) -> 
     options: dict[str, Any] = {
         "n_vertices": domain.n_vertices,
         "centres": found.centres,
-        "k": domain.k,
+        "k": max(domain.k, MIN_PLACES),
         "positions": positions,
         "representatives": _representatives(domain, found),
     }

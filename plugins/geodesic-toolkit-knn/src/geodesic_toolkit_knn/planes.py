@@ -2,9 +2,9 @@
 
 import numpy as np
 
-from geodesic_toolkit_knn.neighbours import FloatArray, IntArray
+from geodesic_toolkit_knn.tables import FloatArray, IntArray
 
-__all__ = ["charts", "frames_of", "growth_of_roughness"]
+__all__ = ["NEIGHBOURS_IN_NOISE", "charts", "frames_of", "growth_of_roughness"]
 
 NEIGHBOURS_OF_PLANE, NEIGHBOURS_IN_NOISE = 12, 30
 """Neighbours that a plane is found among, and the same in noise: those of point clouds in space.
@@ -93,7 +93,7 @@ def charts(
 ) -> FloatArray:
     """Return where the neighbours of each sample lie along its principal directions.
 
-    A neighbour keeps its direction there. Its distance is that in space where there is hardly any
+    A neighbour keeps its direction there. Its distance is that in space where there is almost no
     noise, and otherwise that across the principal directions of both, which noise off them does not
     lengthen.
 

@@ -6,7 +6,7 @@ import numpy as np
 
 import geodesic_toolkit as gt
 from geodesic_toolkit_knn.domain import KNNGraph
-from geodesic_toolkit_knn.neighbours import FloatArray
+from geodesic_toolkit_knn.tables import FloatArray
 
 __all__ = ["samples_of_neighbours"]
 
@@ -38,7 +38,7 @@ def samples_of_neighbours() -> "gt.testing.DomainSamples[KNNGraph]":
             KNNGraph(np.zeros((40, 5))),
             KNNGraph(np.linspace(0, 1, 40)[:, None] * [1.0, 2.0, 3.0]),
             KNNGraph(np.linspace(0, 1, 40)[:, None] * [1.0, 2.0, 3.0], dimension=2),
-            KNNGraph(np.linspace(0, 1, 40)[:, None], dimension=2),
+            KNNGraph(np.linspace(0, 1, 40)[:, None]),
         ],
     )
 
