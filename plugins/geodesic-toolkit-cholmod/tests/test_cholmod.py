@@ -1,6 +1,7 @@
 """Does it keep the contract, agree with the default solver, and refuse by name?"""
 
 import sys
+from types import ModuleType
 
 import numpy as np
 import pytest
@@ -58,6 +59,13 @@ def test_a_matrix_that_rounding_keeps_from_being_singular_is_refused(sphere):
 def test_an_option_that_is_not_known_is_refused(option):
     with pytest.raises(InvalidOptionError, match=f"{option} must be one of"):
         Cholmod(**{option: "other"})
+
+
+def test_another_version_of_scikit_sparse_is_refused_by_name(monkeypatch):
+    monkeypatch.setitem(sys.modules, "sksparse", ModuleType("sksparse"))
+    monkeypatch.setitem(sys.modules, "sksparse.cholmod", ModuleType("sksparse.cholmod"))
+    with pytest.raises(MissingDependencyError, match="which a newer version has replaced"):
+        Cholmod()
 
 
 def test_without_scikit_sparse_the_message_says_how_to_install_it(monkeypatch):

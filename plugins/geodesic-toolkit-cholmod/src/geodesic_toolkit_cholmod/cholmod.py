@@ -57,7 +57,7 @@ class Cholmod(gt.LinearSolver):
     InvalidOptionError
         A value outside the ones above.
     MissingDependencyError
-        scikit-sparse is not installed.
+        scikit-sparse 0.4 is not installed.
 
     References
     ----------
@@ -163,16 +163,22 @@ def _library() -> Any:
     Raises
     ------
     MissingDependencyError
-        It is not installed.
+        It is not installed, or is version 0.5, which has another interface.
     """
     try:
-        return importlib.import_module("sksparse.cholmod")
+        library = importlib.import_module("sksparse.cholmod")
     except ImportError as error:
         raise MissingDependencyError(
             f"Cholmod needs scikit-sparse ({error}): pip install "
             "'geodesic-toolkit-cholmod[cholmod]', which needs SuiteSparse and a compiler; on "
             "Debian and Ubuntu: apt-get install libsuitesparse-dev"
         ) from error
+    if not hasattr(library, "analyze"):
+        raise MissingDependencyError(
+            "Cholmod needs the interface of scikit-sparse 0.4, which a newer version has replaced: "
+            "pip install 'scikit-sparse<0.5'"
+        )
+    return library
 
 
 def _columns(matrix: Any) -> Any:
