@@ -40,6 +40,7 @@ if TYPE_CHECKING:
     from geodesic_toolkit.discretization.edge_gradient import EdgeGradient
     from geodesic_toolkit.discretization.element_gradient import ElementGradient
     from geodesic_toolkit.discretization.gradient import Gradient
+    from geodesic_toolkit.discretization.positivity import positive_part
     from geodesic_toolkit.discretization.subdivision import Subdivision
     from geodesic_toolkit.domains import (
         Domain,
@@ -66,6 +67,7 @@ if TYPE_CHECKING:
         write_log_map,
     )
     from geodesic_toolkit.laplacians.base import LaplaceOperator
+    from geodesic_toolkit.laplacians.charts import discretization_of_charts
     from geodesic_toolkit.laplacians.cotan import CotanLaplacian
     from geodesic_toolkit.laplacians.pointcloud.operator import PointCloudLaplacian
     from geodesic_toolkit.laplacians.uniform import UniformLaplacian
@@ -136,6 +138,7 @@ __all__ = [
     "centroidal_voronoi",
     "compare",
     "curve_length",
+    "discretization_of_charts",
     "distance_matrix",
     "eikonal_residual",
     "errors",
@@ -156,6 +159,7 @@ __all__ = [
     "merge_vertices",
     "operators",
     "parallel_transport",
+    "positive_part",
     "read",
     "read_curves",
     "read_mask",
@@ -227,6 +231,7 @@ _HOMES = {
     "centroidal_voronoi": "analysis.directions.voronoi",
     "compare": "analysis.comparison",
     "curve_length": "analysis.curves.measures",
+    "discretization_of_charts": "laplacians.charts",
     "distance_matrix": "analysis.matrix.matrix",
     "eikonal_residual": "analysis.residual",
     "exact_distance": "exact",
@@ -246,6 +251,7 @@ _HOMES = {
     "merge_vertices": "interop.merging",
     "operators": "registry.catalog",
     "parallel_transport": "analysis.directions.transport",
+    "positive_part": "discretization.positivity",
     "read": "io",
     "read_curves": "io",
     "read_mask": "io",

@@ -122,7 +122,7 @@ has_headers() {
 raise SystemExit(not pathlib.Path(sysconfig.get_path("include"), "Python.h").is_file())'
 }
 
-how_to_install() {
+how_to_pip_install() {
     if has_apt; then
         printf 'sudo apt-get install %s' "$1"
     elif [ "$(uname)" = Darwin ]; then
@@ -150,14 +150,32 @@ if [ -z "$uv" ]; then
 fi
 # Editable, so that Python finds the kernels in this folder, too; and they are built for this
 # processor only, which takes a third of the time.
-plugins="--editable ./plugins/geodesic-toolkit-study"
-[ "$mode" != dev ] || plugins="$plugins --editable ./plugins/geodesic-toolkit-polygon"
+pip_install() {
+    if [ -n "$uv" ]; then
+        "$uv" pip install --quiet --python "$python" "$@"
+    else
+        "$python" -m pip install -qq --disable-pip-version-check "$@"
+    fi
+}
+
+plugins=(--editable ./plugins/geodesic-toolkit-study)
+if [ "$mode" = dev ]; then
+    for name in polygon knn amg cholmod; do
+        plugins+=(--editable "./plugins/geodesic-toolkit-$name")
+    done
+fi
 say "installing geodesic-toolkit ($requirement) into .venv"
-if [ -n "$uv" ]; then
-    # shellcheck disable=SC2086 # several words
-    "$uv" pip install --quiet --python "$python" --editable "$requirement" $plugins
-else
-    # shellcheck disable=SC2086 # several words
-    "$python" -m pip install -qq --disable-pip-version-check --editable "$requirement" $plugins
+pip_install --editable "$requirement" "${plugins[@]}"
+
+# CHOLMOD, which one of the plugins calls, has no wheels: scikit-sparse is built in about a minute.
+install_cholmod() {
+    is_installed libsuitesparse-dev || apt_install libsuitesparse-dev || return 1
+    "$python" -c 'import sksparse.cholmod' 2>/dev/null ||
+        pip_install --editable "./plugins/geodesic-toolkit-cholmod[cholmod]"
+}
+if [ "$mode" = dev ] && ! { has_apt && install_cholmod; }; then
+    say "going on without CHOLMOD: the tests of its plugin are skipped; to have it:"
+    say "    sudo apt-get install libsuitesparse-dev"
+    say "    .venv/bin/python -m pip install './plugins/geodesic-toolkit-cholmod[cholmod]'"
 fi
 say "done: $("$python" --version), .venv/bin/geodesic-toolkit"

@@ -25,7 +25,7 @@ from geodesic_toolkit.core.types import FloatArray, IntArray
 from geodesic_toolkit.geometry.noise import squared_noise
 from geodesic_toolkit.geometry.threads import threads_for
 
-__all__ = ["MIN_CLOSED_SHARE_OF_TRIANGLES", "MIN_GROWTH_OF_SOLIDS", "AcrossEdges"]
+__all__ = ["MIN_GROWTH_OF_SOLIDS", "AcrossEdges"]
 
 MIN_CLOSED_SHARE_OF_TRIANGLES = 0.5
 """Minimum share of edges surrounded by triangles in graphs of overlapping triangles. Neighbour

@@ -7,8 +7,6 @@ from geodesic_toolkit.geometry.along_edges import AlongEdges
 from geodesic_toolkit.geometry.components import connected_by_edges
 
 __all__ = [
-    "LENGTH_TOLERANCE",
-    "MAX_LENGTHS_OF_LATTICES",
     "MAX_SHARE_OF_MESHES",
     "is_network",
     "share_of_meshes",

@@ -162,7 +162,9 @@ class HeatMethod:
             return None
         if self._refined is not None:
             heat, report = self._diffuse(block)
-            self._refined.distances(heat, block, distances)
+            self._refined.distances(heat, self._at_representatives(block), distances)
+            if len(self.metric.representatives):
+                distances[:] = self._from_representatives(distances)
             return None  # fronts use only the order of heat: negative values are harmless
         heat, report = self._diffuse(block, self._workspace(block, distances))
         # (M + t L) u = δ is solved; now X = -∇u / |∇u|, and its divergence Gᵀ W X,

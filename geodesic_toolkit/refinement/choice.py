@@ -2,18 +2,11 @@
 
 from typing import Literal
 
-import numpy as np
-
 from geodesic_toolkit.discretization.data import Discretization
 from geodesic_toolkit.discretization.edge_gradient import EdgeGradient
-from geodesic_toolkit.geometry.across_edges import (
-    MIN_CLOSED_SHARE_OF_TRIANGLES,
-    MIN_GROWTH_OF_SOLIDS,
-)
+from geodesic_toolkit.geometry.across_edges import MIN_GROWTH_OF_SOLIDS
 from geodesic_toolkit.geometry.along_edges import AlongEdges
 from geodesic_toolkit.geometry.lines import (
-    LENGTH_TOLERANCE,
-    MAX_LENGTHS_OF_LATTICES,
     MAX_SHARE_OF_MESHES,
     is_network,
     share_of_meshes,
@@ -24,13 +17,14 @@ from geodesic_toolkit.refinement.wavefronts import made_of_triangles
 __all__ = ["refinement_of"]
 
 MAX_CUBED_WIDTH_PER_VERTEX = 3e5
-"""Cube of the width of a graph, per vertex, above which a factor is too expensive.
+"""Cube of the width of a graph, per vertex, above which a factor for heat is too expensive.
 
 The width is that of the widest level of a breadth-first search, and a factor takes about a dozen
 times its cube in multiplications: at most a millisecond for each vertex. The cubed width per vertex
 is 1.4 √n in a square of n vertices, 0.4 n in a cube, and 0.06 n² among 15 neighbours in ten
 dimensions: squares of any size, cubes of 700,000 voxels and some 2,000 such samples are below the
-limit.
+limit. Fronts have no such limit: among 20 neighbours their corners take 40 µs and 3 kB a vertex in
+cubes of 3, 4, 5 and 10 dimensions, of 1,000 samples as of 100,000.
 """
 
 MIN_COVERED_SHARE, MIN_COVERED_SHARE_OF_LATTICES = 0.95, 0.6
@@ -38,18 +32,30 @@ MIN_COVERED_SHARE, MIN_COVERED_SHARE_OF_LATTICES = 0.95, 0.6
 corners, and the same share in lattices, whose corners are known rather than guessed. Neighbour
 graphs of 8 and more have 0.97 to 1, meshes and lattices 1, with a twentieth of the edges missing
 0.93 and with a tenth 0.78; neighbour graphs of 4 to 6 have 0.71 to 0.94 and have errors 2 % smaller
-with heat, and a honeycomb has 0.
+with heat, and a honeycomb has 0. Networks that sample no space are far below: random ones of 6 to
+60 neighbours, with hubs, communities or rewired rings have 0 to 0.4.
 """
 
 MIN_CLOSED_SHARE_OF_SOLIDS = 0.95
 """Minimum share of the edges surrounded by triangles in a graph that samples a solid. They surround
 80 to 94 % of the edges of 8 to 12 neighbours in cubes, where fronts are 6 to 15 % too late and heat
 5 to 10 % off, 97 to 99 % of those of 15 and 20 (2 to 5 %, heat 5 to 10 %), and all edges of
-tetrahedra and of voxels with diagonals. If almost no edge has triangles, quadrangles replace them.
+tetrahedra and of voxels with diagonals.
+Where heat is too expensive, fronts remain: paths along edges are longer still, 15 % for 10 % in a
+cube of 10 neighbours, 25 for 16 in 5 dimensions and 61 for 45 in 10.
 """
 
-MAX_DEGREE_OF_LATTICES = 26
-"""Maximum number of neighbours of a vertex in a lattice: those of a voxel."""
+MIN_CLOSED_SHARE_OF_SAMPLES, MIN_CLOSED_SHARE_IN_MANY_DIMENSIONS = 0.5, 0.03
+"""Minimum of the same share in neighbour graphs, and where a graph grows as in many dimensions.
+Neighbour graphs of 4 to 30 have 0.55 and more in 3 to 5 dimensions, 0.06 to 0.7 in 10 to 200. In
+voxels without diagonals and in meshes of triangles, where fronts are accurate, it is 0 inside, and
+up to 0.36 with the rim.
+"""
+
+MIN_GROWTH_IN_MANY_DIMENSIONS = 5.0
+"""Vertices within two edges, per neighbour, from which on a graph has many dimensions. Neighbour
+graphs of 4 to 30 have 5.5 to 17 in 10 to 200 dimensions, voxels and meshes of triangles up to 4.2.
+"""
 
 
 def refinement_of(
@@ -103,43 +109,54 @@ def _on_graph(
 def _on_samples(
     paths: AlongEdges, metric: Discretization, heat_is_meant: bool
 ) -> tuple[bool | Literal["across"], str]:
-    """Return how to measure a graph whose vertices are samples."""
+    """Return how to measure a graph whose vertices are samples.
+
+    The width matters for heat alone: fronts need no factor.
+    """
     assert isinstance(metric.gradient, EdgeGradient)  # for the type checker
-    across = metric.local_scale and not heat_is_meant
-    gaps = _gaps(metric) if across and _like_lattice(paths) else "unknown"
-    if not gaps:
-        return "across", "fronts can cross the corners of the lattice"
+    gaps = gaps_of_solid = ""
+    if across := metric.local_scale and not heat_is_meant:
+        gaps, gaps_of_solid = _gaps(metric), _gaps_of_solid(metric)
+        if not (gaps or gaps_of_solid):
+            return "across", "fronts can cross the corners of the graph"
     width = widest_level(paths.n_vertices, metric.gradient.edges)
-    if float(width) ** 3 > MAX_CUBED_WIDTH_PER_VERTEX * paths.n_vertices:
-        return True, (
-            f"the path along edges: a front from one vertex is {width} vertices wide, and a factor "
-            "would take too long; refine=False uses it anyway"
+    if float(width) ** 3 <= MAX_CUBED_WIDTH_PER_VERTEX * paths.n_vertices:
+        if not across:
+            return False, "heat, across the edges: the graph samples a surface or a solid"
+        return False, (
+            "heat, across the edges, 5 to 15 % off, in more than three dimensions 10 to 60 %: "
+            f"{gaps_of_solid or gaps}; more neighbours would help"
         )
-    if not across:
-        return False, "heat, across the edges: the graph samples a surface or a solid"
-    gaps = _gaps(metric)
-    if not gaps:
-        return "across", "fronts can cross the triangles and quadrangles of the graph"
-    return False, f"heat, across the edges, 5 to 15 % off: {gaps}; more neighbours would help"
+    too_wide = (
+        f"a front from one vertex is {width} vertices wide, and a factor for heat would take too "
+        "long; refine=False uses it anyway"
+    )
+    if across and not gaps:
+        return "across", (
+            "fronts can cross the corners of the graph, but are 10 to 60 % too late: "
+            f"{gaps_of_solid}; {too_wide}"
+        )
+    return True, f"the path along edges: {too_wide}"
 
 
-def _like_lattice(paths: AlongEdges) -> bool:
-    """Return True if edges are like those of a lattice, whose fronts may have any width."""
-    if np.bincount(paths.edges.ravel(), minlength=1).max() > MAX_DEGREE_OF_LATTICES:
-        return False
-    proper = paths.lengths[paths.lengths > 0]
-    return len(np.unique(np.round(np.log(proper) / LENGTH_TOLERANCE))) <= MAX_LENGTHS_OF_LATTICES
+def _gaps_of_solid(metric: Discretization) -> str:
+    """Describe the edges of a solid that triangles do not surround; "" if almost none."""
+    assert metric.across_edges is not None  # graphs have both kinds of paths
+    corners = metric.across_edges.corners
+    many = corners.growth > MIN_GROWTH_IN_MANY_DIMENSIONS
+    least = MIN_CLOSED_SHARE_IN_MANY_DIMENSIONS if many else MIN_CLOSED_SHARE_OF_SAMPLES
+    if (
+        corners.growth > MIN_GROWTH_OF_SOLIDS
+        and least < corners.closed < MIN_CLOSED_SHARE_OF_SOLIDS
+    ):
+        return f"in a solid, triangles surround {corners.closed:.0%} of the edges only"
+    return ""
 
 
 def _gaps(metric: Discretization) -> str:
     """Describe the gaps that corners leave between the edges of a graph; "" if almost none."""
-    assert metric.across_edges is not None  # graphs have both kinds of paths
+    assert metric.across_edges is not None  # as above
     corners = metric.across_edges.corners
-    if (
-        corners.growth > MIN_GROWTH_OF_SOLIDS
-        and MIN_CLOSED_SHARE_OF_TRIANGLES < corners.closed < MIN_CLOSED_SHARE_OF_SOLIDS
-    ):
-        return f"in a solid, triangles surround {corners.closed:.0%} of the edges only"
     if corners.covered < (MIN_COVERED_SHARE_OF_LATTICES if corners.lattice else MIN_COVERED_SHARE):
         return f"there are gaps between the edges at {1 - corners.covered:.0%} of the junctions"
     return ""

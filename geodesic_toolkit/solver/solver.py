@@ -60,8 +60,9 @@ class GeodesicSolver(TangentSolver):
         the shortest path along its edges, and False the distance on the sampled space across the
         edges, by heat. "across" measures the latter by fronts that cross the triangles and
         quadrangles of a graph. "auto" refines if the elements are triangles, and on graphs that are
-        made of lines, as trees and streets, or whose factor would take too long; it lets fronts
-        cross graphs whose corners do not leave gaps, as grids, voxels, meshes and neighbour graphs.
+        made of lines, as trees and streets; it lets fronts cross graphs whose corners do not leave
+        gaps, as grids, voxels, meshes and neighbour graphs, and uses heat on others, unless its
+        factor would take too long.
         `diagnosis` has the reason. On graphs "auto" uses heat if `time`, `time_factor` or
         `diffusion` are given; refined distances use only the order of the heat.
     mask : array-like of shape (N,), bool, optional

@@ -38,7 +38,7 @@ def test_grids_and_voxels_of_any_aspect_are_measured_in_straight_lines(shape, op
     solver = gt.GeodesicSolver(graph)
     assert solver.diagnosis.across
     assert not solver.diagnosis.refined
-    assert "corners of the lattice" in solver.diagnosis.reason
+    assert "fronts can cross" in solver.diagnosis.reason
     assert solver.method.nbytes == 0
     sources = (0, graph.n_vertices // 2, graph.n_vertices // 3)
     error = error_of(solver, sources, lambda s: np.linalg.norm(positions - positions[s], axis=1))
@@ -124,12 +124,15 @@ def test_the_edges_of_tubes_and_spheres_measure_what_they_are_the_edges_of():
         assert error_of(solver, (0, 200), lambda s, m=mesh: gt.exact_distance(m, s)) < 0.01
 
 
-def neighbour_graph(samples, k, noise, rng):
+def graph_of_nearest(samples, k):
     from sklearn.neighbors import kneighbors_graph
 
+    return gt.as_domain(kneighbors_graph(samples, k, mode="distance"))
+
+
+def neighbour_graph(samples, k, noise, rng):
     turned = samples @ np.linalg.qr(rng.normal(size=(10, 10)))[0][: samples.shape[1]]
-    turned = turned + noise * rng.normal(size=turned.shape)
-    return gt.as_domain(kneighbors_graph(turned, k, mode="distance"))
+    return graph_of_nearest(turned + noise * rng.normal(size=turned.shape), k)
 
 
 @pytest.mark.slow
@@ -171,6 +174,33 @@ def test_a_cloud_of_tetrahedra_is_crossed_and_sparse_neighbours_in_a_cube_are_le
     sparse = gt.GeodesicSolver(neighbour_graph(cube, 8, 0.0, rng))
     assert not sparse.diagnosis.across
     assert "heat" in sparse.diagnosis.reason
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("dimension", "count", "k", "reason"),
+    [(4, 10_000, 20, "fronts can cross the corners of the graph"), (5, 6000, 16, "too late")],
+)
+def test_fronts_cross_samples_for_which_a_factor_would_be_too_wide(dimension, count, k, reason):
+    cube = np.random.default_rng(0).random((count, dimension))
+    graph = graph_of_nearest(cube, k)
+    solver = gt.GeodesicSolver(graph)
+    assert solver.diagnosis.across
+    assert solver.method.nbytes == 0
+    assert reason in solver.diagnosis.reason
+
+    def straight(source):
+        return np.linalg.norm(cube - cube[source], axis=1)
+
+    along = gt.GeodesicSolver(graph, refine=True)
+    assert error_of(solver, (0, 9), straight) < 0.75 * error_of(along, (0, 9), straight)
+
+
+def test_samples_in_many_dimensions_are_left_to_heat_though_triangles_are_few():
+    samples = np.random.default_rng(0).random((500, 20))
+    solver = gt.GeodesicSolver(graph_of_nearest(samples, 8))
+    assert not solver.diagnosis.across
+    assert "heat" in solver.diagnosis.reason
 
 
 def test_fronts_across_edges_keep_to_the_bounds_offsets_masks_and_other_parts():

@@ -9,7 +9,7 @@ from geodesic_toolkit import _native
 from geodesic_toolkit.core.types import BoolArray, FloatArray, IntArray
 from geodesic_toolkit.geometry.threads import threads_for
 
-__all__ = ["delaunay_stars", "tie_breakers"]
+__all__ = ["delaunay_stars", "tie_breakers", "tie_widths"]
 
 RELATIVE_JITTER = 1e-8
 """Perturbation of four points on a circle, relative to squared nearest distances: larger than
@@ -108,7 +108,12 @@ def tie_breakers(points: FloatArray, neighbours: IntArray) -> FloatArray:
     """
     if neighbours.shape[1] == 0:
         return np.zeros(len(points))
-    shares = np.random.default_rng(0).random(len(points))  # the same ones every time
     with np.errstate(invalid="ignore"):  # from overflowing coordinates
         steps = points[neighbours[:, 0]] - points
-    return np.asarray(RELATIVE_JITTER * shares * np.einsum("nd,nd->n", steps, steps))
+    return tie_widths(np.einsum("nd,nd->n", steps, steps))
+
+
+def tie_widths(squared_nearest: FloatArray) -> FloatArray:
+    """Return the same of points whose squared distances to the nearest are these, (N,)."""
+    shares = np.random.default_rng(0).random(len(squared_nearest))  # the same ones every time
+    return np.asarray(RELATIVE_JITTER * shares * squared_nearest)
