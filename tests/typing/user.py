@@ -61,6 +61,22 @@ def analysis(solver: gt.GeodesicSolver, folder: Path) -> None:
     assert_type(gt.mean_eikonal_residual(solver, solver.distance(0)), float)
 
 
+class Cloud:
+    """An object of the user's own that holds values of points, as those of PyVista do."""
+
+    def __init__(self) -> None:
+        self.points = np.eye(3)
+        self.point_data: dict[str, Floats] = {}
+
+
+def objects(mesh: gt.TriangleMesh) -> None:
+    cloud = Cloud()
+    distance = gt.geodesic_distance(mesh, 0)[:3]
+    assert_type(gt.attach(cloud, distance, "from 0", fill=-1.0), Any)
+    assert_type(gt.attach(cloud, distance, domain=gt.PointCloud(np.eye(3))), Any)
+    assert set(cloud.point_data) == {"from 0", "distance"}
+
+
 def pictures(mesh: gt.TriangleMesh, folder: Path) -> None:
     distance = gt.geodesic_distance(mesh, 0)
     picture = gt.viz.plot(mesh, distance, path=folder / "d.png", sources=0, size=(320, 160))
@@ -96,6 +112,7 @@ def main() -> None:
         analysis(gt.GeodesicSolver(mesh, boundary="neumann", mask=None), folder)
         for domain in (cloud, graph):
             assert_type(gt.geodesic_distance(domain, 0, operator="auto"), Floats)
+        objects(mesh)
         pictures(mesh, folder)
         errors(mesh)
         assert_type(gt.operators.status(), list[gt.PluginStatus])
