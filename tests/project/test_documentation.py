@@ -19,7 +19,7 @@ ROOT = Path(__file__).resolve().parents[2]
 DOCS = ROOT / "docs"
 README = (ROOT / "README.md").read_text(encoding="utf-8")
 PAGES = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", *sorted(DOCS.glob("*.md"))]
-SUBMODULES = ("errors", "testing", "testing.shapes", "viz")
+SUBMODULES = ("errors", "sklearn", "testing", "testing.shapes", "viz")
 
 
 def blocks(text, language):
@@ -79,6 +79,7 @@ GUIDES = {
     "point_clouds.md": (),
     "graphs.md": (),
     "many_sources.md": (),
+    "scikit_learn.md": (),
     "objects.md": ("nilearn", "open3d", "pyvista", "trimesh"),
 }
 """Pages, and the packages that they need."""

@@ -14,6 +14,7 @@ import numpy as np
 import numpy.typing as npt
 
 import geodesic_toolkit as gt
+from geodesic_toolkit.sklearn import GeodesicDistances, GeodesicIsomap, GeodesicNeighbors
 
 Floats = npt.NDArray[np.float64]
 Indices = npt.NDArray[np.int64]
@@ -77,6 +78,16 @@ def objects(mesh: gt.TriangleMesh) -> None:
     assert set(cloud.point_data) == {"from 0", "distance"}
 
 
+def estimators(mesh: gt.TriangleMesh) -> None:
+    samples = np.random.default_rng(0).random((60, 3))
+    distances = GeodesicDistances(landmarks=3, fill=9.0).fit(samples)
+    assert_type(distances.transform(samples), Floats)
+    assert_type(GeodesicDistances([0, 1]).fit_transform(mesh), Floats)
+    isomap = GeodesicIsomap(n_components=2, operator=gt.UniformLaplacian())
+    assert_type(isomap.fit_transform(samples), Floats)
+    assert_type(GeodesicNeighbors(n_neighbors=3, mode="connectivity").fit_transform(samples), Any)
+
+
 def pictures(mesh: gt.TriangleMesh, folder: Path) -> None:
     distance = gt.geodesic_distance(mesh, 0)
     picture = gt.viz.plot(mesh, distance, path=folder / "d.png", sources=0, size=(320, 160))
@@ -113,6 +124,7 @@ def main() -> None:
         for domain in (cloud, graph):
             assert_type(gt.geodesic_distance(domain, 0, operator="auto"), Floats)
         objects(mesh)
+        estimators(mesh)
         pictures(mesh, folder)
         errors(mesh)
         assert_type(gt.operators.status(), list[gt.PluginStatus])
