@@ -43,8 +43,8 @@ class GeodesicDistances(ClassNamePrefixFeaturesOutMixin, TransformerMixin, OnSam
     symmetrize : {"mean", "min", "max"} or None
         Makes the matrix of all samples symmetric, as distances by heat are not.
     n_neighbors : int, optional
-        Neighbours of a sample in the graph on which distances are measured; 12 by default, or all
-        others where there are fewer.
+        Neighbours of a sample in the graph on which distances are measured, and by which new
+        samples are; 12 by default, or all others where there are fewer.
     metric : str
         Metric of the neighbours in the space of the features, a name of scikit-learn's.
     operator : str, class or instance
