@@ -149,10 +149,15 @@ def _values(distance: Any, fill: float | None) -> Values:
     """Return a copy of the values, with infinite ones replaced."""
     cure = "{}.filled(numpy.inf)"
     check_nothing_masked(distance, "distance", InvalidOptionError, cure)
-    given = np.asarray(distance)
+    try:
+        given = np.asarray(distance)
+    except (ValueError, TypeError) as error:  # rows of different lengths
+        raise InvalidOptionError(f"distance cannot be read as an array: {error}") from error
     kinds = {"b": np.bool_, "i": np.int64, "u": np.int64, "f": np.float64}
     if given.dtype.kind not in kinds:
         raise InvalidOptionError(f"distance must hold real numbers, not {given.dtype}")
+    if given.dtype == np.uint64 and (given > np.uint64(np.iinfo(np.int64).max)).any():
+        raise InvalidOptionError("distance holds integers that are too large for int64")
     single = given.dtype == np.float32
     values: Values = np.array(given, np.float32 if single else kinds[given.dtype.kind])
     if values.ndim != 1:

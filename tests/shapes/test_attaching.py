@@ -114,6 +114,8 @@ def test_pyvista():
     np.testing.assert_array_equal(surface.point_data["distance"], FAR)
     grid = surface.cast_to_unstructured_grid()
     np.testing.assert_array_equal(gt.attach(grid, FAR, "d").point_data["d"], FAR)
+    image = pv.ImageData(dimensions=(7, 3, 2))
+    np.testing.assert_array_equal(gt.attach(image, FAR).point_data["distance"], FAR)
     blocks = pv.MultiBlock([None, surface.copy()])
     assert gt.attach(blocks, FAR, "inside") is blocks
     np.testing.assert_array_equal(blocks[1].point_data["inside"], FAR)
@@ -211,6 +213,8 @@ def test_values_are_a_copy_in_a_type_that_every_library_has():
     [
         (np.zeros((2, 42)), {}, r"shape \(2, 42\) \(attach one row at a time: distances\[0\]\)"),
         (np.zeros(()), {}, r"not the shape \(\)"),
+        ([[1.0], [1.0, 2.0]], {}, "distance cannot be read as an array"),
+        (np.full(42, 2**63, dtype=np.uint64), {}, "integers that are too large for int64"),
         (["a"] * 42, {}, "must hold real numbers, not <U1"),
         (np.ma.masked_equal(np.arange(42), 3), {}, r"entry \[3\] is masked"),
         (FAR[1:], {}, "distance has 41 values, and types.SimpleNamespace has 42 vertices"),
