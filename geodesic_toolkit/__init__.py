@@ -53,6 +53,7 @@ if TYPE_CHECKING:
     )
     from geodesic_toolkit.exact import exact_distance
     from geodesic_toolkit.heat.method import HeatMethod, HeatReport
+    from geodesic_toolkit.interop.attaching import attach
     from geodesic_toolkit.interop.conversion import as_domain
     from geodesic_toolkit.interop.merging import merge_vertices
     from geodesic_toolkit.io import (
@@ -135,6 +136,7 @@ __all__ = [
     "__version__",
     "area_above",
     "as_domain",
+    "attach",
     "centroidal_voronoi",
     "compare",
     "curve_length",
@@ -228,6 +230,7 @@ _HOMES = {
     "VolumeDistance": "analysis.volume",
     "area_above": "analysis.curves.measures",
     "as_domain": "interop.conversion",
+    "attach": "interop.attaching",
     "centroidal_voronoi": "analysis.directions.voronoi",
     "compare": "analysis.comparison",
     "curve_length": "analysis.curves.measures",

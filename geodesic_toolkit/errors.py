@@ -100,7 +100,8 @@ class UnreachableError(GeodesicError, ValueError):
     Cause: The points lie in different connected components, or a mask separates them.
 
     Cure: Distances are ``inf`` there. `geodesic-toolkit doctor FILE` counts the components, and
-    `--weld` joins them where a seam is the cause.
+    `--weld` joins them where a seam is the cause. An embedding has no ``inf``: embed each
+    component.
     """
 
 
@@ -299,7 +300,9 @@ class FragmentedCloudWarning(GeodesicWarning):
 
     Cure: If the gaps are real, the distance beyond them is ``inf``, and nothing needs to be done.
     Otherwise give ``PointCloudLaplacian(k=...)`` more neighbours, make the density even with
-    :func:`thin`, or give correct normals with the cloud.
+    :func:`thin`, or give correct normals with the cloud. An embedding by ``GeodesicIsomap`` has no
+    ``inf``, and adds the shortest edges between components: take more ``n_neighbors``, or embed
+    each component.
     """
 
 

@@ -2,8 +2,8 @@
 Distances in a graph: a maze
 ============================
 
-A picture of a maze is a graph of its free pixels. Distances in it are nearly those of the floor, not
-those of steps along rows and columns.
+A picture of a maze is a graph of its free pixels. Distances in it are nearly those of the floor,
+not those of steps along rows and columns.
 """
 
 import matplotlib.pyplot as plt

@@ -2,7 +2,8 @@
 Refinement and its order
 ========================
 
-How the error of a distance falls with the size of the edges: on a sphere, whose distances are known.
+How the error of a distance falls with the size of the edges: on a sphere, whose distances are
+known.
 """
 
 import matplotlib.pyplot as plt
@@ -11,9 +12,9 @@ import numpy as np
 import geodesic_toolkit as gt
 
 # %%
-# The vertices are moved at random, so that the triangles are not all alike. Refined distances, which
-# are the default, are second order: edges of half the length have a quarter of the error. Plain heat,
-# the paper's own result, improves much more slowly.
+# The vertices are moved at random, so that the triangles are not all alike. Refined distances,
+# which are the default, are second order: edges of half the length have a quarter of the error.
+# Plain heat, the paper's own result, improves much more slowly.
 
 rng = np.random.default_rng(0)
 sizes, errors = [], {"refined": [], "plain heat": []}

@@ -2,8 +2,8 @@
 An operator of one's own
 ========================
 
-The heat method needs nothing of a shape but its Laplacian. This page writes one, checks it against the
-contract, and computes distances with it.
+The heat method needs nothing of a shape but its Laplacian. This page writes one, checks it
+against the contract, and computes distances with it.
 """
 
 from dataclasses import dataclass
@@ -15,8 +15,8 @@ import numpy as np
 import geodesic_toolkit as gt
 
 # %%
-# An operator is a recipe with one method. This is the Laplacian of linear finite elements on a mesh:
-# from the gradient on each face follows everything else. The stiffness L = -Δ is positive
+# An operator is a recipe with one method. This is the Laplacian of linear finite elements on a
+# mesh: from the gradient on each face follows everything else. The stiffness L = -Δ is positive
 # semidefinite, and the mass of a vertex is a third of its faces.
 
 

@@ -22,8 +22,8 @@ assert abs(path.length / gt.exact_distance(torus, start)[end] - 1) < 1e-9
 
 # %%
 # With `via` a path passes holes and hills on the side of given places, and is pulled taut; with
-# ``through=True`` it stays at the places. A loop is pulled taut like a rubber band: this one cannot leave
-# the hole of the torus.
+# ``through=True`` it stays at the places. A loop is pulled taut like a rubber band: this one
+# cannot leave the hole of the torus.
 
 way = 12 * 30
 visiting = gt.geodesic_path(solver, start, end, via=[way], through=True)

@@ -36,11 +36,11 @@ for one in axes:
     one.set(aspect="equal", xticks=[], yticks=[])
 
 # %%
-# Refined distances, which are the default, do not depend on a boundary condition. Plain heat does:
-# with "neumann" no heat leaves the surface, and lines of equal distance meet the boundary at a
-# right angle; with "dirichlet" all of it leaves; "average" is the mean of both heats, as in the
-# paper. Behind the hole, paths bend around it, and the conditions differ most. A warning is issued for
-# "dirichlet", whose error is 6 % here; it is collected, and printed.
+# Refined distances, which are the default, do not depend on a boundary condition. Plain heat
+# does: with "neumann" no heat leaves the surface, and lines of equal distance meet the boundary
+# at a right angle; with "dirichlet" all of it leaves; "average" is the mean of both heats, as in
+# the paper. Behind the hole, paths bend around it, and the conditions differ most. A warning is
+# issued for "dirichlet", whose error is 6 % here; it is collected, and printed.
 
 far = int(np.hypot(x - 0.82, y - 0.82).argmin())
 print(f"refined: {solver.distance(wells[0])[far]:.4f}")
@@ -51,7 +51,7 @@ for boundary in ("neumann", "dirichlet", "average"):
         found = plain.distance(wells[0])
     difference = np.abs(found - solver.distance(wells[0]))[free]
     errors[boundary] = difference.mean() / distance[free].mean()
-    print(f"{boundary}: {found[far]:.4f}, {errors[boundary]:.1%} from the refined distance on average")
+    print(f"{boundary}: {found[far]:.4f}, on average {errors[boundary]:.1%} from the refined one")
     for complaint in complaints:
         print("  warning:", complaint.message)
 assert max(errors.values()) < 0.15

@@ -1,6 +1,6 @@
 """Samples of vertices spread over a shape, and the Voronoi cells of sites."""
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from typing import Any, Literal, overload
 
 import numpy as np
@@ -11,7 +11,7 @@ from geodesic_toolkit.errors import InvalidOptionError, InvalidSourceError
 from geodesic_toolkit.heat.method import Progress
 from geodesic_toolkit.solver.solver import GeodesicSolver, check_solver
 
-__all__ = ["farthest_point_sampling", "geodesic_voronoi"]
+__all__ = ["farthest_point_sampling", "farthest_points", "geodesic_voronoi"]
 
 
 @overload
@@ -99,20 +99,47 @@ def farthest_point_sampling(
     array([3.1, 1.6])
     """
     check_solver(solver, "sampling")
-    candidates = _candidates(solver)
-    _check_count(count, len(candidates))
-    first = _first(solver, candidates, start, rng)
+    steps = farthest_points(solver, count, start=start, rng=rng)
     chosen, radii = np.empty(count, dtype=np.int64), np.empty(count)
-    nearest = np.full(solver.domain.n_vertices, -np.inf)  # never chosen: not a candidate, or taken
-    nearest[candidates] = np.inf
-    for position in range(count):
-        chosen[position] = vertex = first if position == 0 else int(nearest.argmax())
-        np.minimum(nearest, solver.distance(vertex), out=nearest)
-        nearest[vertex] = -np.inf
-        radii[position] = max(0.0, float(nearest.max()))
+    for position, (vertex, _, radius) in enumerate(steps):
+        chosen[position], radii[position] = vertex, radius
         if progress is not None:
             progress(position + 1, count)
     return (chosen, radii) if return_radii else chosen
+
+
+def farthest_points(
+    solver: GeodesicSolver,
+    count: int,
+    *,
+    start: int | None = None,
+    rng: np.random.Generator | None = None,
+) -> Iterator[tuple[int, FloatArray, float]]:
+    """Return the samples of :func:`farthest_point_sampling` one by one, with their distances.
+
+    Parameters and errors are those of that function.
+
+    Returns
+    -------
+    iterator of (int, ndarray of shape (N,), float)
+        A sample, the distances from it, and the covering radius up to it.
+    """
+    candidates = _candidates(solver)
+    _check_count(count, len(candidates))
+    return _spread(solver, count, candidates, _first(solver, candidates, start, rng))
+
+
+def _spread(
+    solver: GeodesicSolver, count: int, candidates: IntArray, first: int
+) -> Iterator[tuple[int, FloatArray, float]]:
+    nearest = np.full(solver.domain.n_vertices, -np.inf)  # never chosen: not a candidate, or taken
+    nearest[candidates] = np.inf
+    for position in range(count):
+        vertex = first if position == 0 else int(nearest.argmax())
+        distance = solver.distance(vertex)
+        np.minimum(nearest, distance, out=nearest)
+        nearest[vertex] = -np.inf
+        yield vertex, distance, max(0.0, float(nearest.max()))
 
 
 def _candidates(solver: GeodesicSolver) -> IntArray:

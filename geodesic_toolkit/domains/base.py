@@ -42,6 +42,7 @@ class Domain(FrozenArrays, abc.ABC):
     as_graph     paths along edges, pictures of edges
     without      masks
     samples      ``geodesic-toolkit check`` of an operator on this kind
+    attach       :func:`attach` for objects of another library that are this kind's own
     ============ =====================================================================
 
     `present` and `normals` have defaults that fit most kinds.
@@ -227,6 +228,35 @@ class Domain(FrozenArrays, abc.ABC):
             This kind of domain leaves it to the reader of the suffix.
         """
         raise UnsupportedDomainError(f"{path}: a {cls.__name__} is not read from files")
+
+    def attach(self, obj: Any, values: np.ndarray[Any, Any], name: str) -> Any:  # noqa: ARG002 - as above
+        """Put values of the vertices on the object of another library that became this domain.
+
+        :func:`geodesic_toolkit.attach` calls it with ``domain=``, for an object that it does not
+        know.
+
+        Parameters
+        ----------
+        obj : object
+            Not checked.
+        values : ndarray of shape (N,)
+            Float64, float32, int64 or bool; a copy.
+        name : str
+            Name of the values; those of that name are replaced.
+
+        Returns
+        -------
+        object
+            The object that holds the values: `obj`, or a new one.
+
+        Raises
+        ------
+        UnsupportedDomainError
+            The object cannot hold values of this domain.
+        """
+        raise _without_capability(
+            self, f"no place for values on a {type(obj).__name__}", "attach(obj, values, name)"
+        )
 
     @classmethod
     def samples(cls) -> Any:

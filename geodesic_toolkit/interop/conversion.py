@@ -13,7 +13,8 @@ from geodesic_toolkit.core.warning import warn
 from geodesic_toolkit.domains import Domain, Graph, PointCloud, TriangleMesh
 from geodesic_toolkit.errors import InvalidDomainError, ReadWarning, UnsupportedDomainError
 from geodesic_toolkit.geometry.along_edges import shortest_parallel_edges
-from geodesic_toolkit.interop.refusals import OF_GRIDS, described, refusal, several
+from geodesic_toolkit.interop.members import only_member
+from geodesic_toolkit.interop.refusals import OF_GRIDS, described, refusal
 
 __all__ = ["as_domain", "check_one_shape", "graph_of_lengths"]
 
@@ -56,8 +57,8 @@ def as_domain(obj: Any) -> Domain:
     networkx                    a graph of its nodes in their order; an edge's length is its
                                 attribute ``length``, else ``weight``, else 1; directions
                                 are ignored
-    nilearn, nibabel            surface meshes (``coordinates`` and ``faces``), a PolyMesh of one
-                                hemisphere, GIFTI images: a mesh
+    nilearn, nibabel            surface meshes (``coordinates`` and ``faces``), a PolyMesh or
+                                SurfaceImage of one hemisphere, GIFTI images: a mesh
     =========================== =============================================================
 
     Parameters
@@ -304,29 +305,12 @@ def _tensor(attributes: Any, name: str, default: FloatArray | None) -> Any:
 
 def _collection(obj: Any) -> Domain | None:
     """Convert scenes of trimesh, blocks of PyVista and hemispheres of nilearn, with one member."""
-    if _has(obj, "geometry", "graph", "dump") and isinstance(obj.geometry, Mapping):
-        nodes = list(obj.graph.nodes_geometry)
-        if len(nodes) == 1:
-            placement, name = obj.graph[nodes[0]]
-            return as_domain(obj.geometry[name].copy().apply_transform(placement))
-        raise several(
-            obj,
-            len(nodes),
-            "scene.geometry[name]",
-            list(obj.geometry),
-            "trimesh.util.concatenate(scene.dump())",
-        )
-    if _has(obj, "n_blocks", "combine", "keys"):
-        blocks = [block for block in obj if block is not None]
-        if len(blocks) == 1:
-            return as_domain(blocks[0])
-        raise several(obj, len(blocks), "blocks[name]", obj.keys(), "blocks.combine()")
-    pair = getattr(obj, "mesh", obj)  # a SurfaceImage has a PolyMesh
-    if _has(pair, "parts") and isinstance(pair.parts, Mapping):
-        if len(pair.parts) == 1:
-            return as_domain(next(iter(pair.parts.values())))
-        raise several(obj, len(pair.parts), "mesh.parts[name]", list(pair.parts))
-    return None
+    member = only_member(obj)
+    if member is None:
+        return None
+    if member.placement is None:
+        return as_domain(member.shape)
+    return as_domain(member.shape.copy().apply_transform(member.placement))
 
 
 def _surface(obj: Any) -> Domain | None:

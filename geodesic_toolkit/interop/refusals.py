@@ -22,6 +22,15 @@ OF_GRIDS = (
 )
 """Advice for objects that are grids."""
 
+TABLE_ATTRIBUTES = ("obs", "obsm", "obsp")
+"""Attributes of AnnData that shapes lack."""
+
+OF_TABLES = (
+    'give the graph of its neighbours, adata.obsp["distances"] (scanpy.pp.neighbors makes it), or '
+    'its positions in space, adata.obsm["spatial"] with three columns'
+)
+"""Advice for tables of observations."""
+
 MAX_LISTED_NAMES = 5
 """Number of names listed in a message."""
 
@@ -51,8 +60,10 @@ def refusal(obj: Any, taken: str) -> str:
         why = f"{str(obj)[:80]!r} is not a shape (to read a file: geodesic_toolkit.read)"
     elif isinstance(obj, Mapping):
         why = f"{got} is not a shape; give its vertices and faces as a pair, {_by_keys(obj)}"
-    elif not isinstance(obj, type) and all(hasattr(obj, name) for name in GRID_ATTRIBUTES):
+    elif _has(obj, GRID_ATTRIBUTES):
         why = f"{got}: a structured grid is not a surface; {OF_GRIDS}"
+    elif _has(obj, TABLE_ATTRIBUTES):
+        why = f"{got}: a table of observations is not a shape; {OF_TABLES}"
     elif (table := _table(obj)) is not None:
         why = _of_table(table)
     elif isinstance(obj, list | tuple) and obj:
@@ -61,6 +72,10 @@ def refusal(obj: Any, taken: str) -> str:
     else:
         why = f"{got} is not a shape; give {taken}"
     return why
+
+
+def _has(obj: Any, names: tuple[str, ...]) -> bool:
+    return not isinstance(obj, type) and all(hasattr(obj, name) for name in names)
 
 
 def _by_keys(obj: Mapping[Any, Any]) -> str:

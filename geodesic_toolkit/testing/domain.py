@@ -140,6 +140,7 @@ def capabilities_left_out_are_refused(domain: Domain) -> Iterable[Measured]:
         "as_graph": domain.as_graph,
         "without": lambda: domain.without(mask),
         "closest": lambda: domain.closest(points),
+        "attach": lambda: domain.attach(None, np.zeros(domain.n_vertices), "distance"),
     }
     found = []
     for name, ask in asked.items():

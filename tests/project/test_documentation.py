@@ -19,7 +19,7 @@ ROOT = Path(__file__).resolve().parents[2]
 DOCS = ROOT / "docs"
 README = (ROOT / "README.md").read_text(encoding="utf-8")
 PAGES = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", *sorted(DOCS.glob("*.md"))]
-SUBMODULES = ("errors", "testing", "testing.shapes", "viz")
+SUBMODULES = ("errors", "sklearn", "testing", "testing.shapes", "viz")
 
 
 def blocks(text, language):
@@ -75,9 +75,21 @@ def test_getting_started_runs_from_top_to_bottom(tmp_path):
     assert (tmp_path / "distance.png").exists()
 
 
+GUIDES = {
+    "point_clouds.md": (),
+    "graphs.md": (),
+    "many_sources.md": (),
+    "scikit_learn.md": (),
+    "objects.md": ("nilearn", "open3d", "pyvista", "trimesh"),
+}
+"""Pages, and the packages that they need."""
+
+
 @pytest.mark.slow
-@pytest.mark.parametrize("name", ["point_clouds.md", "graphs.md", "many_sources.md"])
+@pytest.mark.parametrize("name", GUIDES)
 def test_a_guide_runs_from_top_to_bottom(name, tmp_path):
+    for package in GUIDES[name]:
+        pytest.importorskip(package)
     page = (DOCS / name).read_text(encoding="utf-8")
     finished = run_python("\n".join(blocks(page, "python")), tmp_path)
     assert finished.returncode == 0, finished.stderr

@@ -273,6 +273,7 @@ MISSING = {
     "as_graph()": lambda: gt.geodesic_path(bare_solver(), 0, 5),
     "without(mask)": lambda: gt.GeodesicSolver(Bare(), mask=np.arange(12) == 3),
     "closest(points)": lambda: Bare().closest(np.zeros((1, 3))),
+    "attach(obj, values, name)": lambda: Bare().attach(None, np.zeros(12), "distance"),
     "samples()": Bare.samples,
 }
 

@@ -14,6 +14,7 @@ import numpy as np
 import numpy.typing as npt
 
 import geodesic_toolkit as gt
+from geodesic_toolkit.sklearn import GeodesicDistances, GeodesicIsomap, GeodesicNeighbors
 
 Floats = npt.NDArray[np.float64]
 Indices = npt.NDArray[np.int64]
@@ -61,6 +62,32 @@ def analysis(solver: gt.GeodesicSolver, folder: Path) -> None:
     assert_type(gt.mean_eikonal_residual(solver, solver.distance(0)), float)
 
 
+class Cloud:
+    """An object of the user's own that holds values of points, as those of PyVista do."""
+
+    def __init__(self) -> None:
+        self.points = np.eye(3)
+        self.point_data: dict[str, Floats] = {}
+
+
+def objects(mesh: gt.TriangleMesh) -> None:
+    cloud = Cloud()
+    distance = gt.geodesic_distance(mesh, 0)[:3]
+    assert_type(gt.attach(cloud, distance, "from 0", fill=-1.0), Any)
+    assert_type(gt.attach(cloud, distance, domain=gt.PointCloud(np.eye(3))), Any)
+    assert set(cloud.point_data) == {"from 0", "distance"}
+
+
+def estimators(mesh: gt.TriangleMesh) -> None:
+    samples = np.random.default_rng(0).random((60, 3))
+    distances = GeodesicDistances(landmarks=3, fill=9.0).fit(samples)
+    assert_type(distances.transform(samples), Floats)
+    assert_type(GeodesicDistances([0, 1]).fit_transform(mesh), Floats)
+    isomap = GeodesicIsomap(n_components=2, operator=gt.UniformLaplacian())
+    assert_type(isomap.fit_transform(samples), Floats)
+    assert_type(GeodesicNeighbors(n_neighbors=3, mode="connectivity").fit_transform(samples), Any)
+
+
 def pictures(mesh: gt.TriangleMesh, folder: Path) -> None:
     distance = gt.geodesic_distance(mesh, 0)
     picture = gt.viz.plot(mesh, distance, path=folder / "d.png", sources=0, size=(320, 160))
@@ -96,6 +123,8 @@ def main() -> None:
         analysis(gt.GeodesicSolver(mesh, boundary="neumann", mask=None), folder)
         for domain in (cloud, graph):
             assert_type(gt.geodesic_distance(domain, 0, operator="auto"), Floats)
+        objects(mesh)
+        estimators(mesh)
         pictures(mesh, folder)
         errors(mesh)
         assert_type(gt.operators.status(), list[gt.PluginStatus])
