@@ -1,7 +1,8 @@
 """Errors, CPU time and memory of distances inside solids, beside LaPy and scikit-fmm.
 
 ``python benchmarks/volumes.py`` prints the tables of docs/volumes.md, a process for each row; it
-needs geodesic-toolkit-volume, and leaves out the peers that are not installed.
+needs geodesic-toolkit-volume, and leaves out the peers that are not installed. With a file of
+tetrahedra it prints instead how its distances change when cells are subdivided.
 """
 
 import resource
@@ -13,7 +14,7 @@ import numpy as np
 
 import geodesic_toolkit as gt
 from geodesic_toolkit_volume import TetMesh, VoxelImage
-from geodesic_toolkit_volume.samples import box
+from geodesic_toolkit_volume.samples import box, subdivided
 
 RADIUS = 0.4
 """Radius of the cavity of the shell, of the hole of the slab, and of the obstacle among voxels."""
@@ -185,6 +186,22 @@ def row(kind, size, way):
     )
 
 
+def refined(path):
+    """Compare the distances of a solid with those after three subdivisions."""
+    solid = gt.read(path)
+    count, found = solid.n_vertices, []
+    for level in range(4):
+        solver = gt.GeodesicSolver(solid)
+        distances = solver.distances([[0], [count // 4], [count // 2]])
+        found.append((solid, distances[:, :count]))
+        solid = subdivided(solid) if level < 3 else None
+    finest = found[-1][1]
+    away = finest > 0
+    for mesh, distance in found[:-1]:
+        errors = np.abs(distance[away] / finest[away] - 1)
+        print(f"| {mesh} | {errors.mean():.2%} | {errors.max():.1%} |")
+
+
 def main():
     """Print all rows, each from a process of its own."""
     print("| solid | vertices | way | mean error | largest | build, s | source, s | MB |")
@@ -212,7 +229,9 @@ def main():
 
 
 if __name__ == "__main__":
-    if len(sys.argv) > 1:
+    if len(sys.argv) == 2:
+        refined(sys.argv[1])
+    elif len(sys.argv) > 2:
         row(sys.argv[1], int(sys.argv[2]), sys.argv[3])
     else:
         main()

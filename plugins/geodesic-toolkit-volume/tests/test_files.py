@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 import geodesic_toolkit as gt
-from geodesic_toolkit.errors import ReadError
-from geodesic_toolkit_volume import TetMesh, VoxelImage
-from geodesic_toolkit_volume.samples import box
+from geodesic_toolkit.errors import InvalidDomainError, InvalidOptionError, ReadError
+from geodesic_toolkit_volume import TetMesh, VoxelImage, write_solid
+from geodesic_toolkit_volume.samples import box, subdivided
 
 VERTICES, CELLS = box((4, 3, 3), 0.5)
 BODY = np.ones((4, 3, 2), dtype=bool)
@@ -34,6 +34,28 @@ def test_a_surface_is_left_to_the_core(tmp_path, suffix, form):
     file = tmp_path / f"surface.{suffix}"
     meshio.Mesh(np.eye(3), [("triangle", [[0, 1, 2]])]).write(file, file_format=form)
     assert isinstance(gt.read(file), gt.TriangleMesh)
+
+
+def test_a_wanted_kind_gets_the_surface_of_a_solid(tmp_path):
+    meshio = pytest.importorskip("meshio")
+    file = tmp_path / "solid.mesh"
+    meshio.Mesh(VERTICES, [("tetra", CELLS)]).write(file)
+    surface = gt.read(file, kinds=[gt.TriangleMesh])
+    assert isinstance(surface, gt.TriangleMesh)
+    assert surface.n_faces == len(TetMesh(VERTICES, CELLS).triangles)
+    assert isinstance(gt.read(file, kinds=[TetMesh]), TetMesh)
+    assert isinstance(gt.read(file, kinds=[gt.PointCloud]), TetMesh)  # which operators then refuse
+
+
+def test_a_solid_of_the_shared_data_converges(shared_data):
+    solid = gt.read(shared_data("igltut__octopus-low.mesh"))
+    assert (solid.n_vertices, len(solid.cells)) == (452, 1140)
+    distance = gt.GeodesicSolver(solid).distance(0)
+    straight = np.linalg.norm(solid.vertices - solid.vertices[0], axis=1)
+    assert (distance >= straight * (1 - 1e-9)).all()
+    finer = gt.GeodesicSolver(subdivided(solid)).distance(0)[: solid.n_vertices]
+    away = finer > 0
+    assert np.abs(distance[away] / finer[away] - 1).mean() < 0.01  # 0.6 % were measured
 
 
 @pytest.mark.parametrize("name", ["broken.mesh", "broken.msh", "broken.vtk", "broken.vtu"])
@@ -147,6 +169,43 @@ def test_distances_are_written(tmp_path, suffix):
         file = tmp_path / f"distance.{suffix}"
         gt.write(file, shape, gt.GeodesicSolver(shape).distance(0))
         assert file.stat().st_size > 0
+
+
+def test_cells_are_written_with_their_distances(tmp_path):
+    meshio = pytest.importorskip("meshio")
+    mesh, file = TetMesh(VERTICES, CELLS), tmp_path / "distance.vtu"
+    distance = gt.GeodesicSolver(mesh).distance(0)
+    write_solid(file, mesh, distance)
+    np.testing.assert_array_equal(gt.read(file).cells, CELLS)
+    np.testing.assert_array_equal(meshio.read(file).point_data["distance"], distance)
+
+
+@pytest.mark.parametrize("name", ["distance.nii", "distance.nii.gz", "distance.vti"])
+def test_images_are_written_with_their_distances_and_places(tmp_path, name):
+    pytest.importorskip("nibabel")
+    pytest.importorskip("vtkmodules")
+    affine = np.array([[0, -2.0, 0, 5], [1.0, 0, 0, 6], [0, 0, 3.0, 7], [0, 0, 0, 1]])
+    image, file = VoxelImage(BODY, affine=affine), tmp_path / name
+    distance = gt.GeodesicSolver(image).distance(0)
+    write_solid(file, image, distance)
+    again = gt.read(file)
+    np.testing.assert_array_equal(again.mask.ravel(), distance > 0)
+    np.testing.assert_allclose(again.positions, image.positions)
+    if name != "distance.vti":
+        import nibabel
+
+        np.testing.assert_array_equal(nibabel.load(file).get_fdata().ravel(), distance)
+
+
+def test_solids_in_formats_of_others_are_refused(tmp_path):
+    mesh, image = TetMesh(VERTICES, CELLS), VoxelImage(BODY)
+    with pytest.raises(InvalidOptionError, match=r"a TetMesh can be written as \.vtu"):
+        write_solid(tmp_path / "distance.nii", mesh, np.zeros(mesh.n_vertices))
+    with pytest.raises(InvalidOptionError, match=r"as \.nii, \.nii\.gz, \.vti"):
+        write_solid(tmp_path / "distance.vtu", image, np.zeros(image.n_vertices))
+    with pytest.raises(InvalidDomainError, match="distances must have shape"):
+        write_solid(tmp_path / "distance.vti", image, [0.0])
+    assert not list(tmp_path.iterdir())
 
 
 def test_the_command_line_measures_a_solid(tmp_path):

@@ -6,10 +6,10 @@ import numpy as np
 
 import geodesic_toolkit as gt
 from geodesic_toolkit_volume.marching import Floats, Integers
-from geodesic_toolkit_volume.tet_mesh import TetMesh
+from geodesic_toolkit_volume.tet_mesh import EDGES, TetMesh
 from geodesic_toolkit_volume.voxel_image import VoxelImage
 
-__all__ = ["box", "tet_samples", "voxel_samples"]
+__all__ = ["box", "subdivided", "tet_samples", "voxel_samples"]
 
 SIDES = (6, 11)
 """Vertices along the side of the cube, coarse and fine."""
@@ -21,6 +21,14 @@ PATHS = np.array(
     [[0, 1, 3, 7], [0, 1, 5, 7], [0, 2, 3, 7], [0, 2, 6, 7], [0, 4, 5, 7], [0, 4, 6, 7]]
 )
 """Kuhn's six tetrahedra of a cube, by its corners in binary."""
+
+EIGHTH_PARTS = np.array(
+    [
+        *([0, 4, 5, 6], [1, 4, 7, 8], [2, 5, 7, 9], [3, 6, 8, 9]),
+        *([4, 9, 5, 6], [4, 9, 6, 8], [4, 9, 8, 7], [4, 9, 7, 5]),
+    ]
+)
+"""The parts of a tetrahedron, by its corners and then the middles of its edges."""
 
 
 def box(shape: tuple[int, int, int], spacing: float = 1.0) -> tuple[Floats, Integers]:
@@ -52,6 +60,35 @@ def box(shape: tuple[int, int, int], spacing: float = 1.0) -> tuple[Floats, Inte
     )
     vertices = np.indices(shape).reshape(3, -1).T * spacing
     return np.asarray(vertices, dtype=np.float64), corners[:, PATHS].reshape(-1, 4)
+
+
+def subdivided(mesh: TetMesh) -> TetMesh:
+    """Return a mesh whose cells are split into eight; its first vertices are the given ones.
+
+    Parameters
+    ----------
+    mesh : TetMesh
+
+    Returns
+    -------
+    TetMesh
+
+    Examples
+    --------
+    >>> from geodesic_toolkit_volume import TetMesh
+    >>> from geodesic_toolkit_volume.samples import box, subdivided
+    >>> subdivided(TetMesh(*box((2, 2, 2))))
+    TetMesh(27 vertices, 48 cells)
+    """
+    pairs = np.sort(mesh.cells[:, EDGES], axis=2)
+    edges, inverse = np.unique(pairs.reshape(-1, 2), axis=0, return_inverse=True)
+    corners = np.column_stack([mesh.cells, inverse.reshape(-1, 6) + mesh.n_vertices])
+    middles = mesh.vertices[edges].mean(axis=1)
+    return TetMesh(
+        np.concatenate([mesh.vertices, middles]),
+        corners[:, EIGHTH_PARTS].reshape(-1, 4),
+        np.repeat(mesh.costs, 8),
+    )
 
 
 def _jittered(n: int) -> tuple[Floats, Integers]:
