@@ -37,6 +37,33 @@ def test_a_point_inside_a_cell_is_a_source():
     assert mean_error(gt.GeodesicSolver(mesh).distance(place), straight) < 0.002
 
 
+def test_a_front_is_plane_where_the_cost_jumps():
+    apex = np.concatenate([CORNER, [[1.0, 1.0, 1.0]]])
+    mesh = TetMesh(apex, [[0, 1, 2, 3], [1, 2, 3, 4]], [1e-6, 1e6])
+    height = 2 / np.sqrt(3)
+    assert gt.GeodesicSolver(mesh).distance(0)[4] == pytest.approx(1e6 * height)
+
+
+@pytest.mark.parametrize("unit", [1e-60, 1e60])
+def test_the_unit_of_length_does_not_matter(unit):
+    mesh = cube(5)
+    found = gt.GeodesicSolver(TetMesh(unit * mesh.vertices, mesh.cells)).distance(7)
+    np.testing.assert_allclose(found / unit, gt.GeodesicSolver(mesh).distance(7), rtol=1e-9)
+
+
+def test_every_point_is_in_the_cell_that_contains_it():
+    thin = TetMesh(cube(5).vertices * [1.0, 1.0, 0.001], cube(5).cells)
+    points = np.random.default_rng(0).uniform(0, 1, (50, 3)) * [1.0, 1.0, 0.001]
+    at = thin.closest(points)
+    np.testing.assert_allclose(at.positions(thin), points, atol=1e-9)
+
+
+def test_points_beside_cells_without_a_surface_snap_to_vertices():
+    double = TetMesh(CORNER, [[0, 1, 2, 3], [0, 1, 2, 3]])
+    assert gt.GeodesicSolver(double).distance([1.1, 0.0, 0.0]).tolist()[1] == 0.0
+    assert TetMesh(CORNER, []).closest(np.ones((1, 3))).weights.tolist() == [[1, 0, 0, 0]]
+
+
 def test_a_query_reads_between_the_vertices():
     mesh = cube()
     found = gt.GeodesicSolver(mesh).query([[0.9, 0.55, 0.31]], [0.1, 0.2, 0.3])

@@ -3,7 +3,7 @@
 The front through a tetrahedron is a sphere about a virtual source, which the distances of three
 vertices, of two or of one determine. If the straight line from it to the fourth vertex passes
 between them, its length is a candidate distance. Point sources in a body without obstacles are then
-exact.
+exact. Where costs jump, no point may have these distances: the front is then a plane.
 """
 
 from collections.abc import Iterator
@@ -57,9 +57,14 @@ class TetFronts(Marching):
         return BAND_PER_EDGE * float((np.linalg.norm(a - b, axis=1) * self._costs).mean())
 
     @cached_property
+    def _unit(self) -> float:
+        """The power of two next to the width: products of lengths in it are within range."""
+        return float(2.0 ** np.round(np.log2(self.width)))
+
+    @cached_property
     def _products(self) -> Floats:
-        """Inner products of the edges from each corner to the others, (4, 6, C), in cost."""
-        corners = self._vertices[self._cells]
+        """Inner products of the edges from each corner to the others, (4, 6, C), in cost / unit."""
+        corners = self._vertices[self._cells] / self._unit
         products = np.empty((4, 6, len(self._cells)))
         for j in range(4):
             edges = corners[:, OTHERS[j]] - corners[:, j : j + 1]
@@ -94,8 +99,8 @@ class TetFronts(Marching):
                 for subset in combinations(range(3), size):
                     there = np.isfinite(known[list(subset)]).all(axis=0)
                     if there.any():
-                        across = crossed(
-                            known[list(subset)][:, there] - began[there],
+                        across = self._unit * crossed(
+                            (known[list(subset)][:, there] - began[there]) / self._unit,
                             products[_rows_of(subset)][:, there],
                         )
                         yield apex[there], across + began[there], began[there]
@@ -104,7 +109,7 @@ class TetFronts(Marching):
         return {
             name: value
             for name, value in self.__dict__.items()
-            if name not in {"_products", "_around", "width"}
+            if name not in {"_products", "_around", "_unit", "width"}
         }
 
 
@@ -131,7 +136,8 @@ def crossed(known: Floats, products: Floats) -> Floats:
 
     With the edges e from the apex, their products G and the squared distance q to the source S,
     ``e · S = (q + e · e - d²) / 2``; with S a combination λ of the edges that is
-    ``λ = G⁻¹ (q + k) / 2`` and ``q = λᵀ G λ``, a quadratic equation for q.
+    ``λ = G⁻¹ (q + k) / 2`` and ``q = λᵀ G λ``, a quadratic equation for q. Without a solution the
+    front is a plane, ``(φ - d)ᵀ G⁻¹ (φ - d) = 1``.
 
     Parameters
     ----------
@@ -153,12 +159,26 @@ def crossed(known: Floats, products: Floats) -> Floats:
         to_one = np.stack([row.sum(axis=0) for row in inverse])
         to_k = np.stack([(row * k).sum(axis=0) for row in inverse])
         a, b, c = to_one.sum(axis=0) / 4, to_k.sum(axis=0) / 2 - 1, (k * to_k).sum(axis=0) / 4
-        q = (np.sqrt(b * b - 4 * a * c) - b) / (2 * a)
+        inner = b * b - 4 * a * c
+        q = (np.sqrt(inner) - b) / (2 * a)
         weights = q * to_one + to_k
+        found, plane = np.sqrt(q), inner < 0
+        if plane.any():
+            found[plane], weights[:, plane] = _plane(known[:, plane], inverse[..., plane])
         passes = (weights >= -MAX_ROUNDING_OF_WEIGHTS * np.abs(weights).sum(axis=0)).all(axis=0)
         # At obtuse angles a corner may be farther than the apex: it is accepted later, and the apex
         # again. Without such updates the error in a ball is 0.64 %, with them 0.002 %.
-        return np.asarray(np.where(passes, np.sqrt(q), np.inf))
+        return np.asarray(np.where(passes, found, np.inf))
+
+
+def _plane(known: Floats, inverse: Floats) -> tuple[Floats, Floats]:
+    """Return the distance of an apex from a plane front, (P,), and the weights of its line."""
+    to_one = inverse.sum(axis=1)
+    to_known = (inverse * known).sum(axis=1)
+    a, b = to_one.sum(axis=0), to_known.sum(axis=0)
+    inner = b * b - a * ((known * to_known).sum(axis=0) - 1)
+    found = (b + np.sqrt(inner)) / a
+    return found, found * to_one - to_known
 
 
 def _inverse_of_two(g: Floats) -> Any:

@@ -26,6 +26,9 @@ FACES = np.array([[1, 2, 3], [0, 3, 2], [0, 1, 3], [0, 2, 1]])
 INSIDE = 1e-9
 """Smallest barycentric coordinate of a point that counts as inside, below 0 for rounding."""
 
+CELLS_BY_CENTRES = 16
+"""Cells by the distance of their centres that may contain a point, before all cells are asked."""
+
 
 @final
 class TetMesh(gt.Domain):
@@ -130,22 +133,49 @@ class TetMesh(gt.Domain):
 
     def closest(self, points: Floats) -> gt.Located:
         """Return the places in the solid that are closest to points (Q, 3)."""
-        cells, weights = np.full(len(points), -1), np.zeros((len(points), 4))
-        low, high, inverse = self._boxes
-        for q, point in enumerate(points):
-            near = np.flatnonzero(((low <= point) & (point <= high)).all(axis=1))
-            rest = np.einsum("cij,cj->ci", inverse[near], point - self._origins[near])
-            shares = np.column_stack([1 - rest.sum(axis=1), rest])
-            lowest = np.where(np.isfinite(shares).all(axis=1), shares.min(axis=1), -np.inf)
-            if len(near) and lowest.max() >= -INSIDE:
-                best = int(lowest.argmax())
-                cells[q], weights[q] = near[best], np.maximum(shares[best], 0)
-        found, outside = self.cells[cells].copy(), cells < 0
+        found, weights = np.zeros((len(points), 4), dtype=np.int64), np.zeros((len(points), 4))
+        outside = np.ones(len(points), dtype=np.bool_)
+        if len(self._centres):
+            cells, shares = self._cells_by_centres(points)
+            far = shares.min(axis=1) < -INSIDE
+            for q in np.flatnonzero(far):
+                cells[q], shares[q] = self._cell_by_boxes(points[q])
+            found, weights = self.cells[cells], np.maximum(shares, 0)
+            outside = shares.min(axis=1) < -INSIDE
         if outside.any():
             at = self._surface.closest(points[outside])
-            found[outside] = at.vertices[:, [0, 1, 2, 2]]
-            weights[outside] = np.column_stack([at.weights, np.zeros(len(at))])
+            own, count = self._on_surface[at.vertices], at.vertices.shape[1]
+            found[outside] = np.column_stack([own, *[own[:, -1]] * (4 - count)])
+            weights[outside] = np.pad(at.weights, [(0, 0), (0, 4 - count)])
         return gt.Located(found, weights / weights.sum(axis=1, keepdims=True))
+
+    def _cells_by_centres(self, points: Floats) -> tuple[Integers, Floats]:
+        """Return the cell that each point is deepest in, of those with the nearest centres."""
+        from scipy.spatial import cKDTree
+
+        count = min(CELLS_BY_CENTRES, len(self._centres))
+        near = cKDTree(self._centres).query(points, np.arange(1, count + 1))[1]
+        cells = np.flatnonzero(self.is_solid)[near]
+        shares = self._shares(cells, points[:, None])
+        best = shares.min(axis=2).argmax(axis=1)
+        rows = np.arange(len(points))
+        return cells[rows, best], shares[rows, best]
+
+    def _cell_by_boxes(self, point: Floats) -> tuple[int, Floats]:
+        """Return the cell that a point is deepest in, of those whose boxes it is in."""
+        low, high, _ = self._boxes
+        inside = (low <= point) & (point <= high)
+        near = np.flatnonzero(inside.all(axis=1) & self.is_solid)
+        if not len(near):
+            return 0, np.full(4, -np.inf)
+        shares = self._shares(near, point)
+        best = int(shares.min(axis=1).argmax())
+        return int(near[best]), shares[best]
+
+    def _shares(self, cells: Integers, points: Floats) -> Floats:
+        """Return the barycentric coordinates of points in solid cells, (..., 4)."""
+        rest = np.einsum("...ij,...j->...i", self._boxes[2][cells], points - self._origins[cells])
+        return np.concatenate([1 - rest.sum(axis=-1, keepdims=True), rest], axis=-1)
 
     def spans(self, vertices: Integers, weights: Floats) -> Floats:
         """Return the costs of straight lines from places in cells to the vertices of these, (P, C).
@@ -170,25 +200,39 @@ class TetMesh(gt.Domain):
 
     @cached_property
     def _boxes(self) -> tuple[Floats, Floats, Floats]:
-        """The boxes of the cells, and what gives barycentric coordinates; NaN of flat ones."""
+        """The boxes of the cells, and the inverses of their edges; identities for flat cells."""
         corners = self.vertices[self.cells]
         edges = np.swapaxes(corners[:, 1:] - corners[:, :1], 1, 2).copy()
         edges[~self.is_solid] = np.eye(3)
         inverse = np.linalg.inv(edges)
-        inverse[~self.is_solid] = np.nan
         return corners.min(axis=1), corners.max(axis=1), np.asarray(inverse, dtype=np.float64)
 
     @cached_property
+    def _centres(self) -> Floats:
+        """The centres of solid cells."""
+        return np.asarray(self.vertices[self.cells[self.is_solid]].mean(axis=1))
+
+    @cached_property
+    def _on_surface(self) -> Integers:
+        """The vertices that points outside are closest to: of cells, or all without a cell."""
+        return np.unique(self.cells) if len(self.cells) else np.arange(self.n_vertices)
+
+    @cached_property
     def _surface(self) -> Ground:
-        return Ground(gt.TriangleMesh(self.vertices, self.triangles))
+        """The surface in the vertices of the cells; these alone where doubled cells hide it."""
+        own = self._on_surface
+        if not len(self.triangles):
+            return Ground(gt.PointCloud(self.vertices[own]))
+        return Ground(gt.TriangleMesh(self.vertices[own], np.searchsorted(own, self.triangles)))
 
     @cached_property
     def is_solid(self) -> NDArray[np.bool_]:
         """True for cells that have a volume, of shape (C,); operators leave the others out."""
         corners = self.vertices[self.cells]
-        edges = corners[:, 1:] - corners[:, :1]
-        longest = np.linalg.norm(edges, axis=2).max(axis=1, initial=0.0)
-        solid = np.abs(np.linalg.det(edges)) > FLAT * longest**3
+        with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
+            edges = corners[:, 1:] - corners[:, :1]
+            longest = np.linalg.norm(edges, axis=2).max(axis=1, initial=0.0)
+            solid = np.abs(np.linalg.det(edges / longest[:, None, None])) > MAX_VOLUME_OF_FLAT_CELLS
         solid.setflags(write=False)
         return np.asarray(solid)
 
@@ -206,5 +250,5 @@ class TetMesh(gt.Domain):
         return f"TetMesh({self.n_vertices} vertices, {len(self.cells)} cells)"
 
 
-FLAT = 1e-12
-"""Volume of a cell, in cubes of its longest edge, below which it is flat."""
+MAX_VOLUME_OF_FLAT_CELLS = 1e-12
+"""Six times the volume of a cell, in cubes of its longest edge, up to which it is flat."""
