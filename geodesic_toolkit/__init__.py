@@ -39,6 +39,7 @@ if TYPE_CHECKING:
     from geodesic_toolkit.discretization.data import Discretization
     from geodesic_toolkit.discretization.edge_gradient import EdgeGradient
     from geodesic_toolkit.discretization.element_gradient import ElementGradient
+    from geodesic_toolkit.discretization.fronts import Fronts
     from geodesic_toolkit.discretization.gradient import Gradient
     from geodesic_toolkit.discretization.positivity import positive_part
     from geodesic_toolkit.discretization.subdivision import Subdivision
@@ -103,6 +104,7 @@ __all__ = [
     "ElementGradient",
     "ExpMap",
     "Factor",
+    "Fronts",
     "GeodesicDisc",
     "GeodesicMean",
     "GeodesicPath",
@@ -198,6 +200,7 @@ _HOMES = {
     "ElementGradient": "discretization.element_gradient",
     "ExpMap": "analysis.exponential",
     "Factor": "linear.base",
+    "Fronts": "discretization.fronts",
     "GeodesicDisc": "analysis.curves.discs",
     "GeodesicMean": "analysis.directions.means",
     "GeodesicPath": "analysis.paths.path",

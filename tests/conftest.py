@@ -7,6 +7,8 @@ from hypothesis import HealthCheck, settings
 from sample_files import write_off
 from shared_data import shared_file
 
+from geodesic_toolkit.registry.catalog import readers
+from geodesic_toolkit.registry.registry import CORE
 from geodesic_toolkit.testing import shapes
 
 # Helpers that check something say what they found, as tests do.
@@ -33,6 +35,18 @@ def pytest_collection_modifyitems(items):
 def shared_data():
     """The function from a file name of the shared data set to its path; skips where absent."""
     return shared_file
+
+
+@pytest.fixture(scope="session")
+def readers_of_the_core():
+    """The readers of the core alone, whatever plugins are installed beside it."""
+    return [entry for entry in readers._entries() if entry.distribution == CORE]
+
+
+@pytest.fixture(autouse=True)
+def _only_readers_of_the_core(monkeypatch, readers_of_the_core):
+    """Read files as without plugins, which may take solids for themselves."""
+    monkeypatch.setattr(readers, "_discovered", readers_of_the_core)
 
 
 @pytest.fixture

@@ -160,7 +160,7 @@ pip_install() {
 
 plugins=(--editable ./plugins/geodesic-toolkit-study)
 if [ "$mode" = dev ]; then
-    for name in polygon knn amg cholmod; do
+    for name in polygon volume knn amg cholmod; do
         plugins+=(--editable "./plugins/geodesic-toolkit-$name")
     done
 fi

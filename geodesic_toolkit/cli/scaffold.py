@@ -3,6 +3,7 @@
 import keyword
 import re
 import sys
+from collections.abc import Mapping
 from dataclasses import dataclass
 from enum import StrEnum
 from importlib.util import find_spec
@@ -158,9 +159,13 @@ def _taken(kind: PluginKind) -> set[str]:
     group = METADATA[kind].group
     if group == "commands":
         return {*commands, *typer.main.get_group(app).commands}
-    if group == "readers":
-        return {*catalog.readers, "gz"}  # which is unpacked, whatever is in it
-    return {*(catalog.solvers if group == "solvers" else catalog.operators)}
+    groups: dict[str, Mapping[str, object]] = {
+        "operators": catalog.operators,
+        "solvers": catalog.solvers,
+        "readers": catalog.readers,
+    }
+    shared = {"gz"} if group == "readers" else set()  # which is unpacked, whatever is in it
+    return shared | {name.rpartition(":")[2] for name in groups[group]}
 
 
 def files_of(kind: PluginKind, names: Names) -> dict[str, str]:

@@ -8,7 +8,15 @@ imports geometry and domains.
 from geodesic_toolkit.discretization.data import Discretization
 from geodesic_toolkit.discretization.edge_gradient import EdgeGradient
 from geodesic_toolkit.discretization.element_gradient import ElementGradient
+from geodesic_toolkit.discretization.fronts import Fronts
 from geodesic_toolkit.discretization.gradient import Gradient
 from geodesic_toolkit.discretization.subdivision import Subdivision
 
-__all__ = ["Discretization", "EdgeGradient", "ElementGradient", "Gradient", "Subdivision"]
+__all__ = [
+    "Discretization",
+    "EdgeGradient",
+    "ElementGradient",
+    "Fronts",
+    "Gradient",
+    "Subdivision",
+]

@@ -16,6 +16,7 @@ from geodesic_toolkit.core.rows import CompressedRows
 from geodesic_toolkit.core.types import BoolArray, FloatArray, IntArray
 from geodesic_toolkit.discretization.edge_gradient import EdgeGradient
 from geodesic_toolkit.discretization.element_gradient import ElementGradient
+from geodesic_toolkit.discretization.fronts import Fronts
 from geodesic_toolkit.discretization.gradient import Gradient
 from geodesic_toolkit.discretization.subdivision import Subdivision
 from geodesic_toolkit.errors import InvalidDiscretizationError
@@ -71,6 +72,8 @@ class Discretization(FrozenArrays):
         uses.
     across_edges : AcrossEdges, optional
         The same graph, for fronts that cross its corners.
+    fronts : Fronts, optional
+        Fronts for a kind of domain of a plugin. They replace heat.
     representatives : ndarray of shape (N,), int64, optional
         The vertex whose distance each vertex takes. Of several vertices at one position, one
         represents the others and has entries in the stiffness.
@@ -121,6 +124,7 @@ class Discretization(FrozenArrays):
     subdivision: Subdivision | None = None
     along_edges: AlongEdges | None = None
     across_edges: AcrossEdges | None = None
+    fronts: Fronts | None = None
     representatives: IntArray = field(default_factory=lambda: np.zeros(0, dtype=np.int64))
     local_scale: bool = False
     triangulation: str = ""

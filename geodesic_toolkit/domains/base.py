@@ -45,19 +45,15 @@ class Domain(FrozenArrays, abc.ABC):
     attach       :func:`attach` for objects of another library that are this kind's own
     ============ =====================================================================
 
-    `present` and `normals` have defaults that fit most kinds.
+    `present`, `normals`, `measured_in_space` and `spans` have defaults that fit most kinds.
 
     Attributes
     ----------
     vertex_name : str
         Singular noun for a vertex in messages.
-    measured_in_space : bool
-        True if places within an element are as far apart as their positions in space; False for a
-        kind with a metric of its own, which then has a method ``spans``.
     """
 
     vertex_name: ClassVar[str] = "vertex"
-    measured_in_space: ClassVar[bool] = True
 
     @property
     @abc.abstractmethod
@@ -71,6 +67,14 @@ class Domain(FrozenArrays, abc.ABC):
         A missing vertex has an index, a distance of ``inf``, and cannot be a source.
         """
         return np.broadcast_to(np.True_, (self.n_vertices,))
+
+    @property
+    def measured_in_space(self) -> bool:
+        """True if places within an element are as far apart as their positions in space.
+
+        False for a kind with a metric of its own, which then has a method ``spans``.
+        """
+        return True
 
     @property
     def normals(self) -> FloatArray | None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any, ClassVar, Literal, final
+from typing import Any, Literal, final
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -59,12 +59,15 @@ class MeasuredFaces(Domain):
     faces: IntArray
     lengths: FloatArray
 
-    measured_in_space: ClassVar[bool] = False
-
     @property
     def triangles(self) -> IntArray:
         """The faces."""
         return self.faces
+
+    @property
+    def measured_in_space(self) -> bool:
+        """False: lengths are given."""
+        return False
 
     @property
     def n_faces(self) -> int:

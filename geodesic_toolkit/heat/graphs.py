@@ -19,13 +19,17 @@ __all__ = ["ScaledGradient", "instead_of_heat", "limit_to_edges"]
 def instead_of_heat(
     metric: Discretization, across: bool, block: Sequence[SourcePoints], distances: FloatArray
 ) -> None:
-    """Write the shortest paths along the edges of a graph, or across them, (K, N)."""
+    """Write what fronts find, or the shortest paths along the edges of a graph, (K, N)."""
+    begins = np.cumsum([0, *(len(points.vertices) for points in block)])
+    starts = np.concatenate([points.starts[points.rows] for points in block])
+    known = np.concatenate([points.distances for points in block]) + starts
+    vertices = np.concatenate([points.vertices for points in block])
+    if across and metric.fronts is not None:
+        distances[:] = metric.fronts.distances(begins, vertices, known, starts)
+        return
     paths = metric.across_edges if across else metric.along_edges
     assert paths is not None  # for the type checker; the heat method has checked
-    begins = np.cumsum([0, *(len(points.vertices) for points in block)])
-    known = [points.distances + points.starts[points.rows] for points in block]
-    vertices = np.concatenate([points.vertices for points in block])
-    distances[:] = paths.distances(begins, vertices, np.concatenate(known))
+    distances[:] = paths.distances(begins, vertices, known)
 
 
 def limit_to_edges(

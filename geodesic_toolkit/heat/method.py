@@ -68,7 +68,8 @@ class HeatMethod:
         not factorise the Poisson system. The metric has to be made of triangles. On a graph whose
         metric has paths along edges, take the shortest of these instead, without heat.
     across : bool
-        On a graph whose metric has corners: let fronts cross these, without heat.
+        On a graph whose metric has corners: let fronts cross these, without heat. For a metric with
+        fronts of its own: measure with them, without heat.
     bounds : DistanceBounds, optional
         Bounds that refined distances are limited to.
     small_parts : SmallParts, optional
@@ -143,9 +144,10 @@ class HeatMethod:
             raise InvalidOptionError(f"refine must be True or False, not {refine!r}")
         self.refine = bool(refine)
         self.across = across
-        if across and (self.refine or metric.across_edges is None):
+        if across and (self.refine or (metric.across_edges is None and metric.fronts is None)):
             raise UnsupportedDomainError(
-                "across=True needs a graph with corners for fronts to cross, and refine=False"
+                "across=True needs refine=False, and a graph with corners for fronts to cross or a "
+                "metric with fronts of its own"
             )
         self.bounds, self.small_parts = bounds, small_parts
         paths = metric.along_edges

@@ -33,8 +33,9 @@ def read(path: str | os.PathLike[str], *, kinds: Iterable[type[Domain]] = ()) ->
 
     The suffix chooses the reader among those registered in ``gt.readers``, to which other
     distributions may add theirs (entry points of the group ``geodesic_toolkit.readers``: functions
-    from a path to a domain). Vertex indices are those of the file: vertices are not merged or
-    dropped, except as listed here.
+    from a path to a domain). For a suffix that the core reads as well, the other reader is asked
+    first, and returns None for a file that it leaves to the core. Vertex indices are those of the
+    file: vertices are not merged or dropped, except as listed here.
 
     ============================ ======================================================
     off, obj, ply, stl, vtp,     a :class:`TriangleMesh`; without faces all but stl are a
@@ -62,7 +63,8 @@ def read(path: str | os.PathLike[str], *, kinds: Iterable[type[Domain]] = ()) ->
     path : str or path-like
     kinds : iterable of types, optional
         Kinds of domain that are wanted, such as the `domains` of an operator. The first that reads
-        files itself (:meth:`Domain.from_file`) does so; without any the suffix's reader does.
+        files itself (:meth:`Domain.from_file`) does so; without any the suffix's reader does, and
+        of several readers the first that returns a wanted kind.
 
     Returns
     -------
@@ -101,11 +103,11 @@ def read(path: str | os.PathLike[str], *, kinds: Iterable[type[Domain]] = ()) ->
     file = Path(path)
     check_file(file)
     with unpacked(file) as plain:
-        suffix = plain.suffix[1:].lower()
-        own = (kind.from_file for kind in kinds if kind.has("from_file"))
-        reader = next(own, None) or _reader(file, plain)
+        suffix, wanted = plain.suffix[1:].lower(), tuple(kinds)
+        own = [kind.from_file for kind in wanted if kind.has("from_file")]
+        candidates = own[:1] or _readers(file, plain)
         with named_errors(file, "the shape"):
-            domain = reader(plain)
+            domain = _first(wanted or (object,), (reader(plain) for reader in candidates))
     if not isinstance(domain, Domain):
         raise ReadError(
             f"{file}: the reader of .{suffix} returned {type(domain).__name__}, not a domain"
@@ -113,17 +115,28 @@ def read(path: str | os.PathLike[str], *, kinds: Iterable[type[Domain]] = ()) ->
     return domain
 
 
-def _reader(file: Path, plain: Path) -> Any:
-    """Return the reader of a file that has been unpacked to `plain`."""
+def _first(wanted: tuple[type, ...], answers: Iterable[Any]) -> Any:
+    """Return the first answer of a wanted type, else the first that is not None, else None."""
+    other = None
+    for answer in answers:
+        if answer is not None and isinstance(answer, wanted):
+            return answer
+        other = answer if other is None else other
+    return other
+
+
+def _readers(file: Path, plain: Path) -> list[Any]:
+    """Return the readers of a file that has been unpacked to `plain`, the preferred one first."""
     suffix = plain.suffix[1:].lower()
     try:
-        return readers[suffix]
+        return readers.candidates(suffix)
     except UnknownPluginError as error:
         if is_surface(plain):
-            return read_surface
+            return [read_surface]
+        known = sorted({name.rpartition(":")[2] for name in readers})
         unknown = f"there is no reader for .{suffix}" if suffix else "it has no suffix"
         raise ReadError(
-            f"{file}: {unknown}; can be read: {', '.join(readers)}, and surfaces of FreeSurfer by "
+            f"{file}: {unknown}; can be read: {', '.join(known)}, and surfaces of FreeSurfer by "
             "any name; each may be compressed (.gz)"
         ) from error
 

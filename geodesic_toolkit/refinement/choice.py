@@ -72,9 +72,13 @@ def refinement_of(
     Returns
     -------
     refine : bool or "across"
-        "across" on graphs whose corners fronts should cross.
+        "across" where fronts should cross the corners of a graph, or a metric has its own fronts.
     reason : str
     """
+    if metric.fronts is not None:
+        if heat_is_meant:
+            return False, "heat, as its own options are given"
+        return "across", "fronts can cross the elements"
     if made_of_triangles(metric):
         return True, "fronts can cross the triangles"
     if metric.along_edges is not None:

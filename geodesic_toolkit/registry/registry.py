@@ -23,6 +23,9 @@ Plugin = TypeVar("Plugin")
 
 LOCAL = "registered in this process"
 
+CORE = "geodesic-toolkit"
+"""The distribution whose readers come last."""
+
 
 @dataclass(frozen=True)
 class PluginStatus:
@@ -144,6 +147,29 @@ class Registry(Mapping[str, Plugin], Generic[Plugin]):
 
     def __contains__(self, name: object) -> bool:
         return isinstance(name, str) and bool(self._find(name))
+
+    def candidates(self, name: str) -> list[Plugin]:
+        """Return the plugins called `name`, those of other distributions before the core's own.
+
+        Parameters
+        ----------
+        name : str
+
+        Returns
+        -------
+        list
+            Not empty.
+
+        Raises
+        ------
+        UnknownPluginError, PluginConflictError, PluginLoadError
+            As for looking up one plugin; two distributions other than the core are in conflict.
+        """
+        found = self._find(name)
+        others = [entry for entry in found if entry.distribution != CORE]
+        if len(others) == len(found) or len(others) > 1:
+            return [self[name]]
+        return [self._load(entry) for entry in (*others, *(e for e in found if e not in others))]
 
     # -- other methods -------------------------------------------------------------------------
 

@@ -151,10 +151,13 @@ def _discretized(
 def _refinement(choice: Any, metric: Discretization, *, heat_is_meant: bool) -> tuple[Any, str]:
     """Return the kind of refinement, with the reason if the choice is left to "auto"."""
     if isinstance(choice, bool | np.bool_):
-        return choice, ""
+        return ("across" if choice and metric.fronts is not None else choice), ""
     if isinstance(choice, str) and choice == "across":
-        if metric.across_edges is None:
-            raise InvalidOptionError('refine="across" is for graphs and the "uniform" operator')
+        if metric.across_edges is None and metric.fronts is None:
+            raise InvalidOptionError(
+                'refine="across" is for graphs and the "uniform" operator, and for operators that '
+                "bring fronts"
+            )
         return "across", ""
     if not isinstance(choice, str) or choice != "auto":
         raise InvalidOptionError(

@@ -214,7 +214,7 @@ def _in_space(ground: Ground, points: FloatArray, name: str) -> SourcePoints:
 
 def _used_positions(domain: Domain) -> FloatArray:
     """Return the positions of the vertices of triangles, or without these the present ones."""
-    if domain.has("triangles"):
+    if domain.has("triangles") and len(domain.triangles):
         used = np.zeros(domain.n_vertices, dtype=np.bool_)
         used[domain.triangles] = True
         return domain.positions[used]

@@ -85,11 +85,12 @@ class DomainSamples(Generic[Kind]):
         Each family is one shape, from coarse to fine.
     generic : Domain
         A shape without symmetry and without equal distances.
-    permuted : callable
-        From a domain and a permutation p to the same domain whose vertex i is the old ``p[i]``.
-    united : callable
+    permuted : callable, optional
+        From a domain and a permutation p to the same domain whose vertex i is the old ``p[i]``;
+        None if the order of vertices is part of the kind, as that of voxels is.
+    united : callable, optional
         From two domains to their disconnected union: the vertices of the first come first.
-    isolated : callable
+    isolated : callable, optional
         From a domain to the same with an additional last vertex that is isolated.
     moved : callable, optional
         From a domain, a rotation matrix (3, 3) and a shift (3,) to the moved domain; None if the
@@ -109,9 +110,9 @@ class DomainSamples(Generic[Kind]):
     kind: type[Kind]
     families: Sequence[Sequence[Sample]]
     generic: Kind
-    permuted: Callable[[Kind, IntArray], Kind]
-    united: Callable[[Kind, Kind], Kind]
-    isolated: Callable[[Kind], Kind]
+    permuted: Callable[[Kind, IntArray], Kind] | None = None
+    united: Callable[[Kind, Kind], Kind] | None = None
+    isolated: Callable[[Kind], Kind] | None = None
     moved: Callable[[Kind, FloatArray, FloatArray], Kind] | None = None
     scaled: Callable[[Kind, float], Kind] | None = None
     degenerate: Sequence[Kind] = ()
@@ -394,6 +395,10 @@ def _mesh_within(domain: MetricMesh) -> TriangleMesh:
 
 def _metric_samples() -> DomainSamples[MetricMesh]:
     meshes = _mesh_samples()
+    assert meshes.permuted
+    assert meshes.united
+    assert meshes.isolated
+    permuted, united, isolated = meshes.permuted, meshes.united, meshes.isolated
     return DomainSamples(
         kind=MetricMesh,
         families=[
@@ -410,11 +415,9 @@ def _metric_samples() -> DomainSamples[MetricMesh]:
             for family in meshes.families
         ],
         generic=_weighted(meshes.generic),
-        permuted=lambda m, order: _weighted(meshes.permuted(_mesh_within(m), order)),
-        united=lambda first, second: _weighted(
-            meshes.united(_mesh_within(first), _mesh_within(second))
-        ),
-        isolated=lambda m: _weighted(meshes.isolated(_mesh_within(m))),
+        permuted=lambda m, order: _weighted(permuted(_mesh_within(m), order)),
+        united=lambda first, second: _weighted(united(_mesh_within(first), _mesh_within(second))),
+        isolated=lambda m: _weighted(isolated(_mesh_within(m))),
         scaled=lambda m, factor: _weighted(TriangleMesh(m.vertices * factor, m.faces)),
         degenerate=tuple(map(_weighted, meshes.degenerate)),
     )

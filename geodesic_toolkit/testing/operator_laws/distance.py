@@ -57,7 +57,10 @@ def distance_is_accurate(subject: OperatorSubject) -> Iterable[Measured]:
     """On the finest sample of each family the distance is accurate (mean relative error)."""
     for kind in subject.samples:
         for family in kind.families:
-            yield Measured(subject.error(family[-1]), family[-1].error, family[-1].name)
+            finest = family[-1]
+            yield Measured(subject.error(finest), finest.error, finest.name)
+            if subject.assemble(finest.domain).fronts is not None:
+                yield Measured(subject.error_of_fronts(finest), finest.error, "its fronts")
 
 
 def error_decreases_under_refinement(subject: OperatorSubject) -> Iterable[Measured]:
@@ -73,6 +76,8 @@ def disconnected_parts_are_infinitely_far(subject: OperatorSubject) -> Iterable[
     """Vertices not connected to a source are inf, others finite (the figure counts wrong ones)."""
     for kind in subject.samples:
         part = kind.families[0][0].domain
+        if kind.united is None or kind.isolated is None:
+            continue
         count, name = part.n_vertices, f"{kind.kind.__name__} of two parts"
         method = heat_method(subject.recipe.assemble(kind.united(part, part)))
         first, both = method.distance(0), method.distance([0, count])
