@@ -497,17 +497,24 @@ def pole_normals(points: Numbers, neighbours: Indices, normals: Numbers, n_threa
 
 # -- shortest paths --------------------------------------------------------------------------------
 
+class Surface:
+    """Triangles (F, 3) of three different vertices each, and those around each vertex.
+
+    Any number may share an edge. The arrays are kept, not copied.
+    """
+
+    def __init__(self, vertices: Numbers, faces: Indices) -> None: ...
+
 def best_path(
-    vertices: Numbers,
-    faces: Indices,
+    surface: Surface,
     height: Numbers,
     back: Numbers,
     start: int,
     ends: Indices,
 ) -> tuple[Indices, Indices, Numbers]:
-    """Return a geodesic from a vertex to one of several ends over triangles (F, 3).
+    """Return a geodesic from a vertex to one of several ends.
 
-    Each has three different vertices; `height` and `back` are the distances (N,) from the ends and
+    `height` and `back` are the distances (N,) from the ends and
     from the start. The result holds the face of each point of the path, (P,), the two vertices
     between which it lies, (P, 2), and the share of the second, (P,); it is empty if triangles do
     not connect the ends.

@@ -15,6 +15,7 @@ from geodesic_toolkit.errors import (
     UnsupportedDomainError,
 )
 from geodesic_toolkit.geometry.isolines import level_set
+from geodesic_toolkit.refinement.wavefronts import WavefrontSweeper
 from geodesic_toolkit.solver.masks import check_unmasked
 from geodesic_toolkit.solver.solver import GeodesicSolver, check_solver
 from geodesic_toolkit.sources.kinds import Curve
@@ -168,7 +169,8 @@ def _distance(solver: GeodesicSolver, laid: list[LaidCurve], *, refined: bool) -
         ]
     )
     if refined:
-        return refined_distance(solver, solver.method.metric, together)
+        sweeper = WavefrontSweeper(solver.method.metric)
+        return refined_distance(solver.method, sweeper, together)
     return solver.method.distance(together)
 
 

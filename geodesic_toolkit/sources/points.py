@@ -152,6 +152,11 @@ class SourcePoints(FrozenArrays):
             return np.asarray(1 / self.distances)
 
     @property
+    def are_vertices(self) -> bool:
+        """True if each point is at one vertex."""
+        return len(self.vertices) == self.count
+
+    @property
     def rows(self) -> IntArray:
         """The (nnz,) point that each weight belongs to."""
         return np.repeat(np.arange(self.count), np.diff(self.begins))

@@ -1,13 +1,20 @@
 """A point inside a face."""
 
 from dataclasses import dataclass
-from typing import final
+from typing import Any, final
 
 import numpy as np
 
+from geodesic_toolkit.core.types import FloatArray, IntArray
 from geodesic_toolkit.errors import InvalidSourceError
 
 __all__ = ["SurfacePoint"]
+
+LOWEST_WEIGHT = 1e-9
+"""How far below 0 rounding may take a barycentric coordinate."""
+
+MOST_OFF_SUM = 1e-6
+"""How far from 1 it may take their sum."""
 
 
 @final
@@ -37,6 +44,37 @@ class SurfacePoint:
     face: int
     barycentric: tuple[float, float, float]
 
+    @classmethod
+    def from_rows(cls, faces: IntArray, weights: FloatArray) -> tuple["SurfacePoint", ...]:
+        """Return P points at once; each is what the constructor makes of its row.
+
+        Parameters
+        ----------
+        faces : ndarray of shape (P,), int64
+        weights : ndarray of shape (P, 3), float64
+            Barycentric coordinates.
+
+        Raises
+        ------
+        InvalidSourceError
+            A row that is not barycentric.
+        """
+        a, b, c = weights.T
+        fits = (weights >= -LOWEST_WEIGHT).all(axis=1)
+        fits &= np.abs(a + b + c - 1) <= MOST_OFF_SUM
+        if not fits.all():
+            first = int(np.argmin(fits))
+            raise _not_barycentric(tuple(weights[first].tolist()))
+        weights = np.maximum(weights, 0.0)
+        a, b, c = weights.T
+        shares = (weights / (a + b + c)[:, None]).tolist()
+        points = []
+        for face, row in zip(faces.tolist(), shares, strict=True):
+            point = object.__new__(cls)  # its checks, one by one, take longer than the path
+            vars(point).update(face=face, barycentric=tuple(row))
+            points.append(point)
+        return tuple(points)
+
     def __post_init__(self) -> None:
         if isinstance(self.face, bool) or not isinstance(self.face, int | np.integer):
             raise InvalidSourceError(f"face must be an integer index, not {self.face!r}")
@@ -46,12 +84,19 @@ class SurfacePoint:
             raise InvalidSourceError(
                 f"barycentric coordinates must be three numbers, not {self.barycentric!r}"
             ) from error
-        if weights.shape != (3,) or not (weights >= -1e-9).all() or abs(weights.sum() - 1) > 1e-6:
-            raise InvalidSourceError(
-                f"barycentric coordinates must be three non-negative numbers with sum 1, "
-                f"not {self.barycentric!r}"
-            )
+        if (
+            weights.shape != (3,)
+            or not (weights >= -LOWEST_WEIGHT).all()
+            or not abs(weights.sum() - 1) <= MOST_OFF_SUM
+        ):
+            raise _not_barycentric(self.barycentric)
         weights = np.maximum(weights, 0.0)
         a, b, c = (weights / weights.sum()).tolist()
         object.__setattr__(self, "face", int(self.face))
         object.__setattr__(self, "barycentric", (a, b, c))
+
+
+def _not_barycentric(given: Any) -> InvalidSourceError:
+    return InvalidSourceError(
+        f"barycentric coordinates must be three non-negative numbers with sum 1, not {given!r}"
+    )

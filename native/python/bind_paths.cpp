@@ -27,23 +27,30 @@ nb::tuple give(const std::vector<Crossing>& points) {
 }  // namespace
 
 void bind_paths(nb::module_& module) {
+  nb::class_<Surface>(module, "Surface")
+      .def(
+          "__init__",
+          [](Surface* self, In<double, 2> vertices, In<Index, 2> faces) {
+            const Index n = n_rows(vertices);
+            require(vertices.shape(1) == 3 && faces.shape(1) == 3, "three numbers in each row");
+            require(std::ranges::all_of(span(faces), [n](Index v) { return 0 <= v && v < n; }),
+                    "corners of faces below the number of vertices");
+            unlocked([&] { new (self) Surface(span(vertices), span(faces)); });
+          },
+          "vertices"_a.noconvert(), "faces"_a.noconvert(), nb::keep_alive<1, 2>(),
+          nb::keep_alive<1, 3>());
   module.def(
       "best_path",
-      [](In<double, 2> vertices, In<Index, 2> faces, In<double> height, In<double> back,
-         Index start, In<Index> ends) {
-        const Index n = n_rows(vertices);
-        require(vertices.shape(1) == 3 && faces.shape(1) == 3, "three numbers in each row");
+      [](const Surface& surface, In<double> height, In<double> back, Index start, In<Index> ends) {
+        const Index n = surface.n_vertices();
         require(n_rows(height) == n && n_rows(back) == n, "two distances for each vertex");
         const auto is_vertex = [n](Index v) { return 0 <= v && v < n; };
         require(is_vertex(start) && std::ranges::all_of(span(ends), is_vertex),
                 "a start and ends below the number of vertices");
-        return give(unlocked([&] {
-          const Surface surface(span(vertices), span(faces));
-          return best_path(surface, span(height), span(back), start, span(ends));
-        }));
+        return give(unlocked(
+            [&] { return best_path(surface, span(height), span(back), start, span(ends)); }));
       },
-      "vertices"_a.noconvert(), "faces"_a.noconvert(), "height"_a.noconvert(), "back"_a.noconvert(),
-      "start"_a, "ends"_a.noconvert());
+      "surface"_a, "height"_a.noconvert(), "back"_a.noconvert(), "start"_a, "ends"_a.noconvert());
   module.def(
       "straight_lines",
       [](In<double, 2> lengths, In<Index> twin, In<Index> faces, In<double, 2> weights,

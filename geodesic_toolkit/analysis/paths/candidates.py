@@ -36,8 +36,7 @@ class Candidate:
 
 
 def best_path(
-    vertices: FloatArray,
-    faces: IntArray,
+    surface: _native.Surface,
     height: FloatArray,
     back: FloatArray,
     *,
@@ -52,9 +51,8 @@ def best_path(
 
     Parameters
     ----------
-    vertices : ndarray of shape (N, 3), float64
-    faces : ndarray of shape (F, 3), int64
-        Each has three different vertices; any number of faces may share an edge.
+    surface : Surface
+        Of N vertices.
     height : ndarray of shape (N,), float64
         The distance from the ends, 0 there.
     back : ndarray of shape (N,), float64
@@ -67,9 +65,7 @@ def best_path(
     -------
     Candidate or None
     """
-    passed, beside, shares = _native.best_path(
-        np.ascontiguousarray(vertices), np.ascontiguousarray(faces), height, back, start, ends
-    )
+    passed, beside, shares = _native.best_path(surface, height, back, start, ends)
     if len(passed) == 0:
         return None
     return Candidate(passed, beside, np.column_stack([1 - shares, shares]))

@@ -6,12 +6,13 @@ from functools import cached_property
 import numpy as np
 
 from geodesic_toolkit.analysis.paths.fronts import first_to_arrive, refined_distance
-from geodesic_toolkit.analysis.paths.polyline import Polyline, without_repeats
+from geodesic_toolkit.analysis.paths.polyline import Polyline, extent_of, without_repeats
 from geodesic_toolkit.analysis.paths.reach import path_within_reach
 from geodesic_toolkit.analysis.paths.star_paths import path_down
 from geodesic_toolkit.core.types import FloatArray, IntArray
 from geodesic_toolkit.domains import PointCloud
 from geodesic_toolkit.errors import UnreachableError
+from geodesic_toolkit.refinement.wavefronts import WavefrontSweeper
 from geodesic_toolkit.solver.solver import GeodesicSolver
 from geodesic_toolkit.sources.points import SourcePoints
 
@@ -78,15 +79,16 @@ def path_on_cloud(solver: GeodesicSolver, sources: SourcePoints, goal: SourcePoi
     cloud, metric = solver.domain, solver.method.metric
     assert isinstance(cloud, PointCloud)  # for the type checker
     start = int(goal.vertices[0])
+    sweeper = WavefrontSweeper(metric)  # it raises if there are no triangles
     if sources.delayed:
-        sources = first_to_arrive(sources, refined_distance(solver, metric, goal))
+        sources = first_to_arrive(sources, refined_distance(solver.method, sweeper, goal))
     if start in sources.vertices:
         return CloudPath(cloud, np.full((1, 3), start), np.array([[1.0, 0.0, 0.0]]))
     path = path_within_reach(solver, sources, goal)
     if path is None:
-        distance = refined_distance(solver, metric, sources)
+        distance = refined_distance(solver.method, sweeper, sources)
         if np.isfinite(distance[start]):
-            back = refined_distance(solver, metric, goal)
+            back = refined_distance(solver.method, sweeper, goal)
             path = path_down(
                 metric, cloud.points, distance, back, ends=sources.vertices, start=start
             )
@@ -97,5 +99,5 @@ def path_on_cloud(solver: GeodesicSolver, sources: SourcePoints, goal: SourcePoi
         )
     corners, weights = path
     positions = CloudPath(cloud, corners, weights).points
-    kept = without_repeats(positions, positions)
+    kept = without_repeats(positions, extent_of(positions))
     return CloudPath(cloud, corners[kept], weights[kept])

@@ -3,9 +3,8 @@
 import numpy as np
 
 from geodesic_toolkit.core.types import FloatArray
-from geodesic_toolkit.discretization.data import Discretization
+from geodesic_toolkit.heat.method import HeatMethod
 from geodesic_toolkit.refinement.wavefronts import WavefrontSweeper
-from geodesic_toolkit.solver.solver import GeodesicSolver
 from geodesic_toolkit.sources.points import SourcePoints
 from geodesic_toolkit.sources.subdivided import on_subdivision
 
@@ -13,19 +12,18 @@ __all__ = ["first_to_arrive", "one_place", "refined_distance"]
 
 
 def refined_distance(
-    solver: GeodesicSolver, metric: Discretization, sources: SourcePoints
+    method: HeatMethod, sweeper: WavefrontSweeper, sources: SourcePoints
 ) -> FloatArray:
-    """Return the refined distance (N,) on a metric, even if the solver does not refine.
+    """Return the refined distance (N,), by the sweeper if the method does not refine.
 
-    On a metric with a subdivision at the vertices of that, (M,).
+    On a metric with a subdivision at the vertices of that, (M,), by the sweeper of that.
     """
-    method, on = solver.method, metric.subdivision
+    on = method.metric.subdivision
     if on is not None:
         order = on.extended(method.log_heat(sources, only_order=True))
-        return WavefrontSweeper(on.metric).distance(order, on_subdivision(sources, on))
+        return sweeper.distance(order, on_subdivision(sources, on))
     if method.refine:
         return method.distance(sources)
-    sweeper = WavefrontSweeper(metric)  # it raises if there are no triangles
     return sweeper.distance(method.log_heat(sources, only_order=True), sources)
 
 

@@ -6,7 +6,8 @@ from typing import Any
 import numpy as np
 from scipy.sparse import csr_array, vstack
 
-from geodesic_toolkit.analysis.paths.candidates import best_path
+from geodesic_toolkit import _native
+from geodesic_toolkit.analysis.paths.candidates import Candidate, best_path
 from geodesic_toolkit.analysis.paths.chains import (
     Course,
     located_stops,
@@ -15,24 +16,20 @@ from geodesic_toolkit.analysis.paths.chains import (
 )
 from geodesic_toolkit.analysis.paths.cloud import CloudPath, path_on_cloud
 from geodesic_toolkit.analysis.paths.edges import EdgePath, path_along_edges
-from geodesic_toolkit.analysis.paths.fronts import first_to_arrive, one_place, refined_distance
+from geodesic_toolkit.analysis.paths.fronts import first_to_arrive, one_place
 from geodesic_toolkit.analysis.paths.insertion import insert_points
 from geodesic_toolkit.analysis.paths.path import (
     GeodesicPath,
     joined_pieces,
     path_from_candidate,
-    surface_point,
 )
+from geodesic_toolkit.analysis.paths.prepared import PreparedMesh, prepared_mesh
 from geodesic_toolkit.core.types import FloatArray
-from geodesic_toolkit.discretization.data import Discretization
-from geodesic_toolkit.discretization.element_gradient import ElementGradient
 from geodesic_toolkit.domains import PointCloud, TriangleMesh
 from geodesic_toolkit.errors import (
     InvalidOptionError,
     InvalidSourceError,
 )
-from geodesic_toolkit.geometry.triangles import proper_faces
-from geodesic_toolkit.laplacians.cotan import CotanLaplacian
 from geodesic_toolkit.solver.solver import GeodesicSolver, check_solver
 from geodesic_toolkit.sources.kinds import OffsetSources
 from geodesic_toolkit.sources.locate import locate_sources
@@ -161,15 +158,15 @@ def geodesic_path(
     mesh = domain if on is None else on.mesh
     if not isinstance(mesh, TriangleMesh):
         return path_along_edges(solver, sources, goal)
-    metric = _with_triangles(solver)
-    back = refined_distance(solver, metric, goal)
+    prepared = prepared_mesh(solver)
+    back = prepared.distance(goal)
     of_curve = sources.front_curvatures is not None  # descent may end at any of its samples
     if sources.delayed or of_curve:
         sources = first_to_arrive(sources, back[: domain.n_vertices])
-    distance = refined_distance(solver, metric, sources)
+    distance = prepared.distance(sources)
     if on is not None:
         sources, goal = on_subdivision(sources, on), on_subdivision(goal, on)
-    path = _path_on_mesh(mesh, distance, back, sources, goal)
+    path = _path_on_mesh(prepared, distance, back, sources, goal)
     if path is None:
         raise unreachable_error(solver, f"the target {target!r} with a source")
     return path
@@ -185,13 +182,13 @@ def _through_all(
     domain = solver.domain
     assert isinstance(domain, TriangleMesh)  # for the type checker; located_stops has raised
     points = [one_place(stops, index) for index in range(stops.count)]
-    metric = _with_triangles(solver)
-    distances = [refined_distance(solver, metric, point) for point in points]
+    prepared = prepared_mesh(solver)
+    distances = [prepared.distance(point) for point in points]
     order = [*range(len(points)), *([0] if closed else [])]
     pieces = []
     for here, there in pairwise(order):
         piece = _path_on_mesh(
-            domain, distances[here], distances[there], points[here], points[there]
+            prepared, distances[here], distances[there], points[here], points[there]
         )
         if piece is None:
             raise unreachable_error(solver, f"way point {there} with way point {here}")
@@ -200,7 +197,7 @@ def _through_all(
 
 
 def _path_on_mesh(
-    mesh: TriangleMesh,
+    prepared: PreparedMesh,
     distance: FloatArray,
     back: FloatArray,
     sources: SourcePoints,
@@ -210,34 +207,30 @@ def _path_on_mesh(
 
     None if no face connects them.
     """
-    conducting = np.isfinite(distance)[mesh.faces].all(axis=1)  # not those of masked vertices
-    original = np.flatnonzero(proper_faces(mesh.faces) & conducting)
-    both = csr_array(vstack([goal.weights, sources.weights]))
-    split = insert_points(mesh.vertices, mesh.faces[original], both)
-    start, ends = int(split.vertex_of_point[0]), split.vertex_of_point[1:]
-    added = np.zeros(len(split.vertices) - len(distance))
-    height, behind = np.concatenate([distance, added]), np.concatenate([back, added])
-    height[start], behind[ends] = (goal.weights @ distance)[0], sources.weights @ back
-    height[ends], behind[start] = 0.0, 0.0
-    beside = np.flatnonzero((split.faces == start).any(axis=1))
-    if start in ends and len(beside):
-        return GeodesicPath(
-            mesh, (surface_point(mesh, original, split, (int(beside[0]), [start], np.ones(1))),)
-        )
-    unreached = start in ends or not np.isfinite(height[start])
-    if unreached:
+    mesh, reached = prepared.mesh, prepared.reached_by(distance)
+    if goal.are_vertices and sources.are_vertices:
+        split, start, ends = reached.whole, int(goal.vertices[0]), sources.vertices
+        height, behind = distance, back  # 0 at the ends and at the start, as the kernel needs them
+    else:
+        both = csr_array(vstack([goal.weights, sources.weights]))
+        split = insert_points(mesh.vertices, reached.whole.faces, both)
+        start, ends = int(split.vertex_of_point[0]), split.vertex_of_point[1:]
+        added = np.zeros(len(split.vertices) - len(distance))
+        height, behind = np.concatenate([distance, added]), np.concatenate([back, added])
+        height[start], behind[ends] = (goal.weights @ distance)[0], sources.weights @ back
+        height[ends], behind[start] = 0.0, 0.0
+    if start in ends:
+        beside = np.flatnonzero((split.faces == start).any(axis=1))
+        if not len(beside):
+            return None
+        at_start = np.array([[start, start]])
+        point = Candidate(beside[:1], at_start, np.array([[1.0, 0.0]]))
+        return path_from_candidate(mesh, reached.numbers, split, point)
+    if not np.isfinite(height[start]):
         return None
-    best = best_path(split.vertices, split.faces, height, behind, start=start, ends=ends)
+    whole = split is reached.whole
+    surface = reached.surface if whole else _native.Surface(split.vertices, split.faces)
+    best = best_path(surface, height, behind, start=start, ends=ends)
     if best is None:
         return None
-    return path_from_candidate(mesh, original, split, best.backward)
-
-
-def _with_triangles(solver: GeodesicSolver) -> Discretization:
-    """Return the metric of a solver, or that of its mesh if the solver's has no triangles."""
-    metric, mesh = solver.method.metric, solver.passable
-    gradient = metric.on_surface
-    three = isinstance(gradient, ElementGradient) and gradient.elements.shape[1] == 3
-    if isinstance(mesh, TriangleMesh) and not three:
-        return CotanLaplacian().assemble(mesh)
-    return metric
+    return path_from_candidate(mesh, reached.numbers, split, best.backward)

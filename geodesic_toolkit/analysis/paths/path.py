@@ -3,19 +3,23 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from weakref import WeakKeyDictionary
 
 import numpy as np
 
 from geodesic_toolkit.analysis.paths.candidates import Candidate
 from geodesic_toolkit.analysis.paths.insertion import Insertion
-from geodesic_toolkit.analysis.paths.polyline import Polyline, without_repeats
+from geodesic_toolkit.analysis.paths.polyline import Polyline, extent_of, without_repeats
 from geodesic_toolkit.core.types import FloatArray, IntArray
 from geodesic_toolkit.domains import TriangleMesh
 from geodesic_toolkit.sources.curves import polyline_length
 from geodesic_toolkit.sources.kinds import Curve
 from geodesic_toolkit.sources.surface_point import SurfacePoint
 
-__all__ = ["GeodesicPath", "joined_pieces", "path_from_candidate", "surface_point"]
+__all__ = ["GeodesicPath", "joined_pieces", "path_from_candidate"]
+
+_EXTENTS: WeakKeyDictionary[TriangleMesh, float] = WeakKeyDictionary()
+"""Sizes of meshes."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -90,40 +94,43 @@ def path_from_candidate(
     GeodesicPath
         Open.
     """
-    passed = zip(way.faces.tolist(), way.ends.tolist(), way.weights, strict=True)
-    return _tidied(mesh, [surface_point(mesh, original, split, at) for at in passed])
+    faces = original[split.parents[way.faces]]
+    weights = _on_corners(mesh.faces[faces], split, way)
+    return _tidied(mesh, SurfacePoint.from_rows(faces, weights))
 
 
 def joined_pieces(
     mesh: TriangleMesh, pieces: Sequence[GeodesicPath], *, closed: bool
 ) -> GeodesicPath:
     """Return paths of which each begins where the one before it ends as one path."""
-    whole = _tidied(mesh, [point for piece in pieces for point in piece.surface_points])
+    whole = _tidied(mesh, tuple(point for piece in pieces for point in piece.surface_points))
     points = whole.surface_points
     return GeodesicPath(mesh, points[:-1] if closed else points, closed=closed)
 
 
-def surface_point(
-    mesh: TriangleMesh,
-    original: IntArray,
-    split: Insertion,
-    at: tuple[int, list[int], FloatArray],
-) -> SurfacePoint:
-    """Return a point as one of a face, where it is known by a part of that.
-
-    By the number of the part, vertices of that, and their shares of the point.
-    """
-    face, vertices, shares = at
-    whole = int(original[split.parents[face]])
-    weights = np.zeros(3)
-    for vertex, share in zip(vertices, shares.tolist(), strict=True):
-        weights += share * split.weights_on(mesh.faces[whole], vertex)
-    a, b, c = weights.tolist()
-    return SurfacePoint(whole, (a, b, c))
+def _on_corners(corners: IntArray, split: Insertion, way: Candidate) -> FloatArray:
+    """Return the weights of the points of a way on the corners of their old faces, both (P, 3)."""
+    n_old = len(split.vertices) - len(split.added)
+    weights = np.zeros(corners.shape)
+    for ends, shares in zip(way.ends.T, way.weights.T, strict=True):
+        own = (corners == ends[:, None]).astype(np.float64)
+        for row in np.flatnonzero(ends >= n_old):
+            own[row] = split.weights_on(corners[row], int(ends[row]))
+        weights += shares[:, None] * own
+    return weights
 
 
-def _tidied(mesh: TriangleMesh, points: Sequence[SurfacePoint]) -> GeodesicPath:
+def _tidied(mesh: TriangleMesh, points: tuple[SurfacePoint, ...]) -> GeodesicPath:
     """Return a path without points that are where the one before them is."""
-    path = GeodesicPath(mesh, tuple(points))
-    kept = without_repeats(path.points, mesh.vertices[mesh.used])
-    return GeodesicPath(mesh, tuple(path.surface_points[index] for index in kept))
+    path = GeodesicPath(mesh, points)
+    kept = without_repeats(path.points, _extent(mesh))
+    if len(kept) == len(points):
+        return path
+    return GeodesicPath(mesh, tuple(points[index] for index in kept))
+
+
+def _extent(mesh: TriangleMesh) -> float:
+    extent = _EXTENTS.get(mesh)
+    if extent is None:
+        extent = _EXTENTS[mesh] = extent_of(mesh.vertices[mesh.used])
+    return extent

@@ -1,12 +1,13 @@
 """Polylines: the base class of paths that are sequences of points in space."""
 
 import abc
+import math
 
 import numpy as np
 
 from geodesic_toolkit.core.types import FloatArray
 
-__all__ = ["Polyline", "without_repeats"]
+__all__ = ["Polyline", "extent_of", "without_repeats"]
 
 SAME = 1e-12
 """Distance within which two points are equal, relative to the size of the shape."""
@@ -29,19 +30,24 @@ class Polyline(abc.ABC):
         return f"{type(self).__name__}({len(self.points)} points, length {self.length:.6g})"
 
 
-def without_repeats(positions: FloatArray, within: FloatArray) -> list[int]:
+def extent_of(points: FloatArray) -> float:
+    """Return the longest side of the box around points (N, 3)."""
+    return float(np.ptp(points, axis=0).max())
+
+
+def without_repeats(positions: FloatArray, extent: float) -> list[int]:
     """Return the indices of points that differ in position from the previous one; both ends stay.
 
     Parameters
     ----------
     positions : ndarray of shape (P, 3)
-    within : ndarray of shape (N, 3)
-        Points whose extent is that of the shape.
+    extent : float
+        Size of the shape.
     """
-    near = SAME * float(np.ptp(within, axis=0).max())
+    near, places = SAME * extent, positions.tolist()
     kept = [0]
-    for index in range(1, len(positions)):
-        if np.linalg.norm(positions[index] - positions[kept[-1]]) > near:
+    for index in range(1, len(places)):
+        if math.dist(places[index], places[kept[-1]]) > near:
             kept.append(index)
-    kept[-1] = len(positions) - 1 if len(kept) > 1 else 0
+    kept[-1] = len(places) - 1 if len(kept) > 1 else 0
     return kept

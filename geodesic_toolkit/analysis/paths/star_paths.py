@@ -92,7 +92,8 @@ def _through(
     faces = np.concatenate([triangles, np.column_stack([links, middles])])
     height, behind = (np.concatenate([d, d[links].mean(axis=1)]) for d in (distance, back))
     height[ends] = 0.0
-    path = best_path(positions, faces, height, behind, start=start, ends=ends)
+    surface = _native.Surface(positions, faces)
+    path = best_path(surface, height, behind, start=start, ends=ends)
     return None if path is None else _between_points(path, links, len(points))
 
 
