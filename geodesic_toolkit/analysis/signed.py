@@ -169,7 +169,9 @@ def _distance(solver: GeodesicSolver, laid: list[LaidCurve], *, refined: bool) -
         ]
     )
     if refined:
-        sweeper = WavefrontSweeper(solver.method.metric)
+        metric = solver.method.metric
+        on = metric.subdivision
+        sweeper = WavefrontSweeper(metric if on is None else on.metric)
         return refined_distance(solver.method, sweeper, together)
     return solver.method.distance(together)
 

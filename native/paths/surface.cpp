@@ -1,6 +1,7 @@
 #include "paths/surface.hpp"
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 
 namespace geodesic {
@@ -26,7 +27,8 @@ Surface::Surface(std::span<const double> places, std::span<const Index> faces)
     : places_(places),
       faces_(faces),
       starts_(count(places) / 3 + 1, Index{0}),
-      around_(count(faces)) {
+      around_(count(faces)),
+      total_angles_(count(places) / 3, -1.0) {
   for (const Index vertex : faces) ++starts_[vertex + 1];
   for (Index v = 0; v < n_vertices(); ++v) starts_[v + 1] += starts_[v];
   Array<Index> free(n_vertices());
@@ -70,8 +72,12 @@ double Surface::angle(Index face, Index vertex) const {
 }
 
 double Surface::total_angle(Index vertex) const {
-  double total = 0;
+  const std::atomic_ref<double> kept(total_angles_[vertex]);
+  double total = kept.load(std::memory_order_relaxed);
+  if (total >= 0) return total;
+  total = 0;
   for (const Index face : around(vertex)) total += angle(face, vertex);
+  kept.store(total, std::memory_order_relaxed);
   return total;
 }
 
@@ -80,7 +86,8 @@ std::vector<Index> Surface::chain(Index first, Index last, Index vertex) const {
   for (std::size_t at = 0; at < came.size() && came.back().first != last; ++at) {
     const auto [p, q] = others(came[at].first, vertex);
     for (const Index corner : {p, q}) {
-      for (const Index beside : at_edge(vertex, corner)) {
+      for (const Index beside : around(vertex)) {
+        if (!has(beside, corner)) continue;
         const bool known =
             std::ranges::any_of(came, [&](auto& one) { return one.first == beside; });
         if (!known && came.back().first != last) came.push_back({beside, at});
@@ -102,8 +109,8 @@ std::vector<Index> Surface::ring(Index vertex, Index first) const {
   std::vector<Index> faces{first};
   for (Index edge = others(first, vertex).second;;) {
     Index beside = -1;
-    for (const Index face : at_edge(vertex, edge)) {
-      if (face == faces.back()) continue;
+    for (const Index face : around(vertex)) {
+      if (face == faces.back() || !has(face, edge)) continue;
       if (beside >= 0) return {};
       beside = face;
     }

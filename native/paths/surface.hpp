@@ -39,7 +39,8 @@ class Surface {
   // Where c lies, on the left, in the plane in which a is at 0 and b at 1.
   Planar shape(Index a, Index b, Index c) const;
   double angle(Index face, Index vertex) const;
-  double total_angle(Index vertex) const;  // of all faces there together
+  // Of all faces there together; kept, by threads that may share the surface.
+  double total_angle(Index vertex) const;
 
   // Faces around a vertex from one to another, each sharing an edge with the next; none where they
   // do not hang together there.
@@ -54,6 +55,7 @@ class Surface {
   std::span<const double> places_;
   std::span<const Index> faces_;
   Array<Index> starts_, around_;
+  mutable Array<double> total_angles_;  // less than 0 where it has not been computed
 };
 
 }  // namespace geodesic

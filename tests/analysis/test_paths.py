@@ -1,5 +1,8 @@
 """Shortest paths: their length, what they run through, where they end."""
 
+import gc
+import weakref
+
 import numpy as np
 import pytest
 from closed_forms import on_plane, on_sphere, on_tube
@@ -133,6 +136,36 @@ def test_the_path_leads_from_the_nearest_source():
     path = gt.geodesic_path(gt.GeodesicSolver(mesh), [0, 80], 79)
     assert path.length == pytest.approx(0.125)
     np.testing.assert_allclose(path.points[0], mesh.vertices[80])
+
+
+def test_a_path_does_not_depend_on_those_found_before():
+    mesh = gt.testing.shapes.torus(32, 16)
+    solver, pairs = gt.GeodesicSolver(mesh), [(0, 300), (300, 0), (7, 300), (0, 41), (0, 300)]
+    for source, target in [*pairs, *[(k, 200) for k in range(6)], *pairs]:
+        path = gt.geodesic_path(solver, source, target)
+        alone = gt.geodesic_path(gt.GeodesicSolver(mesh), source, target)
+        assert path.surface_points == alone.surface_points
+
+
+def test_paths_in_one_part_of_a_mesh_after_another_stay_in_theirs():
+    ball = gt.testing.shapes.icosphere(2)
+    count = ball.n_vertices
+    two = gt.TriangleMesh(
+        np.concatenate([ball.vertices, ball.vertices + 3.0]),
+        np.concatenate([ball.faces, ball.faces + count]),
+    )
+    solver = gt.GeodesicSolver(two)
+    lengths = [gt.geodesic_path(solver, 2 + k, 90 + k).length for k in (0, count, 0)]
+    np.testing.assert_allclose(lengths, lengths[0], rtol=1e-12)
+
+
+def test_a_solver_is_released_with_what_its_paths_keep():
+    solver = gt.GeodesicSolver(gt.testing.shapes.grid(5))
+    gt.geodesic_path(solver, 0, 23)
+    released = weakref.ref(solver)
+    del solver
+    gc.collect()
+    assert released() is None
 
 
 def test_a_path_serves_as_a_source():
