@@ -8,7 +8,7 @@ import numpy as np
 from geodesic_toolkit.core.types import FloatArray, IntArray
 from geodesic_toolkit.errors import InvalidSourceError
 
-__all__ = ["SurfacePoint"]
+__all__ = ["SurfacePoint", "barycentric_rows"]
 
 LOWEST_WEIGHT = 1e-9
 """How far below 0 rounding may take a barycentric coordinate."""
@@ -46,30 +46,16 @@ class SurfacePoint:
 
     @classmethod
     def from_rows(cls, faces: IntArray, weights: FloatArray) -> tuple["SurfacePoint", ...]:
-        """Return P points at once; each is what the constructor makes of its row.
+        """Return P points at once, without a check of each.
 
         Parameters
         ----------
         faces : ndarray of shape (P,), int64
         weights : ndarray of shape (P, 3), float64
-            Barycentric coordinates.
-
-        Raises
-        ------
-        InvalidSourceError
-            A row that is not barycentric.
+            Barycentric coordinates as :func:`barycentric_rows` returns them.
         """
-        a, b, c = weights.T
-        fits = (weights >= -LOWEST_WEIGHT).all(axis=1)
-        fits &= np.abs(a + b + c - 1) <= MOST_OFF_SUM
-        if not fits.all():
-            first = int(np.argmin(fits))
-            raise _not_barycentric(tuple(weights[first].tolist()))
-        weights = np.maximum(weights, 0.0)
-        a, b, c = weights.T
-        shares = (weights / (a + b + c)[:, None]).tolist()
         points = []
-        for face, row in zip(faces.tolist(), shares, strict=True):
+        for face, row in zip(faces.tolist(), weights.tolist(), strict=True):
             point = object.__new__(cls)  # its checks, one by one, take longer than the path
             vars(point).update(face=face, barycentric=tuple(row))
             points.append(point)
@@ -94,6 +80,24 @@ class SurfacePoint:
         a, b, c = (weights / weights.sum()).tolist()
         object.__setattr__(self, "face", int(self.face))
         object.__setattr__(self, "barycentric", (a, b, c))
+
+
+def barycentric_rows(weights: FloatArray) -> FloatArray:
+    """Return weights (P, 3) in faces as barycentric coordinates, as :class:`SurfacePoint` does.
+
+    Raises
+    ------
+    InvalidSourceError
+        A row that is not barycentric.
+    """
+    a, b, c = weights.T
+    fits = (weights >= -LOWEST_WEIGHT).all(axis=1)
+    fits &= np.abs(a + b + c - 1) <= MOST_OFF_SUM
+    if not fits.all():
+        raise _not_barycentric(tuple(weights[np.argmin(fits)].tolist()))
+    weights = np.maximum(weights, 0.0)
+    a, b, c = weights.T
+    return np.asarray(weights / (a + b + c)[:, None])
 
 
 def _not_barycentric(given: Any) -> InvalidSourceError:

@@ -11,6 +11,7 @@ from hypothesis.extra import numpy as hnp
 
 import geodesic_toolkit as gt
 from geodesic_toolkit.errors import InvalidDomainError, InvalidSourceError
+from geodesic_toolkit.sources.surface_point import barycentric_rows
 
 TRIANGLE = [[0, 0, 0], [1, 0, 0], [0, 1, 0]]
 
@@ -196,11 +197,11 @@ def test_a_surface_point_that_cannot_be_one_is_refused(face, barycentric):
 
 def test_surface_points_made_at_once_are_those_made_one_by_one():
     rows = np.array([[0.2, 0.3, 0.5 + 1e-8], [1.0, -1e-10, 0.0]])
-    points = gt.SurfacePoint.from_rows(np.array([4, 7]), rows)
+    points = gt.SurfacePoint.from_rows(np.array([4, 7]), barycentric_rows(rows))
     assert points == (gt.SurfacePoint(4, tuple(rows[0])), gt.SurfacePoint(7, tuple(rows[1])))
     for wrong in ([0.5, 0.6, 0.0], [1.5, -0.5, 0.0], [np.nan, 0.5, 0.5]):
         with pytest.raises(InvalidSourceError, match="three non-negative numbers with sum 1"):
-            gt.SurfacePoint.from_rows(np.array([4, 7]), np.array([rows[0], wrong]))
+            barycentric_rows(np.array([rows[0], wrong]))
 
 
 @pytest.mark.parametrize("missing", [np.nan, np.inf, -np.inf])

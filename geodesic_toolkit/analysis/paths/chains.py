@@ -1,7 +1,7 @@
 """Paths through places in order: chains of edges that are pulled taut."""
 
 from collections.abc import Iterable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from itertools import pairwise
 from typing import Any
 
@@ -10,7 +10,7 @@ import numpy as np
 from geodesic_toolkit import _native
 from geodesic_toolkit.analysis.paths.candidates import Candidate
 from geodesic_toolkit.analysis.paths.insertion import insert_points
-from geodesic_toolkit.analysis.paths.path import GeodesicPath, path_from_candidate
+from geodesic_toolkit.analysis.paths.path import GeodesicPath, closed_path, path_from_candidate
 from geodesic_toolkit.core.types import IntArray
 from geodesic_toolkit.domains import TriangleMesh
 from geodesic_toolkit.errors import InvalidSourceError, UnreachableError, UnsupportedDomainError
@@ -115,7 +115,7 @@ def path_through(
     path = path_from_candidate(mesh, original, split, way)
     if not course.closed:
         return path
-    return replace(path, surface_points=path.surface_points[:-1], closed=True)
+    return closed_path(path)
 
 
 def unreachable_error(solver: GeodesicSolver, what: str) -> UnreachableError:

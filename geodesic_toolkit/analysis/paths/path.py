@@ -10,20 +10,21 @@ import numpy as np
 from geodesic_toolkit.analysis.paths.candidates import Candidate
 from geodesic_toolkit.analysis.paths.insertion import Insertion
 from geodesic_toolkit.analysis.paths.polyline import Polyline, extent_of, without_repeats
+from geodesic_toolkit.core.frozen import FrozenArrays
 from geodesic_toolkit.core.types import FloatArray, IntArray
 from geodesic_toolkit.domains import TriangleMesh
 from geodesic_toolkit.sources.curves import polyline_length
 from geodesic_toolkit.sources.kinds import Curve
-from geodesic_toolkit.sources.surface_point import SurfacePoint
+from geodesic_toolkit.sources.surface_point import SurfacePoint, barycentric_rows
 
-__all__ = ["GeodesicPath", "joined_pieces", "path_from_candidate"]
+__all__ = ["GeodesicPath", "closed_path", "joined_pieces", "path_from_candidate"]
 
 _EXTENTS: WeakKeyDictionary[TriangleMesh, float] = WeakKeyDictionary()
 """Sizes of meshes."""
 
 
-@dataclass(frozen=True, eq=False, repr=False)
-class GeodesicPath(Polyline):
+@dataclass(frozen=True, eq=False, repr=False, init=False)
+class GeodesicPath(FrozenArrays, Polyline):
     """A polyline on a triangle mesh, from source to target, or closed.
 
     Between two of its points it runs straight through one face.
@@ -31,8 +32,10 @@ class GeodesicPath(Polyline):
     Attributes
     ----------
     mesh : TriangleMesh
-    surface_points : tuple of SurfacePoint
-        P points; :meth:`GeodesicSolver.distance` takes them as sources.
+    faces : ndarray of shape (P,), int64, read-only
+        The face of each point.
+    barycentric : ndarray of shape (P, 3), float64, read-only
+        Barycentric coordinates of each point in its face.
     closed : bool
         Whether the last of them is joined to the first, which is not repeated.
 
@@ -48,16 +51,53 @@ class GeodesicPath(Polyline):
     """
 
     mesh: TriangleMesh
-    surface_points: tuple[SurfacePoint, ...]
-    closed: bool = False
+    faces: IntArray
+    barycentric: FloatArray
+    closed: bool
+
+    def __init__(
+        self, mesh: TriangleMesh, surface_points: Sequence[SurfacePoint], closed: bool = False
+    ) -> None:
+        points = tuple(surface_points)
+        self._set(
+            mesh=mesh,
+            faces=np.array([point.face for point in points], dtype=np.int64),
+            barycentric=np.array([point.barycentric for point in points]).reshape(-1, 3),
+            closed=closed,
+        )
+
+    @classmethod
+    def from_rows(
+        cls, mesh: TriangleMesh, faces: IntArray, weights: FloatArray, *, closed: bool = False
+    ) -> "GeodesicPath":
+        """Return the path of P points as rows.
+
+        Parameters
+        ----------
+        mesh : TriangleMesh
+        faces : ndarray of shape (P,), int64
+        weights : ndarray of shape (P, 3), float64
+            Barycentric coordinates as :func:`barycentric_rows` returns them.
+        closed : bool
+
+        Returns
+        -------
+        GeodesicPath
+        """
+        path = object.__new__(cls)
+        path._set(mesh=mesh, faces=faces, barycentric=weights, closed=closed)
+        return path
+
+    @cached_property
+    def surface_points(self) -> tuple[SurfacePoint, ...]:
+        """The P points; :meth:`GeodesicSolver.distance` takes them as sources."""
+        return SurfacePoint.from_rows(self.faces, self.barycentric)
 
     @cached_property
     def points(self) -> FloatArray:
         """The (P, 3) positions of the points."""
-        faces = [point.face for point in self.surface_points]
-        weights = np.array([point.barycentric for point in self.surface_points])
-        corners = self.mesh.vertices[self.mesh.faces[faces]]
-        positions: FloatArray = np.einsum("pc,pcd->pd", weights, corners)
+        corners = self.mesh.vertices[self.mesh.faces[self.faces]]
+        positions: FloatArray = np.einsum("pc,pcd->pd", self.barycentric, corners)
         return positions
 
     @property
@@ -96,16 +136,22 @@ def path_from_candidate(
     """
     faces = original[split.parents[way.faces]]
     weights = _on_corners(mesh.faces[faces], split, way)
-    return _tidied(mesh, SurfacePoint.from_rows(faces, weights))
+    return _tidied(mesh, faces, barycentric_rows(weights))
 
 
 def joined_pieces(
     mesh: TriangleMesh, pieces: Sequence[GeodesicPath], *, closed: bool
 ) -> GeodesicPath:
     """Return paths of which each begins where the one before it ends as one path."""
-    whole = _tidied(mesh, tuple(point for piece in pieces for point in piece.surface_points))
-    points = whole.surface_points
-    return GeodesicPath(mesh, points[:-1] if closed else points, closed=closed)
+    faces = np.concatenate([piece.faces for piece in pieces])
+    whole = _tidied(mesh, faces, np.concatenate([piece.barycentric for piece in pieces]))
+    return closed_path(whole) if closed else whole
+
+
+def closed_path(path: GeodesicPath) -> GeodesicPath:
+    """Return a path whose ends are one place as a closed one."""
+    faces, weights = path.faces[:-1], path.barycentric[:-1]
+    return GeodesicPath.from_rows(path.mesh, faces, weights, closed=True)
 
 
 def _on_corners(corners: IntArray, split: Insertion, way: Candidate) -> FloatArray:
@@ -114,19 +160,20 @@ def _on_corners(corners: IntArray, split: Insertion, way: Candidate) -> FloatArr
     weights = np.zeros(corners.shape)
     for ends, shares in zip(way.ends.T, way.weights.T, strict=True):
         own = (corners == ends[:, None]).astype(np.float64)
-        for row in np.flatnonzero(ends >= n_old):
-            own[row] = split.weights_on(corners[row], int(ends[row]))
+        if split.added:
+            for row in np.flatnonzero(ends >= n_old):
+                own[row] = split.weights_on(corners[row], int(ends[row]))
         weights += shares[:, None] * own
     return weights
 
 
-def _tidied(mesh: TriangleMesh, points: tuple[SurfacePoint, ...]) -> GeodesicPath:
-    """Return a path without points that are where the one before them is."""
-    path = GeodesicPath(mesh, points)
+def _tidied(mesh: TriangleMesh, faces: IntArray, weights: FloatArray) -> GeodesicPath:
+    """Return the path of rows without points that are where the one before them is."""
+    path = GeodesicPath.from_rows(mesh, faces, weights)
     kept = without_repeats(path.points, _extent(mesh))
-    if len(kept) == len(points):
+    if len(kept) == len(faces):
         return path
-    return GeodesicPath(mesh, tuple(points[index] for index in kept))
+    return GeodesicPath.from_rows(mesh, faces[kept], weights[kept])
 
 
 def _extent(mesh: TriangleMesh) -> float:

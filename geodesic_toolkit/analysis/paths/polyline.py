@@ -44,7 +44,11 @@ def without_repeats(positions: FloatArray, extent: float) -> list[int]:
     extent : float
         Size of the shape.
     """
-    near, places = SAME * extent, positions.tolist()
+    near = SAME * extent
+    steps = np.diff(positions, axis=0)
+    if (np.einsum("pc,pc->p", steps, steps) > (2 * near) ** 2).all():  # as almost always
+        return list(range(len(positions)))
+    places = positions.tolist()
     kept = [0]
     for index in range(1, len(places)):
         if math.dist(places[index], places[kept[-1]]) > near:
