@@ -1,6 +1,6 @@
 """Loops and paths beside potpourri3d, in one run: their lengths and the CPU time of each.
 
-python benchmarks/heat_family_curves.py            two meshes, 80 paths and 40 loops each
+python benchmarks/heat_family_curves.py            two meshes, 220 paths and 40 loops each
 python benchmarks/heat_family_curves.py --few      a quarter of it
 
 Real meshes come from ../shared/data, or the folder that GT_DATA names. A loop is laid along edges
@@ -89,6 +89,32 @@ def paths(mesh: gt.TriangleMesh, count: int) -> dict[str, float]:
     }
 
 
+def paths_of_pairs(mesh: gt.TriangleMesh, count: int) -> dict[str, float]:
+    """Return the time of paths between random vertices, and of a second path from each source."""
+    peer = pp3d.EdgeFlipGeodesicSolver(np.array(mesh.vertices), np.array(mesh.faces))
+    solver = gt.GeodesicSolver(mesh)
+    gt.geodesic_path(solver, 0, 1)  # prepares the mesh
+    rng = np.random.default_rng(3)
+    rows = []
+    for _ in range(count):
+        a, b, c = rng.choice(mesh.n_vertices, 3, replace=False).tolist()
+        first, path = clocked(lambda a=a, b=b: gt.geodesic_path(solver, a, b))
+        second, _ = clocked(lambda a=a, c=c: gt.geodesic_path(solver, a, c))
+        theirs, line = clocked(lambda a=a, b=b: peer.find_geodesic_path(a, b))
+        times = (1e3 * each["cpu"] for each in (first, second, theirs))
+        rows.append((path.length / length_of(line) - 1, *times))
+    excess, pair_ms, same_ms, theirs_ms = np.array(rows).T
+    return {
+        "pairs": count,
+        "the same": int((abs(excess) <= SAME).sum()),
+        "shorter": int((excess < -SAME).sum()),
+        "longer": int((excess > SAME).sum()),
+        "ms": float(np.median(pair_ms)),
+        "ms, source kept": float(np.median(same_ms)),
+        "ms pp3d": float(np.median(theirs_ms)),
+    }
+
+
 def paths_via(mesh: gt.TriangleMesh, count: int) -> dict[str, float]:
     """Return how paths on the side of a third vertex compare."""
     peer = pp3d.EdgeFlipGeodesicSolver(np.array(mesh.vertices), np.array(mesh.faces))
@@ -120,6 +146,7 @@ def main() -> None:
     for compare, count, note in (
         (loops, 40, "Loops laid through four vertices each."),
         (paths, 60, "Lengths over the exact distance."),
+        (paths_of_pairs, 120, "Paths between random vertices, and a second one from the source."),
         (paths_via, 40, "Paths laid over a third vertex."),
     ):
         found = [compare(mesh, count // share) for mesh in meshes]
