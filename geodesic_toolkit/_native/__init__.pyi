@@ -423,6 +423,18 @@ class Sweeper:
     ) -> None:
         """Write the distances from K source sets, (K, N), in the order of their heat, (N, K)."""
 
+    def sweep_limited(
+        self,
+        vertices: Indices,
+        known: Numbers,
+        curvatures: Numbers,
+        tolerance: float,
+        latest: Numbers,
+        most_visits: int,
+        distances: Numbers,
+    ) -> None:
+        """Write the distances (N,) from one source set where fronts come before `latest`, (N,)."""
+
 def directions_of(
     elements: Indices, lengths: Numbers, turns: Numbers, mirrored: Bools, twin: Indices
 ) -> tuple[Numbers, Numbers]:

@@ -28,6 +28,7 @@ from geodesic_toolkit.linear.memory import array_bytes, require_memory
 from geodesic_toolkit.linear.patterns import SharedAnalysis
 from geodesic_toolkit.refinement.bounds import DistanceBounds
 from geodesic_toolkit.refinement.polyhedra import SmallParts
+from geodesic_toolkit.refinement.wavefronts import WavefrontSweeper
 from geodesic_toolkit.sources.points import SourcePoints, as_vertices
 
 __all__ = ["Boundary", "HeatMethod", "HeatReport", "Progress", "SourcePoints"]
@@ -426,6 +427,17 @@ class HeatMethod:
     def _sweeps(self) -> RefinedStep:
         """The refined step, or where distances are plain one without bounds."""
         return self._refined or RefinedStep(self.metric, None, None)
+
+    @property
+    def sweeper(self) -> WavefrontSweeper:
+        """The triangles of the metric, prepared for fronts, whether distances are refined or not.
+
+        Raises
+        ------
+        UnsupportedDomainError
+            The metric is not made of triangles.
+        """
+        return self._sweeps.sweeper
 
     @property
     def n_vertices(self) -> int:

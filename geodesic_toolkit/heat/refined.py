@@ -50,6 +50,11 @@ class RefinedStep:
         is one.
     bounds : DistanceBounds, optional
         Bounds that distances are limited to; likewise.
+
+    Attributes
+    ----------
+    sweeper : WavefrontSweeper
+        Of the metric, or of its subdivision.
     """
 
     def __init__(
@@ -59,7 +64,7 @@ class RefinedStep:
         bounds: DistanceBounds | None,
     ) -> None:
         self._subdivision = metric.subdivision
-        self._sweeper = WavefrontSweeper(
+        self.sweeper = WavefrontSweeper(
             metric if metric.subdivision is None else metric.subdivision.metric
         )
         self._small_parts, self._bounds = small_parts, bounds
@@ -81,7 +86,7 @@ class RefinedStep:
         """Write refined distances at the vertices of the triangles."""
         large = distances.size >= MIN_VERTICES_PER_THREAD
         n_threads = min(len(block), PROCESSORS) if large else 1
-        self._sweeper.fill(distances, heat, block, n_threads=n_threads)
+        self.sweeper.fill(distances, heat, block, n_threads=n_threads)
         self._hold(distances, block, n_threads)
 
     def fronts(self, heat: Heat, points: SourcePoints, around: SourcePoints) -> Fronts:
@@ -93,7 +98,7 @@ class RefinedStep:
             )
         swept = empty((1, len(heat.values)), np.float64)
         curvatures = np.empty_like(swept)
-        self._sweeper.fill(swept, heat, [around], kappas=curvatures)
+        self.sweeper.fill(swept, heat, [around], kappas=curvatures)
         distances = swept.copy()
         self._hold(distances, [points], 1)
         return Fronts(distances[0], swept[0], curvatures[0])
@@ -106,6 +111,6 @@ class RefinedStep:
 
     def prepare(self) -> None:
         """Prepare the data that all sources share."""
-        self._sweeper.prepare()
+        self.sweeper.prepare()
         if self._bounds is not None:
             self._bounds.prepare()

@@ -191,6 +191,35 @@ class WavefrontSweeper:
             n_threads=n_threads,
         )
 
+    def distance_within(self, points: SourcePoints, latest: FloatArray) -> FloatArray:
+        """Return refined distances (N,) from one set of sources to vertices that are near enough.
+
+        No heat is needed: vertices are visited as fronts come to them.
+
+        Parameters
+        ----------
+        points : SourcePoints
+        latest : ndarray of shape (N,), float64
+            Fronts do not enter a vertex at this distance or later.
+
+        Returns
+        -------
+        ndarray of shape (N,), float64
+            ``inf`` at vertices that fronts do not enter.
+        """
+        distances = empty((len(latest),), np.float64)
+        vertices, known, curvatures = self._fronts_at(points)
+        self._fronts.sweep_limited(
+            vertices,
+            known,
+            curvatures,
+            SWEEP_TOLERANCE * float(self.metric.scales[vertices].min()),
+            latest,
+            MAX_SWEEPS * len(latest),
+            distances,
+        )
+        return distances
+
     def tracer(self, turns: ComplexArray, mirrored: BoolArray) -> _native.Tracer:
         """Return the triangles with the directions of their edges, for what fronts carry along.
 

@@ -222,7 +222,22 @@ void bind_wavefront(nb::module_& module) {
           "heat"_a.noconvert(), "logarithmic"_a, "begins"_a.noconvert(), "vertices"_a.noconvert(),
           "known"_a.noconvert(), "curvatures"_a.noconvert(), "tolerances"_a.noconvert(),
           "returns"_a, "steady"_a, "most_sweeps"_a, "distances"_a.noconvert(),
-          "kappas"_a.noconvert() = nb::none(), "n_threads"_a = 1);
+          "kappas"_a.noconvert() = nb::none(), "n_threads"_a = 1)
+      .def(
+          "sweep_limited",
+          [](const Sweeper& self, In<Index> vertices, In<double> known, In<double> curvatures,
+             double tolerance, In<double> latest, Index most_visits, Out<double> distances) {
+            const Index begins[] = {0, n_rows(vertices)};
+            const Sources sources{
+                begins, span(vertices), span(known), span(curvatures), {&tolerance, 1}};
+            require(n_rows(latest) == self.n_vertices() && n_rows(distances) == self.n_vertices(),
+                    "a limit and a distance for each vertex");
+            require_sources(sources, 1, self.n_vertices());
+            unlocked(
+                [&] { self.sweep_limited(sources, span(latest), most_visits, span(distances)); });
+          },
+          "vertices"_a.noconvert(), "known"_a.noconvert(), "curvatures"_a.noconvert(),
+          "tolerance"_a, "latest"_a.noconvert(), "most_visits"_a, "distances"_a.noconvert());
   bind_tracer(module);
 }
 

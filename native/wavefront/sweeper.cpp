@@ -1,6 +1,10 @@
 #include "wavefront/sweeper.hpp"
 
 #include <bit>
+#include <functional>
+#include <queue>
+#include <utility>
+#include <vector>
 
 #include "core/processor.hpp"
 #include "core/threads.hpp"
@@ -63,7 +67,8 @@ struct Improvement {
   unsigned marked = 0;
 };
 
-// Sweeps of one set of sources after the other.
+// Sweeps of one set of sources after the other, or one in which fronts are limited.
+template <bool kLimited>
 class Sweep {
  public:
   Sweep(const Fans& fans, std::span<const double> curvature, std::span<const bool> reflex)
@@ -89,17 +94,33 @@ class Sweep {
       vertices_[v] = {{kInfinity, 1.0}, curvature_[v], static_cast<Row>(position), all_pending_};
     }
     n_pending_ = all_pending_ ? n_positions() : 0;
-    for (Index p = sources.begins[k]; p < sources.begins[k + 1]; ++p) {
-      Front& front = vertices_[sources.vertices[p]].front;
-      if (sources.distances[p] <= front.distance)
-        front = {sources.distances[p], inverse(sources.curvatures[p])};
-    }
-    for (Index p = sources.begins[k]; p < sources.begins[k + 1]; ++p)
-      begin_beside(sources.vertices[p]);
-    for (Index p = sources.begins[k]; p < sources.begins[k + 1]; ++p) {
-      const Index v = sources.vertices[p];
-      for (Row fan = starts_[v]; fan < starts_[v + 1]; ++fan)
-        for (const std::uint32_t neighbour : fans_[fan].neighbour) mark(vertices_[neighbour]);
+    begin_at(sources, k);
+  }
+
+  // The same without an order: vertices are visited as fronts come to them, the earliest first, and
+  // a front does not enter a vertex later than `latest`.
+  void begin_limited(const Sources& sources, Index k, std::span<const double> latest) {
+    latest_ = latest;
+    ends_ = own_ends_.data();
+    tolerance_ = sources.tolerances[k];
+    for (Index v = 0; v < vertices_.size(); ++v)
+      vertices_[v] = {{kInfinity, 1.0}, curvature_[v], 0, false};
+    begin_at(sources, k);
+  }
+
+  // Visit pending vertices, at most so many.
+  void run_limited(Index most_visits) {
+    Improvement improvement;
+    while (!queue_.empty() && most_visits > 0) {
+      const Row v = queue_.top().second;
+      queue_.pop();
+      if (!vertices_[v].pending) continue;
+      vertices_[v].pending = false;
+      --most_visits;
+      visit(v, improvement);
+      if (!improvement.fan) continue;
+      mark_across_edges(improvement);
+      improvement.fan = nullptr;
     }
   }
 
@@ -161,7 +182,7 @@ class Sweep {
         ends_ = all_ends_.data();
       }
       all_ends_[v] = starts_[v + 1];
-      mark(vertices_[v]);
+      mark(static_cast<Row>(v));
     }
     return n_pending_ > 0;
   }
@@ -169,8 +190,26 @@ class Sweep {
  private:
   Index n_positions() const { return count(order_); }
 
-  void mark(Vertex& vertex) {
+  // Begin at the sources of set k. The nearest one counts if there are several at a vertex.
+  void begin_at(const Sources& sources, Index k) {
+    for (Index p = sources.begins[k]; p < sources.begins[k + 1]; ++p) {
+      Front& front = vertices_[sources.vertices[p]].front;
+      if (sources.distances[p] <= front.distance)
+        front = {sources.distances[p], inverse(sources.curvatures[p])};
+    }
+    for (Index p = sources.begins[k]; p < sources.begins[k + 1]; ++p)
+      begin_beside(sources.vertices[p]);
+    for (Index p = sources.begins[k]; p < sources.begins[k + 1]; ++p) {
+      const Index v = sources.vertices[p];
+      for (Row fan = starts_[v]; fan < starts_[v + 1]; ++fan)
+        for (const std::uint32_t neighbour : fans_[fan].neighbour) mark(neighbour);
+    }
+  }
+
+  void mark(Row v) {
+    Vertex& vertex = vertices_[v];
     n_pending_ += !vertex.pending;
+    if (kLimited && !vertex.pending) queue_.emplace(now_, v);
     vertex.pending = true;
   }
 
@@ -199,25 +238,28 @@ class Sweep {
     const double bend = (opposite.curvature + a.curvature + b.curvature) / 3;
     opposite.front = {arrivals.distance[0], bent(arrivals.radius[0], arrivals.step[0], bend)};
     for (Row its = starts_[v]; its < starts_[v + 1]; ++its)
-      for (const std::uint32_t neighbour : fans_[its].neighbour) mark(vertices_[neighbour]);
+      for (const std::uint32_t neighbour : fans_[its].neighbour) mark(neighbour);
   }
 
   // Visit a vertex; return the earliest position of the vertices that are known to gain from it.
   GT_INLINE Index visit(Row v, Improvement& improvement) {
     const Row start = starts_[v], end = starts_[v + 1];
-    const double enough = vertices_[v].front.distance - tolerance_;
+    double enough = vertices_[v].front.distance - tolerance_;
+    if constexpr (kLimited) enough = std::min(enough, latest_[v]);
     Front found{enough, 0.0};
     if (end - start == 1) {  // most have one fan, of which everything stays in registers
       const Ring ring(fans_[start], vertices_.data());
       update_from(ring, v, found);
       if (!(found.distance < enough)) return without_gain(v);
       vertices_[v].front = found;
+      if constexpr (kLimited) now_ = found.distance;
       return mark_along_edges(ring, found, improvement);
     }
     for (Row fan = start; fan < ends_[v]; ++fan)
       update_from({fans_[fan], vertices_.data()}, v, found);
     if (!(found.distance < enough)) return without_gain(v);
     vertices_[v].front = found;
+    if constexpr (kLimited) now_ = found.distance;
     Index earliest = n_positions();
     for (Row fan = start; fan < end; ++fan) {
       if (improvement.fan) earliest = std::min(earliest, mark_across_edges(improvement));
@@ -329,7 +371,9 @@ class Sweep {
   GT_INLINE Index mark_all(const Fan& fan, unsigned spokes) {
     Index earliest = n_positions();
     for (; spokes; spokes &= spokes - 1) {
-      Vertex& near = vertices_[fan.neighbour[std::countr_zero(spokes)]];
+      const Row v = fan.neighbour[std::countr_zero(spokes)];
+      Vertex& near = vertices_[v];
+      if (kLimited && !near.pending) queue_.emplace(now_, v);
       const Index position = near.pending ? n_positions() : near.position;
       n_pending_ += !near.pending;
       near.pending = true;
@@ -374,6 +418,13 @@ class Sweep {
   double tolerance_ = 0.0;
   Index n_pending_ = 0;
   bool all_pending_ = false;  // whether all vertices that have not been reached are pending
+
+  // Where fronts are limited: the latest arrivals, the pending vertices by the arrival of the front
+  // at the vertex that marked them, and that arrival.
+  std::span<const double> latest_;
+  std::priority_queue<std::pair<double, Row>, std::vector<std::pair<double, Row>>, std::greater<>>
+      queue_;
+  double now_ = 0.0;
 };
 
 template <class T>
@@ -393,7 +444,7 @@ void Sweeper::sweep(const HeatTable& heat, const Sources& sources, const Effort&
                     std::span<double> distances, std::span<double> kappas, int n_threads) const {
   const Index n = n_vertices(), n_sets = heat.n_columns;
   in_pieces(n_sets, (n_sets + n_threads - 1) / n_threads, n_threads, [&](Index begin, Index end) {
-    Sweep sweep(fans_, curvature_, reflex_);
+    Sweep<false> sweep(fans_, curvature_, reflex_);
     const Array<Row> orders = falling(heat, begin, end);
     for (Index k = begin; k < end; ++k) {
       const Row* const order = orders.data() + (k - begin) * n;
@@ -408,6 +459,15 @@ void Sweeper::sweep(const HeatTable& heat, const Sources& sources, const Effort&
       for (Index v = 0; v < n; ++v) kappas[k * n + v] = 1 / vertices[v].front.radius;
     }
   });
+}
+
+void Sweeper::sweep_limited(const Sources& sources, std::span<const double> latest,
+                            Index most_visits, std::span<double> distances) const {
+  Sweep<true> sweep(fans_, curvature_, reflex_);
+  sweep.begin_limited(sources, 0, latest);
+  sweep.run_limited(most_visits);
+  const std::span<const Vertex> vertices = sweep.vertices();
+  for (Index v = 0; v < n_vertices(); ++v) distances[v] = vertices[v].front.distance;
 }
 
 }  // namespace geodesic

@@ -39,6 +39,12 @@ class Sweeper {
   void sweep(const HeatTable& heat, const Sources& sources, const Effort& effort,
              std::span<double> distances, std::span<double> kappas, int n_threads) const;
 
+  // Write the distances from one set alone of the vertices that a front reaches before the distance
+  // `latest` there, infinite elsewhere, in at most so many visits. No heat is needed: vertices are
+  // visited as fronts come to them.
+  void sweep_limited(const Sources& sources, std::span<const double> latest, Index most_visits,
+                     std::span<double> distances) const;
+
  private:
   Fans fans_;
   Array<double> curvature_;

@@ -1,6 +1,7 @@
 """Shortest paths: their length, what they run through, where they end."""
 
 import gc
+import pickle
 import weakref
 
 import numpy as np
@@ -10,6 +11,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import geodesic_toolkit as gt
+from geodesic_toolkit.analysis.paths.prepared import PreparedMesh
 from geodesic_toolkit.errors import (
     InvalidOptionError,
     InvalidSourceError,
@@ -157,6 +159,38 @@ def test_paths_in_one_part_of_a_mesh_after_another_stay_in_theirs():
     solver = gt.GeodesicSolver(two)
     lengths = [gt.geodesic_path(solver, 2 + k, 90 + k).length for k in (0, count, 0)]
     np.testing.assert_allclose(lengths, lengths[0], rtol=1e-12)
+
+
+def hills(n):
+    """Return a square of n by n vertices with nine hills."""
+    flat = shapes.grid(n)
+    x, y = flat.vertices.T[:2]
+    heights = 0.15 * np.sin(3 * np.pi * x) * np.sin(3 * np.pi * y)
+    return gt.TriangleMesh(np.column_stack([x, y, heights]), flat.faces)
+
+
+@pytest.mark.parametrize("mesh", [shapes.icosphere(4), shapes.torus(40, 20), hills(32)])
+def test_the_way_back_is_swept_where_paths_run_and_gives_paths_as_short(mesh, monkeypatch):
+    solver = gt.GeodesicSolver(mesh)
+    pairs = np.random.default_rng(5).choice(mesh.n_vertices, (25, 2)).tolist()
+    found = [gt.geodesic_path(solver, *pair) for pair in pairs]
+    monkeypatch.setattr(PreparedMesh, "near_path", lambda self, goal, _: self.distance(goal))
+    for pair, path in zip(pairs, found, strict=True):
+        assert path.length <= gt.geodesic_path(solver, *pair).length * (1 + 1e-12)
+
+
+def test_a_path_made_of_its_points_is_the_same_path():
+    solver = gt.GeodesicSolver(shapes.grid(9))
+    path = gt.geodesic_path(solver, 0, 71)
+    for again in (
+        gt.GeodesicPath(path.mesh, path.surface_points),
+        pickle.loads(pickle.dumps(path)),
+    ):
+        assert again.surface_points == path.surface_points
+        np.testing.assert_array_equal(again.points, path.points)
+        assert not again.closed
+        assert not again.faces.flags.writeable
+        assert not again.barycentric.flags.writeable
 
 
 def test_a_solver_is_released_with_what_its_paths_keep():

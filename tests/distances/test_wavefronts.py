@@ -237,7 +237,7 @@ def test_a_front_turns_about_a_reflex_corner_of_the_boundary(monkeypatch):
 def test_after_the_sweeps_no_vertex_has_anything_to_gain(name):
     solver = gt.GeodesicSolver(DOMAINS[name], refine=True)
     method = solver.method
-    fronts, log_heat = method._refined._sweeper._fronts, method.log_heat(2)
+    fronts, log_heat = method._refined.sweeper._fronts, method.log_heat(2)
     tolerance = np.array([refine.SWEEP_TOLERANCE * method.metric.spacing])
 
     def swept(vertices, distances, kappas):
@@ -288,6 +288,46 @@ def test_arrays_that_do_not_fit_are_refused(name, value, message):
     fronts.sweep(**arguments)
     with pytest.raises(ValueError, match=message):
         fronts.sweep(**(arguments | {name: value}))
+
+
+def test_limited_fronts_reach_what_is_near_and_do_not_take_ways_around():
+    mesh = gt.testing.shapes.grid(21)
+    method = gt.GeodesicSolver(mesh, refine=True).method
+    source, (x, y) = SourcePoints.at_vertices(np.array([0]), mesh.n_vertices), mesh.vertices.T[:2]
+    whole = method.distance(0)
+    near = method.sweeper.distance_within(source, np.full(mesh.n_vertices, 0.52))
+    np.testing.assert_allclose(near[whole < 0.52], whole[whole < 0.52], rtol=1e-9)
+    assert np.isinf(near[whole > 0.53]).all()
+    wall = (x > 0.48) & (x < 0.52) & (y < 0.9)
+    beyond = method.sweeper.distance_within(source, np.where(wall, -1.0, 1.0))
+    assert np.isinf(beyond[(x > 0.52) & (y < 0.2)]).all()  # a way around is longer than 1
+    everything = method.sweeper.distance_within(source, np.full(mesh.n_vertices, np.inf))
+    np.testing.assert_allclose(everything, whole, rtol=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("name", "value", "message"),
+    [
+        ("latest", np.zeros(161), "a limit and a distance for each vertex"),
+        ("distances", np.zeros(161), "a limit and a distance for each vertex"),
+        ("vertices", np.array([162]), "vertices of the sources"),
+        ("known", np.zeros(2), "a distance and a curvature"),
+    ],
+)
+def test_arrays_that_do_not_fit_limited_fronts_are_refused(name, value, message):
+    fronts, count = WavefrontSweeper(assembled(DOMAINS["sphere"]))._fronts, 162
+    arguments = {
+        "vertices": np.array([0]),
+        "known": np.array([0.0]),
+        "curvatures": np.array([np.inf]),
+        "tolerance": 0.0,
+        "latest": np.full(count, np.inf),
+        "most_visits": 1,
+        "distances": np.empty(count),
+    }
+    fronts.sweep_limited(**arguments)
+    with pytest.raises(ValueError, match=message):
+        fronts.sweep_limited(**(arguments | {name: value}))
 
 
 @given(st.lists(st.integers(-50, 50).map(lambda k: k / 7 if k > -50 else -np.inf), min_size=1))

@@ -24,7 +24,6 @@ from geodesic_toolkit.analysis.paths.path import (
     path_from_candidate,
 )
 from geodesic_toolkit.analysis.paths.prepared import PreparedMesh, prepared_mesh
-from geodesic_toolkit.core.types import FloatArray
 from geodesic_toolkit.domains import PointCloud, TriangleMesh
 from geodesic_toolkit.errors import (
     InvalidOptionError,
@@ -34,7 +33,6 @@ from geodesic_toolkit.solver.solver import GeodesicSolver, check_solver
 from geodesic_toolkit.sources.kinds import OffsetSources
 from geodesic_toolkit.sources.locate import locate_sources
 from geodesic_toolkit.sources.points import SourcePoints
-from geodesic_toolkit.sources.subdivided import on_subdivision
 
 __all__ = ["geodesic_path"]
 
@@ -159,14 +157,10 @@ def geodesic_path(
     if not isinstance(mesh, TriangleMesh):
         return path_along_edges(solver, sources, goal)
     prepared = prepared_mesh(solver)
-    back = prepared.distance(goal)
     of_curve = sources.front_curvatures is not None  # descent may end at any of its samples
     if sources.delayed or of_curve:
-        sources = first_to_arrive(sources, back[: domain.n_vertices])
-    distance = prepared.distance(sources)
-    if on is not None:
-        sources, goal = on_subdivision(sources, on), on_subdivision(goal, on)
-    path = _path_on_mesh(prepared, distance, back, sources, goal)
+        sources = first_to_arrive(sources, prepared.distance(goal)[: domain.n_vertices])
+    path = _path_on_mesh(prepared, sources, goal)
     if path is None:
         raise unreachable_error(solver, f"the target {target!r} with a source")
     return path
@@ -183,13 +177,10 @@ def _through_all(
     assert isinstance(domain, TriangleMesh)  # for the type checker; located_stops has raised
     points = [one_place(stops, index) for index in range(stops.count)]
     prepared = prepared_mesh(solver)
-    distances = [prepared.distance(point) for point in points]
     order = [*range(len(points)), *([0] if closed else [])]
     pieces = []
     for here, there in pairwise(order):
-        piece = _path_on_mesh(
-            prepared, distances[here], distances[there], points[here], points[there]
-        )
+        piece = _path_on_mesh(prepared, points[here], points[there])
         if piece is None:
             raise unreachable_error(solver, f"way point {there} with way point {here}")
         pieces.append(piece)
@@ -197,28 +188,26 @@ def _through_all(
 
 
 def _path_on_mesh(
-    prepared: PreparedMesh,
-    distance: FloatArray,
-    back: FloatArray,
-    sources: SourcePoints,
-    goal: SourcePoints,
+    prepared: PreparedMesh, sources: SourcePoints, goal: SourcePoints
 ) -> GeodesicPath | None:
     """Return the path that descends the refined distance from a point of a mesh to the sources.
 
     None if no face connects them.
     """
+    distance = prepared.distance(sources)
+    sources, goal = prepared.on_mesh(sources), prepared.on_mesh(goal)
+    if not np.isfinite(distance[goal.vertices]).all():
+        return None
+    back = prepared.near_path(goal, distance)
     mesh, reached = prepared.mesh, prepared.reached_by(distance)
-    if goal.are_vertices and sources.are_vertices:
-        split, start, ends = reached.whole, int(goal.vertices[0]), sources.vertices
-        height, behind = distance, back  # 0 at the ends and at the start, as the kernel needs them
+    split = reached.whole
+    at_vertices = goal.are_vertices and sources.are_vertices
+    if at_vertices:
+        start, ends = int(goal.vertices[0]), sources.vertices
     else:
         both = csr_array(vstack([goal.weights, sources.weights]))
-        split = insert_points(mesh.vertices, reached.whole.faces, both)
+        split = insert_points(mesh.vertices, split.faces, both)
         start, ends = int(split.vertex_of_point[0]), split.vertex_of_point[1:]
-        added = np.zeros(len(split.vertices) - len(distance))
-        height, behind = np.concatenate([distance, added]), np.concatenate([back, added])
-        height[start], behind[ends] = (goal.weights @ distance)[0], sources.weights @ back
-        height[ends], behind[start] = 0.0, 0.0
     if start in ends:
         beside = np.flatnonzero((split.faces == start).any(axis=1))
         if not len(beside):
@@ -226,11 +215,15 @@ def _path_on_mesh(
         at_start = np.array([[start, start]])
         point = Candidate(beside[:1], at_start, np.array([[1.0, 0.0]]))
         return path_from_candidate(mesh, reached.numbers, split, point)
-    if not np.isfinite(height[start]):
-        return None
-    whole = split is reached.whole
-    surface = reached.surface if whole else _native.Surface(split.vertices, split.faces)
-    best = best_path(surface, height, behind, start=start, ends=ends)
+    if at_vertices:
+        best = best_path(reached.surface, distance, back, start=start, ends=ends)
+    else:
+        added = np.zeros(len(split.added))
+        height, behind = np.concatenate([distance, added]), np.concatenate([back, added])
+        height[start], behind[ends] = (goal.weights @ distance)[0], sources.weights @ back
+        height[ends], behind[start] = 0.0, 0.0
+        surface = _native.Surface(split.vertices, split.faces)
+        best = best_path(surface, height, behind, start=start, ends=ends)
     if best is None:
         return None
     return path_from_candidate(mesh, reached.numbers, split, best.backward)

@@ -13,21 +13,26 @@ from geodesic_toolkit.analysis.paths.fronts import refined_distance
 from geodesic_toolkit.analysis.paths.insertion import Insertion
 from geodesic_toolkit.core.frozen import freeze
 from geodesic_toolkit.core.types import BoolArray, FloatArray, IntArray
-from geodesic_toolkit.discretization.data import Discretization
 from geodesic_toolkit.discretization.element_gradient import ElementGradient
 from geodesic_toolkit.domains import TriangleMesh
-from geodesic_toolkit.geometry.triangles import proper_faces
+from geodesic_toolkit.geometry.triangles import face_edge_lengths, proper_faces
 from geodesic_toolkit.heat.method import HeatMethod
 from geodesic_toolkit.laplacians.cotan import CotanLaplacian
 from geodesic_toolkit.refinement.wavefronts import WavefrontSweeper
 from geodesic_toolkit.solver.solver import GeodesicSolver
 from geodesic_toolkit.sources.points import SourcePoints
+from geodesic_toolkit.sources.subdivided import on_subdivision
 
 __all__ = ["PreparedMesh", "ReachedFaces", "prepared_mesh"]
 
 KEPT_DISTANCES = 4
 """Number of distances that are kept, those from the last places: paths are often found from one
 place to many, or from each of several to the next."""
+
+
+LENGTH_RATIO_OF_PATHS = 1.05
+"""Length, in shortest paths, of the paths over vertices that are candidates (kMaxLengthRatio of
+native/paths)."""
 
 
 def prepared_mesh(solver: GeodesicSolver) -> "PreparedMesh":
@@ -38,8 +43,7 @@ def prepared_mesh(solver: GeodesicSolver) -> "PreparedMesh":
             on = solver.method.metric.subdivision
             domain = solver.domain if on is None else on.mesh
             assert isinstance(domain, TriangleMesh)  # for the type checker; the caller has checked
-            sweeper = WavefrontSweeper(_with_triangles(solver))
-            prepared = _PREPARED[solver] = PreparedMesh(domain, solver.method, sweeper)
+            prepared = _PREPARED[solver] = PreparedMesh(domain, solver.method, _sweeper(solver))
         return prepared
 
 
@@ -84,6 +88,45 @@ class PreparedMesh:
             while len(self._distances) > KEPT_DISTANCES:
                 self._distances.popitem(last=False)
         return distance
+
+    def on_mesh(self, points: SourcePoints) -> SourcePoints:
+        """Return places of the domain as places of the mesh."""
+        on = self._method.metric.subdivision
+        return points if on is None else on_subdivision(points, on)
+
+    def near_path(self, goal: SourcePoints, distance: FloatArray) -> FloatArray:
+        """Return the distance from a place (N,) where a path from there may run, ``inf`` elsewhere.
+
+        It is swept where together with the other distance it is little longer than the path: at a
+        tenth of the vertices. Corners of the faces that such paths cross are among them.
+
+        Parameters
+        ----------
+        goal : SourcePoints
+            One place of the mesh.
+        distance : ndarray of shape (N,), float64
+            From the sources of the path, finite at the place.
+        """
+        parts = self._method.small_parts
+        of_domain = self._method.metric.subdivision is None
+        if of_domain and parts is not None and parts.numbers[goal.first_vertices[0]] >= 0:
+            return self.distance(goal)
+        length = float(goal.shares @ distance[goal.vertices])
+        latest = LENGTH_RATIO_OF_PATHS * length + self._widths - distance
+        found = self._sweeper.distance_within(goal, latest)
+        if of_domain and self._method.refine and self._method.bounds is not None:
+            self._method.bounds.hold(found[None], [goal])
+        return found
+
+    @cached_property
+    def _widths(self) -> FloatArray:
+        """Twice the length of the longest edge at each vertex, (N,)."""
+        longest, faces = np.zeros(self.mesh.n_vertices), self.mesh.faces
+        lengths = face_edge_lengths(self.mesh.vertices, faces)  # of the edges opposite corners
+        for corner in range(3):
+            beside = np.delete(lengths, corner, axis=1).max(axis=1)
+            np.maximum.at(longest, faces[:, corner], beside)
+        return 2 * longest
 
     def reached_by(self, distance: FloatArray) -> "ReachedFaces":
         """Return the faces on which a distance (N,) is finite."""
@@ -131,13 +174,11 @@ _PREPARED: WeakKeyDictionary[GeodesicSolver, PreparedMesh] = WeakKeyDictionary()
 _LOCK = threading.Lock()
 
 
-def _with_triangles(solver: GeodesicSolver) -> Discretization:
-    """Return the metric of a solver, or that of its mesh if the solver's has no triangles."""
+def _sweeper(solver: GeodesicSolver) -> WavefrontSweeper:
+    """Return the triangles of a solver, or those of its mesh if its metric has none."""
     metric, mesh = solver.method.metric, solver.passable
-    if metric.subdivision is not None:
-        return metric.subdivision.metric
     gradient = metric.on_surface
     three = isinstance(gradient, ElementGradient) and gradient.elements.shape[1] == 3
-    if isinstance(mesh, TriangleMesh) and not three:
-        return CotanLaplacian().assemble(mesh)
-    return metric
+    if isinstance(mesh, TriangleMesh) and metric.subdivision is None and not three:
+        return WavefrontSweeper(CotanLaplacian().assemble(mesh))
+    return solver.method.sweeper
