@@ -1,6 +1,7 @@
-"""The program of a user that type checkers read runs, too."""
+"""The programs of users that type checkers read run, too."""
 
 import ast
+import re
 import runpy
 from pathlib import Path
 
@@ -8,13 +9,19 @@ import pytest
 
 import geodesic_toolkit as gt
 
-PROGRAM = Path(__file__).resolve().parents[1] / "typing" / "user.py"
+PROGRAMS = sorted((Path(__file__).resolve().parents[1] / "typing").glob("*.py"))
 
 
-def test_the_program_that_type_checkers_read_runs():
+@pytest.mark.parametrize("program", PROGRAMS, ids=lambda path: path.name)
+def test_a_program_that_type_checkers_read_runs(program):
     for package in ("pyvista", "k3d", "matplotlib"):
         pytest.importorskip(package)
-    runpy.run_path(str(PROGRAM), run_name="__main__")
+    runpy.run_path(str(program), run_name="__main__")
+
+
+def test_type_checkers_read_a_use_of_every_public_name():
+    text = "".join(program.read_text(encoding="utf-8") for program in PROGRAMS)
+    assert [name for name in gt.__all__ if not re.search(rf"\bgt\.{name}\b", text)] == []
 
 
 def test_type_checkers_see_every_public_name():

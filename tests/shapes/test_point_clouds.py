@@ -328,6 +328,16 @@ def test_no_little_cloud_crashes(points):
 # -- k, and whose normals --------------------------------------------------------------------------
 
 
+@pytest.mark.parametrize("k", [4, 6, 8, 12, 19])
+@pytest.mark.parametrize("level", [2, 3])
+def test_few_neighbours_are_enough_for_a_cloud_of_any_size(k, level):
+    sphere = gt.testing.shapes.icosphere(level)
+    cloud, operator = gt.PointCloud(sphere.vertices), gt.PointCloudLaplacian(k=k)
+    distance = gt.geodesic_distance(cloud, 0, operator=operator)
+    exact = np.arccos(np.clip(sphere.vertices @ sphere.vertices[0], -1, 1))
+    assert np.abs(distance - exact).mean() < 0.02 * exact.mean()
+
+
 def test_an_explicit_k_must_be_available_and_the_default_shrinks():
     cloud = gt.PointCloud(shapes.grid(3).vertices)
     assert PCA.assemble(cloud).notes["k"] == 8

@@ -50,6 +50,10 @@ SAMPLING_STEP_OF_HEAPS = 8
 N_PROBES = 500
 """Points at which these heaps are searched first."""
 
+NUMBERS_OF_HEAPS, RATIO_OF_FARTHER_NEIGHBOURS = (2, 4, 10), 4
+"""Numbers of neighbours of which a heap may consist, and the factor of that number at which the next
+heaps are."""
+
 MIN_RATIO_OF_HEAPS = 6.0
 """Minimum ratio of the distances to the neighbours number 4 r and r in the sample at which they do
 not lie on one surface around a point: larger than in the kernel, because a random sample has heaps
@@ -234,7 +238,8 @@ def _reaches_of_large_heaps(points: FloatArray, near: IntArray) -> FloatArray:
 
     Among an eighth of the points, the same number of neighbours covers eight times as many points.
     """
-    count, k = near.shape
+    count = len(near)
+    k = max(near.shape[1], RATIO_OF_FARTHER_NEIGHBOURS * max(NUMBERS_OF_HEAPS))
     none = np.zeros(count)
     if count // SAMPLING_STEP_OF_HEAPS <= k:
         return none
@@ -292,10 +297,10 @@ def _reaches_of_queried_heaps(
     row = np.zeros(len(points), dtype=np.int64)
     row[queried] = np.arange(len(queried))
     reaches = np.zeros(len(around))
-    for number in (2, 4, 10):
+    for number in NUMBERS_OF_HEAPS:
         nearer, farther = (
             np.linalg.norm(points[near[:, r - 1]] - points[queried], axis=1)
-            for r in (number, 4 * number)
+            for r in (number, RATIO_OF_FARTHER_NEIGHBOURS * number)
         )
         signs = np.asarray(farther > MIN_RATIO_OF_HEAPS * nearer)
         certain = farther[signs] > MIN_RATIO_OF_CERTAIN_HEAPS * nearer[signs]
