@@ -102,18 +102,20 @@ def test_from_a_point_in_a_face_of_a_sphere_it_is_as_exact():
     assert degrees_between(found.vectors[good], flat).mean() < 0.15
 
 
-def test_on_a_cylinder_it_is_that_of_the_plane():
+def test_on_a_cylinder_it_is_that_of_the_plane_from_every_source():
     mesh, flat = irregular_cylinder()
-    source = len(flat) // 3
-    found = log_of(mesh, source)
-    turn = (flat[:, 0] - flat[source, 0] + np.pi) % (2 * np.pi) - np.pi
-    rise = flat[:, 1] - flat[source, 1]
-    t = flat[source, 0]
-    want = turn[:, None] * [-np.sin(t), np.cos(t), 0.0] + rise[:, None] * [0.0, 0.0, 1.0]
-    good = (np.abs(turn) < 3.0) & (np.hypot(turn, rise) > 0)
-    assert degrees_between(found.vectors[good], want[good]).mean() < 0.5
-    length = np.linalg.norm(want[good], axis=1)
-    assert (np.abs(found.distance[good] / length - 1)).mean() < 1e-3
+    solver, inside = gt.GeodesicSolver(mesh), np.flatnonzero(np.abs(flat[:, 1] - 1.5) < 1.2)
+    for source in np.random.default_rng(0).choice(inside, 12, replace=False):
+        found = gt.log_map(solver, source, refine=True)
+        turn = (flat[:, 0] - flat[source, 0] + np.pi) % (2 * np.pi) - np.pi
+        rise = flat[:, 1] - flat[source, 1]
+        t = flat[source, 0]
+        want = turn[:, None] * [-np.sin(t), np.cos(t), 0.0] + rise[:, None] * [0.0, 0.0, 1.0]
+        good = (np.abs(turn) < 3.0) & (np.hypot(turn, rise) > 0)
+        # Measured: 0.02 to 0.05 degrees.
+        assert degrees_between(found.vectors[good], want[good]).mean() < 0.1
+        length = np.linalg.norm(want[good], axis=1)
+        assert (np.abs(found.distance[good] / length - 1)).mean() < 1e-3
 
 
 def test_geodesics_of_an_ellipsoid_lead_where_logarithms_say():
