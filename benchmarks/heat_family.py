@@ -95,13 +95,17 @@ def ellipsoid(n: int, source: int | None = None) -> Shape:
     near = np.random.default_rng(0).permutation(near[near != source])[:2000]
     normal = points[source] / AXES**2
     frame = np.linalg.svd(normal[None])[2][1:]
-    flat = (points[near] - points[source]) @ frame.T
-    for _ in range(12):
+    chords = points[near] - points[source]
+    flat = chords @ frame.T
+    flat *= (np.linalg.norm(chords, axis=1) / np.linalg.norm(flat, axis=1))[:, None]
+    for _ in range(15):
         ends, here, there = (
             shot(points[source], (flat + shift) @ frame) for shift in np.eye(3, 2, k=-1) * 1e-6
         )
         slopes = np.stack([here - ends, there - ends], axis=2) / 1e-6
-        flat -= np.einsum("nij,nj->ni", np.linalg.pinv(slopes), ends - points[near])
+        gaps = np.einsum("nij,ni->nj", slopes, points[near] - ends)
+        move = np.linalg.solve(slopes.transpose(0, 2, 1) @ slopes, gaps[:, :, None])[:, :, 0]
+        flat += np.clip(move, -0.1, 0.1)
     logs, good = np.zeros_like(points), np.zeros(n, dtype=bool)
     logs[near] = flat @ frame
     good[near] = np.linalg.norm(ends - points[near], axis=1) < 1e-8
