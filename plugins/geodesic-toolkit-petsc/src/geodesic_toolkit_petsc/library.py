@@ -14,8 +14,9 @@ from geodesic_toolkit.errors import MissingDependencyError, SolverError
 __all__ = ["Library", "library"]
 
 ADVICE = (
-    "on Debian and Ubuntu: apt-get install libpetsc-real-dev openmpi-bin, then build petsc4py of the "
-    "same release against it, as the README of geodesic-toolkit-petsc says"
+    "on Debian and Ubuntu: apt-get install libpetsc-real-dev openmpi-bin, then build petsc4py of "
+    "the same release, as the README of geodesic-toolkit-petsc says; if they are installed, start "
+    "several processes with the mpiexec of PETSc's MPI"
 )
 
 SIZES_OF_JOB = ("OMPI_COMM_WORLD_SIZE", "PMI_SIZE")
@@ -56,7 +57,7 @@ def library() -> Library:
     size = max((int(os.environ.get(name, "1")) for name in SIZES_OF_JOB), default=1)
     if size > 1 and multiprocessing.parent_process() is not None:
         raise SolverError(
-            f"a process of a pool cannot use PETSc in a job of {size} processes: use one job without "
+            f"a process of a pool cannot use PETSc in a job of {size} processes: use a job without "
             "a pool, or a pool without mpiexec"
         )
     try:
@@ -72,7 +73,7 @@ def library() -> Library:
     if world.Get_size() == 1 < size:
         name = mpi.Get_library_version().split(",")[0].split("\n")[0]
         raise SolverError(
-            f"mpiexec started {size} processes that do not find each other: PETSc uses {name}; start "
-            "them with the mpiexec of that MPI"
+            f"mpiexec started {size} processes that do not find each other: PETSc uses {name}; "
+            "start them with the mpiexec of that MPI"
         )
     return Library(petsc, mpi, world.Dup())

@@ -109,7 +109,7 @@ class PETSc(gt.LinearSolver):
 
     def factorize(self, matrix: csr_array) -> Distributed:
         """Return the multigrid levels of a symmetric positive definite `matrix`."""
-        return Distributed(matrix, self, systems.STALLED * self.rtol)
+        return Distributed(matrix, self, max(systems.MAX_RESIDUAL, 10 * self.rtol))
 
     def set_up(self, library: Library, matrix: Any) -> tuple[Any, int]:
         """Return PETSc's solver for a distributed matrix, and how many entries it stores."""
@@ -148,7 +148,7 @@ class MUMPS(gt.LinearSolver):
 
     def factorize(self, matrix: csr_array) -> Distributed:
         """Return the Cholesky factor of a symmetric positive definite `matrix`."""
-        return Distributed(matrix, self, systems.MAX_RESIDUAL_OF_FACTOR)
+        return Distributed(matrix, self, systems.MAX_RESIDUAL)
 
     def set_up(self, library: Library, matrix: Any) -> tuple[Any, int]:
         """Return PETSc's solver for a distributed matrix, and how many entries it stores."""
