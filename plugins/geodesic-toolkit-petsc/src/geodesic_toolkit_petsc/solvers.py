@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 import geodesic_toolkit as gt
-from geodesic_toolkit.errors import InvalidOptionError, SolverError
+from geodesic_toolkit.errors import InvalidOptionError, NotEnoughMemoryError, SolverError
 from geodesic_toolkit_petsc import systems
 from geodesic_toolkit_petsc.processes import processes
 
@@ -24,6 +24,9 @@ __all__ = ["MUMPS", "Distributed", "PETSc"]
 FloatArray: TypeAlias = NDArray[np.float64]
 
 BYTES_OF_VALUE, BYTES_OF_INDEX = 8, 4
+
+MOST_ENTRIES = int(np.iinfo(np.int32).max)
+"""Largest number that PETSc's integers of 32 bits count."""
 
 
 @final
@@ -174,8 +177,13 @@ class Distributed(gt.Factor):
     def __init__(self, matrix: csr_array, recipe: PETSc | MUMPS, tolerance: float) -> None:
         if not recipe.leads():
             raise SystemExit(0)  # the program is that of process 0, which has ended
-        if not matrix.has_sorted_indices:
-            matrix = matrix.sorted_indices()
+        if not matrix.has_canonical_format:
+            matrix = matrix.copy()
+            matrix.sum_duplicates()
+        if matrix.nnz > MOST_ENTRIES:
+            raise NotEnoughMemoryError(
+                f"a matrix of {matrix.nnz} entries is too large: PETSc counts {MOST_ENTRIES}"
+            )
         diagonal = matrix.diagonal()
         if not diagonal.min(initial=np.inf) > 0:
             bad = int(np.argmin(np.nan_to_num(diagonal, nan=-np.inf)))

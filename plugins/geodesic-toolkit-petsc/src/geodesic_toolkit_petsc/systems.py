@@ -108,10 +108,12 @@ def make(
     lengths = np.empty(n_rows, dtype=np.int32)
     indices = np.empty(n_entries, dtype=np.int32)
     values = np.empty(n_entries)
-    given = [None] * 3 if data is None else [np.diff(data[0]).astype(np.int32), *data[1:]]
+    given = [None] * 3 if data is None else [np.diff(data[0]), *data[1:]]
     yield
-    for whole, part, cuts in zip(
-        given, (lengths, indices, values), (bounds, entries, entries), strict=True
+    for whole, part, cuts in (
+        (given[0], lengths, bounds),
+        (given[1], indices, entries),
+        (given[2], values, entries),
     ):
         _scatter(library, whole, part, cuts)
     indptr = np.concatenate([[0], np.cumsum(lengths)]).astype(np.int32)
@@ -184,7 +186,8 @@ def _scatter(library: Library, whole: Any, part: NDArray[Any], cuts: NDArray[np.
     """Send parts of an array of process 0 to all."""
     sent = None
     if whole is not None:
-        sent = [np.ascontiguousarray(whole), np.diff(cuts), cuts[:-1], _type(library, part)]
+        whole = np.ascontiguousarray(whole, dtype=part.dtype)
+        sent = [whole, np.diff(cuts), cuts[:-1], _type(library, part)]
     library.communicator.Scatterv(sent, [part, _type(library, part)])
 
 
