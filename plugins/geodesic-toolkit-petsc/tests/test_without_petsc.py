@@ -5,8 +5,8 @@ import pytest
 
 import geodesic_toolkit as gt
 from geodesic_toolkit.errors import InvalidOptionError, MissingDependencyError, SolverError
-from geodesic_toolkit_petsc import library as loading
 from geodesic_toolkit_petsc import MUMPS, PETSc, solvers
+from geodesic_toolkit_petsc import library as loading
 
 
 @pytest.mark.parametrize(
