@@ -16,11 +16,11 @@ from geodesic_toolkit_petsc.processes import processes as job
 
 FAIL = """
 def fail(library, parts, *, data, early):
-    rank = library.communicator.Get_rank()
-    if early and rank == 1:
+    is_second = library.communicator.Get_rank() == 1
+    if early and is_second:
         raise MemoryError("no memory for 7 rows")
     yield
-    if rank == 1:
+    if is_second:
         raise ValueError("it is wrong")
     library.communicator.Barrier()
 """

@@ -20,7 +20,7 @@ ADVICE = (
 )
 
 SIZES_OF_JOB = ("OMPI_COMM_WORLD_SIZE", "PMI_SIZE")
-"""Environment variables in which Open MPI's and MPICH's mpiexec tell the number of processes."""
+"""Environment variables of Open MPI's and MPICH's mpiexec that have the number of processes."""
 
 ARGUMENTS = ["geodesic-toolkit", "-no_signal_handler", "-skip_petscrc"]
 """Arguments of PETSc: signals are Python's, and a file in the home folder changes no result."""

@@ -31,7 +31,7 @@ PATIENCE = 30.0
 they may wait for it in turn. A failure of PETSc itself reaches all within milliseconds."""
 
 Parts = dict[int, Any]
-"""What a process holds of the systems, by the number of the system."""
+"""The parts of the systems on one process, by the number of the system."""
 
 Operation = Callable[..., Any]
 """Function of the library, the parts of this process, and the arguments of a request.

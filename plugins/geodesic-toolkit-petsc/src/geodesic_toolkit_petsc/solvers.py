@@ -220,7 +220,7 @@ class Distributed(gt.Factor):
 
     @property
     def nnz(self) -> int:
-        """Entries of the factor; without one, of the matrix (hypre does not tell its levels)."""
+        """Entries of the factor; without one, of the matrix (levels of hypre are not known)."""
         return self._n_stored
 
     @property

@@ -1,4 +1,4 @@
-"""Linear systems in parts: what every process does with its rows."""
+"""Linear systems in parts: the operations of all processes on their rows."""
 
 from __future__ import annotations
 
