@@ -30,6 +30,9 @@ PLUGINS = sorted(path.parent for path in ROOT.glob("plugins/*/pyproject.toml"))
 WITHOUT_WHEELS = {"cholmod": "sksparse"}
 """Plugins that call a library without wheels, which is their extra of that name, and its module."""
 
+BUILT_HERE = sorted(map(str, ROOT.glob("build/petsc/*.whl")))
+"""The wheel of petsc4py, which tools/petsc.sh builds where PETSc is installed."""
+
 
 def run(session: nox.Session, tool: str, *arguments: str, **options: dict[str, str]) -> None:
     """Run a tool of this environment, which need not be on the path."""
@@ -271,7 +274,7 @@ def plugins(session: nox.Session) -> None:
     built = [name for name, module in WITHOUT_WHEELS.items() if importlib.util.find_spec(module)]
     extras = {f"geodesic_toolkit_{name}": f"[{name}]" for name in built}
     chosen = [f"{path}{extras.get(path.name.split('-')[0], '')}" for path in wheels.glob("*.whl")]
-    session.install(*sorted(chosen), "pytest")
+    session.install(*sorted(chosen), *BUILT_HERE, "pytest")
     session.run("geodesic-toolkit", "plugins")
     for plugin in PLUGINS:
         project = tomllib.loads((plugin / "pyproject.toml").read_text(encoding="utf-8"))["project"]
@@ -279,6 +282,8 @@ def plugins(session: nox.Session) -> None:
             for name in project.get("entry-points", {}).get(f"geodesic_toolkit.{kind}", {}):
                 if name in WITHOUT_WHEELS and name not in built:
                     session.warn(f"{name} is not checked: {WITHOUT_WHEELS[name]} is not installed")
+                elif name.startswith("petsc") and not BUILT_HERE:
+                    session.warn(f"{name} is not checked: bash tools/petsc.sh builds petsc4py")
                 else:
                     session.run("geodesic-toolkit", "check", name)
         if (plugin / "tests").is_dir():

@@ -81,6 +81,9 @@ if has_apt; then
     if [ "$mode" = dev ] && ! command -v chromium chromium-browser google-chrome >/dev/null; then
         want "a browser, in which the tests open exported pages" chromium
     fi
+    if [ "$mode" = dev ] && ! is_installed libpetsc-real-dev; then
+        want "PETSc, for the plugin geodesic-toolkit-petsc" libpetsc-real-dev openmpi-bin
+    fi
 fi
 
 # -- Python ----------------------------------------------------------------------------------------
@@ -160,7 +163,7 @@ pip_install() {
 
 plugins=(--editable ./plugins/geodesic-toolkit-study)
 if [ "$mode" = dev ]; then
-    for name in polygon volume knn amg cholmod; do
+    for name in polygon volume knn amg cholmod petsc; do
         plugins+=(--editable "./plugins/geodesic-toolkit-$name")
     done
 fi
@@ -177,5 +180,13 @@ if [ "$mode" = dev ] && ! { has_apt && install_cholmod; }; then
     say "going on without CHOLMOD: the tests of its plugin are skipped; to have it:"
     say "    sudo apt-get install libsuitesparse-dev"
     say "    .venv/bin/python -m pip install './plugins/geodesic-toolkit-cholmod[cholmod]'"
+fi
+
+# petsc4py, for another of the plugins, has no wheels either: it is built in half a minute.
+if [ "$mode" = dev ] && ! { bash tools/petsc.sh "$python" &&
+    pip_install --no-deps build/petsc/*.whl; }; then
+    say "going on without PETSc: most tests of its plugin are skipped; to have it:"
+    say "    sudo apt-get install libpetsc-real-dev openmpi-bin"
+    say "    bash tools/petsc.sh $python && $python -m pip install build/petsc/*.whl"
 fi
 say "done: $("$python" --version), .venv/bin/geodesic-toolkit"

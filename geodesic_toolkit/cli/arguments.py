@@ -268,10 +268,15 @@ def kinds_of(operator: str) -> "tuple[type[Domain], ...]":
 
 
 def check_plugins(solver: str, *operators: str | None) -> None:
-    """Raise a `PluginError` unless the solver and the operators are installed and load."""
+    """Raise a `PluginError` unless the solver and the operators are installed and load.
+
+    A process that only helps with the linear systems of another one does so, and exits.
+    """
     from geodesic_toolkit.registry import catalog
 
-    catalog.resolve_solvers(solver)
+    solvers = catalog.resolve_solvers(solver)
     for operator in operators:
         if operator is not None and operator != "auto":
             catalog.operators.resolve(operator)
+    if not all(each.leads() for each in solvers):
+        raise typer.Exit

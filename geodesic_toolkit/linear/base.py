@@ -148,6 +148,23 @@ class LinearSolver(abc.ABC):
     references: ClassVar[tuple[str, ...]] = ()
     known_failures: ClassVar[Mapping[str, str]] = MappingProxyType({})
 
+    def for_heat(self) -> LinearSolver | None:
+        """Return the solver of the heat step if only this one is chosen, for both steps.
+
+        The result is None for the default solver, which a solver that is not accurate enough for
+        heat leaves it to. A solver may name another one.
+        """
+        return self if self.componentwise or self.allow_heat else None
+
+    def leads(self) -> bool:
+        """Return True if this process runs the program: reads, prints and writes.
+
+        A solver that spans several processes, all started with the same command, helps the one that
+        leads from this call until the end, and returns False then. The command line calls it before
+        it reads, and exits without a word if it is False.
+        """
+        return True
+
     @abc.abstractmethod
     def factorize(self, matrix: csr_array) -> Factor:
         """Return `matrix` made ready for solving.

@@ -109,8 +109,8 @@ def resolve_solvers(
     ----------
     choice : str, class, instance or dict
         One for both steps, or ``{"heat": ..., "poisson": ...}``. "auto" is ``"supernodal"``. A
-        solver that is not componentwise accurate is used for the Poisson step only, with "auto"
-        for the heat.
+        solver that is not componentwise accurate is used for the Poisson step only, with the
+        solver that it names for the heat (`LinearSolver.for_heat`), or "auto".
     n_unknowns : int
         Size of the systems; "auto" uses it to decide whether factors are compact.
     refine : bool
@@ -131,9 +131,7 @@ def resolve_solvers(
         parts = (choice.get("heat", "auto"), choice.get("poisson", "auto"))
         return _solver(parts[0], compact), _solver(parts[1], compact)
     solver = _solver(choice, compact)
-    if solver.componentwise or solver.allow_heat:
-        return solver, solver
-    return _solver("auto", compact), solver
+    return solver.for_heat() or _solver("auto", compact), solver
 
 
 def _solver(choice: object, compact: bool) -> LinearSolver:

@@ -1,5 +1,8 @@
 """Linear solvers: agreement, tiny entries, clear errors."""
 
+from dataclasses import dataclass
+from typing import ClassVar, final
+
 import numpy as np
 import pytest
 import slow_kernels
@@ -9,6 +12,7 @@ import geodesic_toolkit as gt
 from geodesic_toolkit.core.rows import CompressedRows
 from geodesic_toolkit.errors import InvalidOptionError, SolverError
 from geodesic_toolkit.heat.log_range import fill_from_neighbours
+from geodesic_toolkit.registry.catalog import resolve_solvers
 from geodesic_toolkit.testing import shapes
 
 
@@ -45,6 +49,31 @@ def test_an_unfinished_iteration_is_an_error(heat_matrix):
 def test_options_outside_their_values_are_refused(options):
     with pytest.raises(InvalidOptionError):
         gt.CG(**options)
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class WithHeat(gt.LinearSolver):
+    """A solver that names another one for the heat."""
+
+    componentwise: ClassVar[bool] = False
+
+    def for_heat(self):
+        return gt.SuperLU()
+
+    def factorize(self, matrix):
+        return gt.SuperLU().factorize(matrix)
+
+
+def test_the_heat_step_takes_the_solver_that_the_chosen_one_names():
+    assert resolve_solvers(WithHeat()) == (gt.SuperLU(), WithHeat())
+    assert resolve_solvers(gt.SuperLU()) == (gt.SuperLU(), gt.SuperLU())
+    assert resolve_solvers(gt.CG()) == (gt.Supernodal(compact=False), gt.CG())
+    assert resolve_solvers(gt.CG(allow_heat=True)) == (gt.CG(allow_heat=True),) * 2
+
+
+def test_every_process_leads_unless_its_solver_says_otherwise():
+    assert gt.Supernodal().leads()
 
 
 def test_missing_heat_is_filled_from_neighbours_ring_by_ring():

@@ -262,3 +262,26 @@ def test_errors_leave_the_process_with_their_status(sphere_file):
     assert done.returncode == 2
     assert done.stdout == ""
     assert done.stderr.count("\n") == 1
+
+
+@dataclass(frozen=True, kw_only=True)
+class Helping(gt.LinearSolver):
+    """A solver in a process that only helps another one."""
+
+    componentwise: ClassVar[bool] = True
+
+    def leads(self):
+        return False
+
+    def factorize(self, matrix):
+        raise AssertionError("a helping process does not run the program")
+
+
+@pytest.mark.parametrize("command", ["distance", "matrix"])
+def test_a_process_that_does_not_lead_ends_without_a_word(command, sphere_file, tmp_path, register):
+    register(gt.solvers, "helping", Helping)
+    output = tmp_path / "written.npy"
+    sources = ["--source", 0] if command == "distance" else []
+    result = run(command, sphere_file, *sources, "--output", output, "--solver", "helping")
+    assert (result.exit_code, result.stdout, result.stderr) == (0, "", "")
+    assert not output.exists()
