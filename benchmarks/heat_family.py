@@ -131,7 +131,7 @@ def shot(start: np.ndarray, vectors: np.ndarray, steps: int = 60) -> np.ndarray:
 
 
 def plate_with_hole(n: int) -> Shape:
-    """Return a square with a square hole, and logarithms by the shorter way around that."""
+    """Return a square with a square hole, and logarithms by the shorter path around that."""
     side = round((n / 0.91) ** 0.5)
     low, high = (round(share * (side - 1)) / (side - 1) for share in (0.35, 0.65))
     grid = np.meshgrid(np.linspace(0, 1, side), np.linspace(0, 1, side))
@@ -150,7 +150,7 @@ def plate_with_hole(n: int) -> Shape:
 def around_square(
     points: np.ndarray, source: np.ndarray, low: float, high: float
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Return logarithms in the plane without [low, high]^2, and where other ways are 2 % longer."""
+    """Return logarithms in the plane without [low, high]^2, and where other paths are 2 % longer."""
     corners = np.array([[low, low], [high, low], [high, high], [low, high]])
     legs, direct = corners - source, points - source
     seen = ~is_blocked(source, corners, low, high)

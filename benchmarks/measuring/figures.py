@@ -22,7 +22,7 @@ class Row(NamedTuple):
 
     @property
     def is_kept(self) -> bool:
-        """Whether the figure keeps its bound."""
+        """True if the figure keeps its bound."""
         if self.bound is None:
             return True
         return self.figure >= self.bound if self.at_least else self.figure <= self.bound

@@ -11,10 +11,10 @@ from geodesic_toolkit.errors import InvalidSourceError
 __all__ = ["SurfacePoint", "barycentric_rows"]
 
 LOWEST_WEIGHT = 1e-9
-"""How far below 0 rounding may take a barycentric coordinate."""
+"""Lowest barycentric coordinate that is a 0 with rounding, as a negative number of this size."""
 
 MOST_OFF_SUM = 1e-6
-"""How far from 1 it may take their sum."""
+"""Difference of the sum of three coordinates from 1 that is rounding."""
 
 
 @final

@@ -1,4 +1,4 @@
-"""A mesh prepared for paths: what those of one solver share."""
+"""A mesh prepared for the paths of one solver."""
 
 import threading
 from collections import OrderedDict
