@@ -150,7 +150,7 @@ def plate_with_hole(n: int) -> Shape:
 def around_square(
     points: np.ndarray, source: np.ndarray, low: float, high: float
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Return logarithms in the plane without [low, high]^2, and where other paths are 2 % longer."""
+    """Return logarithms in the plane without [low, high]^2, and where others are 2 % longer."""
     corners = np.array([[low, low], [high, low], [high, high], [low, high]])
     legs, direct = corners - source, points - source
     seen = ~is_blocked(source, corners, low, high)

@@ -51,8 +51,8 @@ N_PROBES = 500
 """Points at which these heaps are searched first."""
 
 NUMBERS_OF_HEAPS, RATIO_OF_FARTHER_NEIGHBOURS = (2, 4, 10), 4
-"""Numbers of neighbours of which a heap may consist, and the factor of that number at which the next
-heaps are."""
+"""Numbers of neighbours of which a heap may consist, and the factor of that number at which the
+next heaps are."""
 
 MIN_RATIO_OF_HEAPS = 6.0
 """Minimum ratio of the distances to the neighbours number 4 r and r in the sample at which they do
