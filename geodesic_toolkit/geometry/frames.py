@@ -277,7 +277,9 @@ class _Oriented:
     def by_normals(self) -> IntArray:
         """Return the faces (F, 3) with the orientation of the majority of the given ones."""
         faces = self.origin[self.faces]
-        return np.where(self.mirrored[:, None], faces[:, ::-1], faces)
+        return (
+            np.where(self.mirrored[:, None], faces[:, ::-1], faces) if self.mirrored.any() else faces
+        )
 
     def fans(self, vertices: FloatArray, normals: FloatArray, axes: FloatArray) -> Fans:
         """Return the faces with the directions of their half-edges."""

@@ -4,7 +4,7 @@
 #include <limits>
 
 #include "triangles/measures.hpp"
-#include "wavefront/angles.hpp"
+#include "core/angles.hpp"
 
 namespace geodesic {
 namespace {

@@ -3,7 +3,7 @@
 #include <cmath>
 #include <optional>
 
-#include "wavefront/angles.hpp"
+#include "core/angles.hpp"
 #include "wavefront/crossing.hpp"
 #include "wavefront/falling.hpp"
 
