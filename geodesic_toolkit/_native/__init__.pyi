@@ -145,8 +145,12 @@ class Analysis:
     first[s + 1]`` and the rows ``rows[row_starts[s]:row_starts[s + 1]]``, with its own columns
     first; its dense panel of that shape is stored by columns from ``panels[s]``, and ``parents[s]``
     is its parent, -1 at roots. The permuted lower triangle by columns is `starts` and `lower_rows`;
-    `places` are the indices of its entries in the data of a matrix.
+    `places` are the indices of its entries in the data of a matrix. Of an analysis `in_pairs` only
+    the even columns are kept.
     """
+
+    def in_pairs(self, indptr: Rows) -> Analysis:
+        """Return that of complex Hermitian matrices of the pattern, in their real form."""
 
     @property
     def order(self) -> Rows: ...

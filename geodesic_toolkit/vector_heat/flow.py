@@ -9,8 +9,8 @@ from geodesic_toolkit.core.rows import CompressedRows
 from geodesic_toolkit.core.types import BoolArray, FloatArray
 from geodesic_toolkit.geometry.frames import ComplexArray
 from geodesic_toolkit.heat.log_range import smallest_final_value
-from geodesic_toolkit.linear.base import Factor, LinearSolver
-from geodesic_toolkit.linear.patterns import SharedAnalysis
+from geodesic_toolkit.linear.base import Analysis, Factor, LinearSolver
+from geodesic_toolkit.linear.patterns import factorize_pairs
 
 __all__ = ["LogVectors", "VectorFlow"]
 
@@ -37,12 +37,22 @@ class VectorFlow:
     ----------
     matrix : CompressedRows of shape (2 N, 2 N)
         M + t L_c in its real form.
+    pattern : CompressedRows of shape (N, N)
+        That of L_c.
     solver : LinearSolver
+    known : Analysis, optional
+        One that may be of the pattern, so that nothing is analysed.
     """
 
-    def __init__(self, matrix: CompressedRows, solver: LinearSolver) -> None:
+    def __init__(
+        self,
+        matrix: CompressedRows,
+        pattern: CompressedRows,
+        solver: LinearSolver,
+        known: Analysis | None = None,
+    ) -> None:
         self.matrix = matrix
-        self._factor: Factor = SharedAnalysis(solver).factorize(matrix)
+        self._factor: Factor = factorize_pairs(solver, matrix, pattern, known)
         self._restarts = solver.componentwise
 
     @property
