@@ -317,10 +317,10 @@ def connection_laplacian(
     frames: Numbers,
     measure: Numbers,
     turns: Numbers,
-) -> Numbers:
-    """Return complex entries (nnz, 2) of G_cᴴ W G_c on a pattern with all edges and the diagonal.
+) -> Numbers | None:
+    """Return complex entries (nnz, 2) of G_cᴴ W G_c on a symmetric pattern with sorted rows.
 
-    The pattern must have an entry for every pair of corners of a triangle.
+    None if it lacks the diagonal, or the entry of a pair of corners of a triangle.
     """
 
 def edge_turns(indptr: Rows, indices: Rows, elements: Indices, turns: Numbers) -> Numbers:
