@@ -479,8 +479,8 @@ class Tracer:
         period: float,
         clockwise: bool,
         directions: bool,
-    ) -> tuple[Numbers, Numbers, Numbers, Rows, Rows, Rows, Numbers]:
-        """Return angles, spreads, arrivals, labels (N,), and from where they came.
+    ) -> tuple[Numbers, Numbers, Numbers, Numbers, Rows, Rows, Rows, Numbers]:
+        """Return angles, spreads, arrivals, rotations, labels (N,), and from where they came.
 
         The latter are the ends of the edge that the front to a vertex crossed, -1 at sources, and
         the share of the second.

@@ -3,8 +3,8 @@
 #include <cmath>
 #include <limits>
 
-#include "triangles/measures.hpp"
 #include "core/angles.hpp"
+#include "triangles/measures.hpp"
 
 namespace geodesic {
 namespace {
