@@ -434,5 +434,5 @@ def test_a_pattern_that_lacks_entries_has_no_connection_laplacian(kept):
     rows = [[j for j in range(4) if kept(i, j)] for i in range(4)]
     indptr = np.cumsum([0, *map(len, rows)], dtype=np.int32)
     _, _, _, *others = CALLS["connection_laplacian"]
-    lacking = indptr, np.array(sum(rows, []), dtype=np.int32)
+    lacking = indptr, np.concatenate(rows).astype(np.int32)
     assert _native.connection_laplacian(*lacking, *others) is None

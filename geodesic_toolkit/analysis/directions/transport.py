@@ -21,8 +21,10 @@ def parallel_transport(
 ) -> FloatArray:
     """Return at each vertex the tangent vector of the nearest source, carried there in parallel.
 
-    Refined, the vector is carried along the shortest geodesic, to which it keeps its angle. Plain transport is the vector heat
-    method, which blurs vectors where the cells of sources meet.
+    Refined, the vector is carried along the shortest geodesic, to which it keeps its angle, and no
+    linear system besides that of the heat is solved. Plain transport is the vector heat method,
+    which blurs vectors where the cells of sources meet; where many sources are asked for one after
+    the other, it is faster.
 
     Parameters
     ----------
