@@ -75,14 +75,14 @@ class VectorFlow:
         As in :func:`geodesic_toolkit.heat.log_range.log_solve`: where a vector has sunk below a
         threshold, the solve starts again with the load of those above it on the others, scaled.
         """
+        vectors = self.solve(load)
+        sizes = np.abs(vectors)
+        if sizes.min() > self._least:  # as on most shapes
+            return LogVectors(np.log(sizes), vectors / sizes)
         count = len(load)
         log_sizes, directions = np.full(count, -np.inf), np.zeros(count, dtype=np.complex128)
         settled, log_scale = np.zeros(count, dtype=np.bool_), 0.0
         for _ in range(count + 1):  # each stage finishes a vertex at least
-            vectors = self.solve(load)
-            sizes = np.abs(vectors)
-            if not settled.any() and sizes.min() > self._least:  # as on most shapes
-                return LogVectors(np.log(sizes), vectors / sizes)
             new = ~settled & (sizes > self._least)
             log_sizes[new] = np.log(sizes[new]) + log_scale
             directions[new] = vectors[new] / sizes[new]
@@ -95,6 +95,8 @@ class VectorFlow:
                 break
             load /= largest
             log_scale += float(np.log(largest))
+            vectors = self.solve(load)
+            sizes = np.abs(vectors)
         return LogVectors(log_sizes, directions)
 
     def _interface(self, vectors: ComplexArray, near: BoolArray) -> ComplexArray:
