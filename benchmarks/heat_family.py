@@ -9,27 +9,30 @@ maps the best of its three strategies. Angles are means in degrees, lengths rela
 Times are CPU seconds in one process: only their ratios say something on a busy machine.
 """
 
-import argparse
 from collections.abc import Callable, Iterator
 from functools import partial
 from typing import NamedTuple
 
 import numpy as np
 import potpourri3d as pp3d
-from heat_family_signed import REAL, Row, along_great_circles, cpu, degrees, irregular_sphere
+from heat_family_signed import REAL, along_great_circles, cpu, degrees, irregular_sphere
+from measuring.figures import Row, parser, report
 from measuring.shapes import DATA, referenced
 from scipy.spatial import Delaunay
 
 import geodesic_toolkit as gt
 
 STRATEGIES = ("VectorHeat", "AffineLocal", "AffineAdaptive")
+AXES = np.array([1.0, 0.8, 0.6])  # of the ellipsoid
+REACH = 1.2  # of logarithms on the ellipsoid: far from its cut loci
+FACE = "igltut__face.obj"
 HEXAGON = 5 / (18 * np.sqrt(3))  # second moment of regular hexagons of area 1
 
 # -- shapes with closed forms ----------------------------------------------------------------------
 
 
 class Shape(NamedTuple):
-    """A mesh, and the logarithms of its vertices about one of them where those are unique."""
+    """A mesh, and the logarithms of its vertices about one of them where those are known."""
 
     mesh: gt.TriangleMesh
     source: int
@@ -39,14 +42,20 @@ class Shape(NamedTuple):
 
 def sphere(n: int) -> Shape:
     mesh = irregular_sphere(n)
-    p, points = mesh.vertices[n // 3], mesh.vertices
+    logs = sphere_logs(mesh.vertices, n // 3)
+    length = np.linalg.norm(logs, axis=1)
+    return Shape(mesh, n // 3, logs, (length > 1e-9) & (length < 0.95 * np.pi))
+
+
+def sphere_logs(points: np.ndarray, source: int) -> np.ndarray:
+    """Return the logarithms of points of the unit sphere about one of them."""
+    p = points[source]
     away = points - (points @ p)[:, None] * p
     sine = np.linalg.norm(away, axis=1)
     length = np.arctan2(sine, points @ p)
-    logs = length[:, None] * np.divide(
+    return length[:, None] * np.divide(
         away, sine[:, None], out=np.zeros_like(away), where=sine[:, None] > 0
     )
-    return Shape(mesh, n // 3, logs, (length > 1e-9) & (length < 0.95 * np.pi))
 
 
 def plane(n: int) -> Shape:
@@ -76,6 +85,102 @@ def cylinder(n: int) -> Shape:
     axis = np.array([-np.sin(t[source]), np.cos(t[source]), 0.0])
     logs = turn[:, None] * axis + (flat[:, 1] - flat[source, 1])[:, None] * [0.0, 0.0, 1.0]
     return Shape(mesh, source, logs, (np.abs(turn) < 0.95 * np.pi) & logs.any(axis=1))
+
+
+def ellipsoid(n: int, source: int | None = None) -> Shape:
+    """Return an ellipsoid, with logarithms of some thousand vertices by Newton's method."""
+    round_, source = irregular_sphere(n), n // 3 if source is None else source
+    points = round_.vertices * AXES
+    near = np.flatnonzero(np.linalg.norm(points - points[source], axis=1) < REACH)
+    near = np.random.default_rng(0).permutation(near[near != source])[:2000]
+    normal = points[source] / AXES**2
+    frame = np.linalg.svd(normal[None])[2][1:]
+    chords = points[near] - points[source]
+    flat = chords @ frame.T
+    flat *= (np.linalg.norm(chords, axis=1) / np.linalg.norm(flat, axis=1))[:, None]
+    for _ in range(15):
+        ends, here, there = (
+            shot(points[source], (flat + shift) @ frame) for shift in np.eye(3, 2, k=-1) * 1e-6
+        )
+        slopes = np.stack([here - ends, there - ends], axis=2) / 1e-6
+        gaps = np.einsum("nij,ni->nj", slopes, points[near] - ends)
+        move = np.linalg.solve(slopes.transpose(0, 2, 1) @ slopes, gaps[:, :, None])[:, :, 0]
+        flat += np.clip(move, -0.1, 0.1)
+    logs, good = np.zeros_like(points), np.zeros(n, dtype=bool)
+    logs[near] = flat @ frame
+    good[near] = np.linalg.norm(ends - points[near], axis=1) < 1e-8
+    return Shape(gt.TriangleMesh(points, round_.faces), source, logs, good)
+
+
+def shot(start: np.ndarray, vectors: np.ndarray, steps: int = 60) -> np.ndarray:
+    """Return where geodesics of the ellipsoid end, by the method of Runge and Kutta."""
+
+    def pull(x: np.ndarray, v: np.ndarray) -> np.ndarray:
+        g = x / AXES**2
+        share = (v * v / AXES**2).sum(axis=1) / (g * g).sum(axis=1)
+        return -share[:, None] * g
+
+    x, v, h = np.tile(start, (len(vectors), 1)), vectors.copy(), 1 / steps
+    for _ in range(steps):
+        a = pull(x, v)
+        b = pull(x + h / 2 * v, v + h / 2 * a)
+        c = pull(x + h / 2 * v + h * h / 4 * a, v + h / 2 * b)
+        d = pull(x + h * v + h * h / 2 * b, v + h * c)
+        x, v = x + h * v + h * h / 6 * (a + b + c), v + h / 6 * (a + 2 * b + 2 * c + d)
+    return x
+
+
+def plate_with_hole(n: int) -> Shape:
+    """Return a square with a square hole, and logarithms by the shorter way around that."""
+    side = round((n / 0.91) ** 0.5)
+    low, high = (round(share * (side - 1)) / (side - 1) for share in (0.35, 0.65))
+    grid = np.meshgrid(np.linspace(0, 1, side), np.linspace(0, 1, side))
+    even, flat = np.stack(grid, axis=-1).reshape(-1, 2), shaken(*grid, 1 / side)
+    off = np.abs(even - (low + high) / 2).max(axis=1) - (high - low) / 2
+    flat = np.where((np.abs(off) < 0.1 / side)[:, None], even, flat)[off > -0.1 / side]
+    faces = turned_up(flat, Delaunay(flat).simplices.astype(np.int64))
+    middle = flat[faces].mean(axis=1)
+    faces = faces[((middle < low) | (middle > high)).any(axis=1)]
+    source = int(np.linalg.norm(flat - [0.2, 0.42], axis=1).argmin())
+    logs, good = around_square(flat, flat[source], low, high)
+    mesh = gt.TriangleMesh(np.pad(flat, ((0, 0), (0, 1))), faces)
+    return Shape(mesh, source, np.pad(logs, ((0, 0), (0, 1))), good)
+
+
+def around_square(
+    points: np.ndarray, source: np.ndarray, low: float, high: float
+) -> tuple[np.ndarray, np.ndarray]:
+    """Return logarithms in the plane without [low, high]^2, and where other ways are 2 % longer."""
+    corners = np.array([[low, low], [high, low], [high, high], [low, high]])
+    legs, direct = corners - source, points - source
+    seen = ~is_blocked(source, corners, low, high)
+    centre = corners.mean(axis=0) - source
+    found = []
+    for sign in (1, -1):  # the left way and the right way
+        ours = seen & (sign * (legs[:, 1] * centre[0] - legs[:, 0] * centre[1]) > 0)
+        reach, first = np.where(ours, np.linalg.norm(legs, axis=1), np.inf), legs.copy()
+        for _, k, step in ((r, k, step) for r in range(3) for k in range(4) for step in (1, 3)):
+            if reach[k] + high - low < reach[(k + step) % 4]:
+                reach[(k + step) % 4], first[(k + step) % 4] = reach[k] + high - low, first[k]
+        there = np.stack([np.linalg.norm(points - corner, axis=1) for corner in corners])
+        hidden = np.stack([is_blocked(corner, points, low, high) for corner in corners])
+        lengths = np.where(hidden, np.inf, reach[:, None] + there)
+        leg = first[lengths.argmin(axis=0)]
+        shortest = lengths.min(axis=0)[:, None]
+        found.append((shortest, shortest * leg / np.linalg.norm(leg, axis=1)[:, None]))
+    (left, by_left), (right, by_right) = found
+    straight = ~is_blocked(source, points, low, high)[:, None]
+    logs = np.where(straight, direct, np.where(left < right, by_left, by_right))
+    is_clear = straight | (np.abs(left - right) > 0.02 * np.minimum(left, right))
+    return logs, is_clear[:, 0] & direct.any(axis=1)
+
+
+def is_blocked(tail: np.ndarray, heads: np.ndarray, low: float, high: float) -> np.ndarray:
+    """Return the segments from a point that pass through the inside of a square."""
+    with np.errstate(divide="ignore"):
+        ends = (np.array([low + 1e-9, high - 1e-9])[:, None, None] - tail) / (heads - tail)
+    enter, leave = ends.min(axis=0).max(axis=1), ends.max(axis=0).min(axis=1)
+    return np.maximum(enter, 0) < np.minimum(leave, 1)
 
 
 def shaken(x: np.ndarray, y: np.ndarray, step: float) -> np.ndarray:
@@ -116,35 +221,58 @@ def errors(got: np.ndarray, shape: Shape) -> tuple[float, float]:
     return float(degrees(got, want).mean()), float(100 * off.mean())
 
 
+def log_rows(name: str, shape: Shape, angle: float, length: float | None = None) -> Iterator[Row]:
+    """Yield the errors of the angles and lengths of a logarithmic map, with their bounds."""
+    found = gt.log_map(gt.GeodesicSolver(shape.mesh), shape.source, refine=True)
+    own = errors(found.vectors, shape)
+    others = [errors(got, shape) for got in peers_logs(shape.mesh, shape.source)]
+    best = [min(one) if others else "fails" for one in zip(*others, strict=True)] or ["fails"] * 2
+    yield Row(f"log map, {name}: angle, degrees", own[0], angle, peer=best[0])
+    yield Row(f"log map, {name}: length, %", own[1], length, peer=best[1])
+
+
 def logs(sizes: list[int]) -> Iterator[Row]:
-    bounds = {
-        "plane": {3500: (1e-3, 1e-3), 35000: (1e-3, 1e-3)},
-        "sphere": {3500: (0.05, 0.03), 35000: (0.006, 0.004)},
-        "cylinder": {3500: (0.2, 0.03), 35000: (0.01, 0.004)},
-    }
-    for make in (plane, sphere, cylinder):
-        for n in sizes:
-            shape = make(n)
-            solver = gt.GeodesicSolver(shape.mesh)
-            found = gt.log_map(solver, shape.source, refine=True)
-            angle, length = errors(found.vectors, shape)
-            others = [errors(got, shape) for got in peers_logs(shape.mesh, shape.source)]
-            name = f"log map, {make.__name__} {n}"
-            most = bounds[make.__name__][n]
-            yield Row(f"{name}: angle", angle, most[0], peer=min(a for a, _ in others))
-            yield Row(f"{name}: length", length, most[1], peer=min(r for _, r in others))
+    for n in sizes:
+        large = n > 10_000
+        yield from log_rows(f"plane {n}", plane(n), 1e-3, 1e-3)
+        shape, bounds = sphere(n), (0.006, 0.004) if large else (0.05, 0.03)
+        yield from log_rows(f"sphere {n}", shape, *bounds)
+        angle = 0.01 if large else 0.2
+        yield from log_rows(f"cylinder {n}", cylinder(n), angle)
+        for source in (n // 3, n // 2):
+            yield from log_rows(f"ellipsoid {n}, vertex {source}", ellipsoid(n, source), angle)
 
 
-def order(_: list[int]) -> Iterator[Row]:
-    off = []
-    for n in (4000, 16000):
-        shape = sphere(n)
-        found = gt.log_map(gt.GeodesicSolver(shape.mesh), shape.source, refine=True)
-        near = shape._replace(good=shape.good & (np.linalg.norm(shape.logarithms, axis=1) < 2.5))
-        off.append(errors(found.vectors, near)[0])
-    yield Row(
-        "log map, sphere 4k to 16k: order of angles", float(np.log2(off[0] / off[1])), 1.8, True
-    )
+def hole(_: list[int]) -> Iterator[Row]:
+    shape = plate_with_hole(3300)
+    yield from log_rows("plate with a hole", shape, 0.2)
+    found = gt.log_map(gt.GeodesicSolver(shape.mesh), shape.source, refine=True)
+    off = degrees(found.vectors, shape.logarithms)[shape.good]
+    yield Row("log map, plate with a hole: largest angle, degrees", float(off.max()), 2.0)
+
+
+def order(sizes: list[int]) -> Iterator[Row]:
+    """Yield orders of mean errors within 2.5 of seven sources."""
+    found = []
+    counts = [4000, 16000, 64000] if max(sizes) > 10_000 else [4000, 16000]
+    for n in counts:
+        solver = gt.GeodesicSolver(irregular_sphere(n))
+        sources = [n // 3, *np.random.default_rng(0).choice(n, 6, replace=False).tolist()]
+        off = []
+        for source in sources:
+            want = sphere_logs(solver.domain.vertices, source)
+            length = np.linalg.norm(want, axis=1)
+            near = (length > 1e-9) & (length < 2.5)
+            got = gt.log_map(solver, source, refine=True).vectors
+            off.append(errors(got, Shape(solver.domain, source, want, near))[0])
+        found.append(np.mean(off))
+    steps = np.log2(np.array(found[:-1]) / found[1:])
+    names = [f"{count // 1000}k" for count in counts]
+    whole = f"log map, sphere {names[0]} to {names[-1]}: order of angles"
+    yield Row(whole, float(steps.mean()), 1.8, at_least=True)
+    if len(steps) > 1:
+        for one, other, step in zip(names, names[1:], steps.tolist(), strict=False):
+            yield Row(f"log map, sphere {one} to {other}: order of angles", step)
 
 
 def transport(sizes: list[int]) -> Iterator[Row]:
@@ -238,37 +366,60 @@ def far(_: list[int]) -> Iterator[Row]:
     )
 
 
+class Compared(NamedTuple):
+    """Errors of one logarithmic map: angles in degrees, and the mean of lengths."""
+
+    angles: np.ndarray
+    length: float
+    peer: float
+
+
+def compared(mesh: gt.TriangleMesh, sources: list[int]) -> Iterator[Compared]:
+    """Yield errors against exact paths over the polyhedron, short of a common turn."""
+    solver, n = gt.GeodesicSolver(mesh), mesh.n_vertices
+    frame, rng = gt.tangent_frames(solver), np.random.default_rng(0)
+    for source in sources:
+        others = np.setdiff1d(np.arange(n), [source])
+        targets = rng.choice(others, 60 if n < 10000 else 20, replace=False)
+        want = exact_logs(solver, source, targets)
+        found = gt.log_map(solver, source, refine=True)
+        axes = np.stack([frame.x_axes[source], frame.y_axes[source]])
+        peers = (logs[targets] @ axes.T @ [1, 1j] for logs in peers_logs(mesh, source))
+        yield Compared(
+            turned(found.coordinates[targets] @ [1, 1j], want),
+            float(np.abs(found.distance[targets] / np.abs(want) - 1).mean()),
+            min(float(turned(logs, want).mean()) for logs in peers),
+        )
+
+
 def real(_: list[int]) -> Iterator[Row]:
-    """Logarithms against exact paths over the polyhedron, short of a common turn."""
-    means, medians, lengths, theirs = [], [], [], []
+    found = []
     for name in REAL:
-        if not (DATA / name).exists():
-            print(f"{name}: not there")
-            continue
-        given = gt.read(DATA / name)
-        mesh = gt.TriangleMesh(*referenced(np.array(given.vertices), np.array(given.faces)))
-        solver, n = gt.GeodesicSolver(mesh), mesh.n_vertices
-        rng = np.random.default_rng(0)
-        for source in (n // 7, n // 2, 2 * n // 3):
-            others = np.setdiff1d(np.arange(n), [source])
-            targets = rng.choice(others, 60 if n < 10000 else 20, replace=False)
-            want = exact_logs(solver, source, targets)
-            found = gt.log_map(solver, source, refine=True)
-            off = turned(found.coordinates[targets] @ [1, 1j], want)
-            means.append(off.mean())
-            medians.append(np.median(off))
-            lengths.append(np.abs(found.distance[targets] / np.abs(want) - 1).mean())
-            frame = gt.tangent_frames(solver)
-            axes = np.stack([frame.x_axes[source], frame.y_axes[source]])
-            best = [
-                turned(g[targets] @ axes.T @ [1, 1j], want).mean() for g in peers_logs(mesh, source)
-            ]
-            theirs.append(min(best))
-    if not means:
-        return
-    yield Row("log map, five meshes: mean", float(np.mean(means)), 2.0, peer=float(np.mean(theirs)))
-    yield Row("log map, five meshes: median", float(np.median(medians)), 0.9)
-    yield Row("log map, five meshes: length in %", 100 * float(np.mean(lengths)), 0.3)
+        if mesh := real_mesh(name):
+            n = mesh.n_vertices
+            found += compared(mesh, [n // 7, n // 2, 2 * n // 3])
+    if found:
+        mean = float(np.mean([each.angles.mean() for each in found]))
+        median = float(np.median([np.median(each.angles) for each in found]))
+        peer = float(np.mean([each.peer for each in found]))
+        length = 100 * float(np.mean([each.length for each in found]))
+        yield Row("log map, five meshes: mean angle, degrees", mean, 2.0, peer=peer)
+        yield Row("log map, five meshes: median angle, degrees", median, 0.9)
+        yield Row("log map, five meshes: length, %", length, 0.3)
+    if mesh := real_mesh(FACE):
+        for source in (mesh.n_vertices // 7, 2 * mesh.n_vertices // 3):
+            (each,) = compared(mesh, [source])
+            name = f"log map, face 26k, vertex {source}: mean angle, degrees"
+            yield Row(name, float(each.angles.mean()), 0.3, peer=each.peer)
+
+
+def real_mesh(name: str) -> gt.TriangleMesh | None:
+    """Return a mesh of the shared data, or None and say so where that is not there."""
+    if not (DATA / name).exists():
+        print(f"{name}: not there")
+        return None
+    given = gt.read(DATA / name)
+    return gt.TriangleMesh(*referenced(np.array(given.vertices), np.array(given.faces)))
 
 
 def exact_logs(solver: gt.GeodesicSolver, source: int, targets: np.ndarray) -> np.ndarray:
@@ -343,10 +494,10 @@ def cost(sizes: list[int]) -> Iterator[Row]:
     n = max(sizes)
     shape = sphere(n)
     solver = gt.GeodesicSolver(shape.mesh)
-    ours = cpu(partial(gt.log_map, solver, shape.source, refine=True))
+    ours = cpu(partial(gt.log_map, solver, shape.source, refine=True), 9)
     other = pp3d.MeshVectorHeatSolver(shape.mesh.vertices, shape.mesh.faces)
-    peer = min(cpu(partial(other.compute_log_map, shape.source, s)) for s in STRATEGIES[:2])
-    yield Row(f"log map, sphere {n}: seconds", ours, 0.04, peer=peer)
+    peer = min(cpu(partial(other.compute_log_map, shape.source, s), 9) for s in STRATEGIES[:2])
+    yield Row(f"log map, sphere {n}: ms", 1e3 * ours, 40, peer=1e3 * peer)
     sites = np.random.default_rng(0).choice(n, 100, replace=False)
     few, more = (
         cpu(partial(gt.centroidal_voronoi, solver, sites, steps=steps, tolerance=0.0), 1)
@@ -357,6 +508,7 @@ def cost(sizes: list[int]) -> Iterator[Row]:
 
 PARTS: dict[str, Callable[[list[int]], Iterator[Row]]] = {
     "logs": logs,
+    "hole": hole,
     "order": order,
     "transport": transport,
     "clouds": clouds,
@@ -368,16 +520,11 @@ PARTS: dict[str, Callable[[list[int]], Iterator[Row]]] = {
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(
-        description=__doc__, formatter_class=argparse.RawTextHelpFormatter
-    )
-    parser.add_argument("--large", action="store_true")
-    parser.add_argument("--parts", default=",".join(PARTS))
-    options = parser.parse_args()
-    sizes = [3500, 35000] if options.large else [3500]
-    for part in options.parts.split(","):
-        for row in PARTS[part](sizes):
-            print(row, flush=True)
+    options = parser(__doc__)
+    options.add_argument("--large", action="store_true", help="also 35,000 vertices")
+    given = options.parse_args()
+    sizes = [3500, 35000] if given.large else [3500]
+    report({name: partial(part, sizes) for name, part in PARTS.items()}, given)
 
 
 if __name__ == "__main__":

@@ -1,21 +1,23 @@
 """Loops and paths beside potpourri3d, in one run: their lengths and the CPU time of each.
 
-python benchmarks/heat_family_curves.py            two meshes, 220 paths and 40 loops each
-python benchmarks/heat_family_curves.py --few      a quarter of it
+python benchmarks/heat_family_curves.py                two meshes, 100 paths and 40 loops each
+python benchmarks/heat_family_curves.py --few          a quarter of it
+python benchmarks/heat_family_curves.py --parts loops  some of the parts
 
 Real meshes come from ../shared/data, or the folder that GT_DATA names. A loop is laid along edges
 through four random vertices. For a loop that contracts potpourri3d returns a curve that
 goes there and back along an edge or two, or around a single vertex; ours is an error then.
 """
 
-import argparse
 import os
+from collections.abc import Callable, Iterator
+from functools import partial
 from pathlib import Path
 
 import numpy as np
 import potpourri3d as pp3d
 from measuring.clocks import clocked
-from measuring.tables import markdown
+from measuring.figures import Row, parser, report
 
 import geodesic_toolkit as gt
 from geodesic_toolkit.errors import ContractibleLoopError
@@ -24,6 +26,8 @@ DATA = Path(os.environ.get("GT_DATA", Path(__file__).resolve().parents[2] / "sha
 MESHES = ("igltut__3holes.off", "igltut__bunny.off")
 SAME = 1e-9
 """Relative difference within which two lengths are the same."""
+
+BOUNDS = {"longer": 0.0, "longest, % over": 100 * SAME}
 
 
 def length_of(points: np.ndarray) -> float:
@@ -38,8 +42,17 @@ def our_loop(solver: gt.GeodesicSolver, stops: list[int]) -> float:
         return 0.0
 
 
-def loops(mesh: gt.TriangleMesh, count: int) -> dict[str, float]:
-    """Return how loops through four vertices compare."""
+def compared(own: np.ndarray, other: np.ndarray) -> Iterator[tuple[str, float]]:
+    """Yield how many of our lengths are the same, shorter and longer, and by how much at most."""
+    excess = own / other - 1
+    yield "the same", float((abs(excess) <= SAME).sum())
+    yield "shorter", float(((excess < -SAME) & (own > 0)).sum())
+    yield "longer", float((excess > SAME).sum())
+    yield "longest, % over", 100 * max(float(excess.max()), 0.0)
+
+
+def loops(mesh: gt.TriangleMesh, name: str, count: int) -> Iterator[Row]:
+    """Yield how loops through four vertices compare."""
     peer = pp3d.EdgeFlipGeodesicSolver(np.array(mesh.vertices), np.array(mesh.faces))
     solver = gt.GeodesicSolver(mesh)
     rng = np.random.default_rng(1)
@@ -50,22 +63,15 @@ def loops(mesh: gt.TriangleMesh, count: int) -> dict[str, float]:
         theirs, line = clocked(lambda stops=stops: peer.find_geodesic_loop(stops))
         rows.append((own, length_of(line), 1e3 * ours["cpu"], 1e3 * theirs["cpu"]))
     own, other, ours_ms, theirs_ms = np.array(rows).T
-    excess = own / other - 1
-    return {
-        "loops": count,
-        "contracted": int((own == 0).sum()),
-        "the same": int((abs(excess) <= SAME).sum()),
-        "shorter": int((excess < -SAME).sum() - (own == 0).sum()),
-        "longer": int((excess > SAME).sum()),
-        "worst %": 100 * max(float(excess.max()), 0.0),
-        "ms": float(np.median(ours_ms)),
-        "ms most": float(ours_ms.max()),
-        "ms pp3d": float(np.median(theirs_ms)),
-    }
+    what = f"{count} loops, {name}"
+    yield Row(f"{what}: contracted", float((own == 0).sum()))
+    for figure, value in compared(own, other):
+        yield Row(f"{what}: {figure}", value, BOUNDS.get(figure))
+    yield from times(what, ours_ms, theirs_ms)
 
 
-def paths(mesh: gt.TriangleMesh, count: int) -> dict[str, float]:
-    """Return how far paths from one vertex are over the exact distance."""
+def paths(mesh: gt.TriangleMesh, name: str, count: int) -> Iterator[Row]:
+    """Yield how far paths from one vertex are over the exact distance."""
     peer = pp3d.EdgeFlipGeodesicSolver(np.array(mesh.vertices), np.array(mesh.faces))
     solver = gt.GeodesicSolver(mesh)
     source = mesh.n_vertices // 3
@@ -78,45 +84,14 @@ def paths(mesh: gt.TriangleMesh, count: int) -> dict[str, float]:
         own, other = path.length / exact[target] - 1, length_of(line) / exact[target] - 1
         rows.append((100 * own, 100 * other, 1e3 * ours["cpu"], 1e3 * theirs["cpu"]))
     own, other, ours_ms, theirs_ms = np.array(rows).T
-    return {
-        "paths": count,
-        "over exact, mean %": float(own.mean()),
-        "most %": float(own.max()),
-        "pp3d, mean %": float(other.mean()),
-        "pp3d, most %": float(other.max()),
-        "ms": float(np.median(ours_ms)),
-        "ms pp3d": float(np.median(theirs_ms)),
-    }
+    what = f"{count} paths, {name}"
+    yield Row(f"{what}: mean, % over exact", float(own.mean()), peer=float(other.mean()))
+    yield Row(f"{what}: most, % over exact", float(own.max()), peer=float(other.max()))
+    yield from times(what, ours_ms, theirs_ms, bound=1.0)
 
 
-def paths_of_pairs(mesh: gt.TriangleMesh, count: int) -> dict[str, float]:
-    """Return the time of paths between random vertices, and of a second path from each source."""
-    peer = pp3d.EdgeFlipGeodesicSolver(np.array(mesh.vertices), np.array(mesh.faces))
-    solver = gt.GeodesicSolver(mesh)
-    gt.geodesic_path(solver, 0, 1)  # prepares the mesh
-    rng = np.random.default_rng(3)
-    rows = []
-    for _ in range(count):
-        a, b, c = rng.choice(mesh.n_vertices, 3, replace=False).tolist()
-        first, path = clocked(lambda a=a, b=b: gt.geodesic_path(solver, a, b))
-        second, _ = clocked(lambda a=a, c=c: gt.geodesic_path(solver, a, c))
-        theirs, line = clocked(lambda a=a, b=b: peer.find_geodesic_path(a, b))
-        times = (1e3 * each["cpu"] for each in (first, second, theirs))
-        rows.append((path.length / length_of(line) - 1, *times))
-    excess, pair_ms, same_ms, theirs_ms = np.array(rows).T
-    return {
-        "pairs": count,
-        "the same": int((abs(excess) <= SAME).sum()),
-        "shorter": int((excess < -SAME).sum()),
-        "longer": int((excess > SAME).sum()),
-        "ms": float(np.median(pair_ms)),
-        "ms, source kept": float(np.median(same_ms)),
-        "ms pp3d": float(np.median(theirs_ms)),
-    }
-
-
-def paths_via(mesh: gt.TriangleMesh, count: int) -> dict[str, float]:
-    """Return how paths on the side of a third vertex compare."""
+def paths_via(mesh: gt.TriangleMesh, name: str, count: int) -> Iterator[Row]:
+    """Yield how paths on the side of a third vertex compare."""
     peer = pp3d.EdgeFlipGeodesicSolver(np.array(mesh.vertices), np.array(mesh.faces))
     solver = gt.GeodesicSolver(mesh)
     rng = np.random.default_rng(2)
@@ -125,36 +100,38 @@ def paths_via(mesh: gt.TriangleMesh, count: int) -> dict[str, float]:
         a, via, b = rng.choice(mesh.n_vertices, 3, replace=False).tolist()
         ours, path = clocked(lambda a=a, via=via, b=b: gt.geodesic_path(solver, a, b, via=[via]))
         theirs, line = clocked(lambda a=a, via=via, b=b: peer.find_geodesic_path_poly([a, via, b]))
-        rows.append((path.length / length_of(line) - 1, 1e3 * ours["cpu"], 1e3 * theirs["cpu"]))
-    excess, ours_ms, theirs_ms = np.array(rows).T
-    return {
-        "paths via": count,
-        "the same": int((abs(excess) <= SAME).sum()),
-        "shorter": int((excess < -SAME).sum()),
-        "longer": int((excess > SAME).sum()),
-        "worst %": 100 * max(float(excess.max()), 0.0),
-        "ms": float(np.median(ours_ms)),
-        "ms pp3d": float(np.median(theirs_ms)),
-    }
+        rows.append((path.length, length_of(line), 1e3 * ours["cpu"], 1e3 * theirs["cpu"]))
+    own, other, ours_ms, theirs_ms = np.array(rows).T
+    what = f"{count} paths via a vertex, {name}"
+    for figure, value in compared(own, other):
+        yield Row(f"{what}: {figure}", value, BOUNDS.get(figure))
+    yield from times(what, ours_ms, theirs_ms)
+
+
+def times(
+    what: str, ours: np.ndarray, theirs: np.ndarray, bound: float | None = None
+) -> Iterator[Row]:
+    """Yield median CPU times."""
+    yield Row(f"{what}: ms each", float(np.median(ours)), bound, peer=float(np.median(theirs)))
+
+
+def on_meshes(compare: Callable[..., Iterator[Row]], count: int) -> Iterator[Row]:
+    """Yield the rows of both meshes."""
+    for file in MESHES:
+        yield from compare(gt.read(DATA / file), Path(file).stem.partition("__")[2], count)
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--few", action="store_true", help="a quarter of the loops and paths")
-    share = 4 if parser.parse_args().few else 1
-    meshes = [gt.read(DATA / name) for name in MESHES]
-    for compare, count, note in (
-        (loops, 40, "Loops laid through four vertices each."),
-        (paths, 60, "Lengths over the exact distance."),
-        (paths_of_pairs, 120, "Paths between random vertices, and a second one from the source."),
-        (paths_via, 40, "Paths laid over a third vertex."),
-    ):
-        found = [compare(mesh, count // share) for mesh in meshes]
-        rows = [
-            [name, *(f"{value:.4g}" for value in row.values())]
-            for name, row in zip(MESHES, found, strict=True)
-        ]
-        print(markdown(["mesh", *found[0]], rows, note))
+    options = parser(__doc__)
+    options.add_argument("--few", action="store_true", help="a quarter of the loops and paths")
+    given = options.parse_args()
+    share = 4 if given.few else 1
+    parts = {
+        "loops": partial(on_meshes, loops, 40 // share),
+        "paths": partial(on_meshes, paths, 60 // share),
+        "via": partial(on_meshes, paths_via, 40 // share),
+    }
+    report(parts, given)
 
 
 if __name__ == "__main__":

@@ -1,20 +1,22 @@
 """Vectors in heat, the exponential map and signed distance, beside potpourri3d.
 
-python benchmarks/heat_family_signed.py            rows of 3.5k vertices, and real meshes
-python benchmarks/heat_family_signed.py --large    also of 35k vertices: two minutes
+python benchmarks/heat_family_signed.py               rows of 3.5k vertices, and real meshes
+python benchmarks/heat_family_signed.py --large       also of 35k vertices: two minutes
+python benchmarks/heat_family_signed.py --parts real  some of the parts
 
 Each row has a figure, its bound, and the figure of potpourri3d where that answers. Angles are in
 degrees, distances relative in per cent beyond a mean edge. Times are CPU seconds, the least of some
 runs, interleaved in one process: only their ratios say something on a busy machine.
 """
 
-import argparse
 import time
 from collections.abc import Callable, Iterator
-from typing import Any, NamedTuple
+from functools import partial
+from typing import Any
 
 import numpy as np
 import potpourri3d as pp3d
+from measuring.figures import Parts, Row, parser, report
 from measuring.shapes import DATA, referenced
 from scipy.spatial import ConvexHull
 
@@ -29,23 +31,6 @@ REAL = (
     "igltut__3holes.off",
     "igltut__camelhead.off",
 )
-
-
-class Row(NamedTuple):
-    """A figure, the bound that it is to keep, and the figure of the other library."""
-
-    name: str
-    figure: float
-    bound: float
-    at_least: bool = False
-    peer: float | str = ""
-
-    def __str__(self) -> str:
-        kept = self.figure >= self.bound if self.at_least else self.figure <= self.bound
-        sign = ">=" if self.at_least else "<="
-        peer = f"{self.peer:.4g}" if isinstance(self.peer, float) else self.peer
-        verdict = "" if kept else "  MISSED"
-        return f"{self.name:62s} {self.figure:10.4g} {sign} {self.bound:<8g} {peer:>12s}{verdict}"
 
 
 # -- shapes with closed forms ----------------------------------------------------------------------
@@ -375,29 +360,33 @@ def cost_rows(mesh: gt.TriangleMesh) -> Iterator[Row]:
         yield Row(f"signed of {n}, {kind}: potpourri3d over ours", theirs / own, 10, at_least=True)
 
 
-def rows(*, large: bool) -> Iterator[Row]:
-    """Yield all rows; with those of 35,000 vertices if asked to."""
+def large_cost_rows() -> Iterator[Row]:
+    """Yield the times on a sphere and a scan of 35,000 vertices."""
+    yield from cost_rows(irregular_sphere(35_000))
+    scan = DATA / "jacobson__stanford-bunny.obj"
+    if scan.exists():
+        shape = gt.read(scan)
+        yield from cost_rows(gt.TriangleMesh(*referenced(shape.vertices, shape.faces)))
+
+
+def parts(*, large: bool) -> Parts:
+    """Return all parts; with rows of 35,000 vertices if asked to."""
     sizes = [3_500, 35_000] if large else [3_500]
-    yield from transport_rows(sizes)
-    yield from exponential_rows(sizes)
-    yield from sphere_rows(sizes)
-    yield from real_rows()
-    if large:
-        yield from cost_rows(irregular_sphere(35_000))
-        scan = DATA / "jacobson__stanford-bunny.obj"
-        if scan.exists():
-            shape = gt.read(scan)
-            yield from cost_rows(gt.TriangleMesh(*referenced(shape.vertices, shape.faces)))
+    found: dict[str, Callable[[], Iterator[Row]]] = {
+        "transport": partial(transport_rows, sizes),
+        "exponential": partial(exponential_rows, sizes),
+        "spheres": partial(sphere_rows, sizes),
+        "real": real_rows,
+    }
+    return found | {"cost": large_cost_rows} if large else found
 
 
 def main() -> None:
-    """Print all rows."""
-    parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
-    parser.add_argument("--large", action="store_true", help="also 35,000 vertices")
-    options = parser.parse_args()
-    print(f"{'':62s} {'figure':>10s}    {'bound':8s} {'potpourri3d':>12s}")
-    for row in rows(large=options.large):
-        print(row, flush=True)
+    """Print the rows."""
+    options = parser(__doc__)
+    options.add_argument("--large", action="store_true", help="also 35,000 vertices")
+    given = options.parse_args()
+    report(parts(large=given.large), given)
 
 
 if __name__ == "__main__":

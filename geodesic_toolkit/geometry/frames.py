@@ -224,8 +224,10 @@ def fans_of(
 def normals_of_faces(vertices: FloatArray, faces: IntArray) -> FloatArray:
     """Return unit normals at the vertices of a mesh, of shape (N, 3).
 
-    They are exact for vertices on a sphere, and (0, 0, 1) at vertices without faces. Faces are
-    oriented consistently first, by the majority of their orientations.
+    They are exact for vertices on a sphere, of third order inside smooth surfaces, and (0, 0, 1) at
+    vertices without faces. On the boundary, at creases and where vertices are noisy they are
+    weighted means of those of faces. Faces are oriented consistently first, by the majority of
+    their orientations.
 
     Parameters
     ----------
@@ -241,6 +243,9 @@ def normals_of_faces(vertices: FloatArray, faces: IntArray) -> FloatArray:
     ----------
     N. Max, *Weights for Computing Vertex Normals from Facet Normals*, Journal of Graphics Tools 4,
     1999, https://doi.org/10.1080/10867651.1999.10487501
+
+    F. Cazals, M. Pouget, *Estimating Differential Quantities Using Polynomial Fitting of Osculating
+    Jets*, Computer Aided Geometric Design 22, 2005, https://doi.org/10.1016/j.cagd.2004.09.004
     """
     return _normals(vertices, [_Oriented.of(faces, np.zeros(faces.shape))])
 

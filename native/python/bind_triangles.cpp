@@ -6,6 +6,7 @@
 #include "triangles/frames.hpp"
 #include "triangles/half_edges.hpp"
 #include "triangles/measures.hpp"
+#include "triangles/normals.hpp"
 #include "triangles/proper.hpp"
 #include "triangles/stiffness.hpp"
 

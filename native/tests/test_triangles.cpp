@@ -9,6 +9,7 @@
 #include "triangles/frames.hpp"
 #include "triangles/half_edges.hpp"
 #include "triangles/measures.hpp"
+#include "triangles/normals.hpp"
 #include "triangles/proper.hpp"
 #include "triangles/stiffness.hpp"
 #include "triangles/vector3.hpp"
@@ -287,5 +288,55 @@ TEST(least_rotations_in_the_plane_are_those_of_angles) {
         at(mesh.vertices, mesh.faces[3 * f + 1]) - at(mesh.vertices, mesh.faces[3 * f]);
     CHECK(std::abs(its.turns[6 * f] - step.x / length(step)) < kClose);  // the x axis is (1, 0, 0)
     CHECK(std::abs(its.turns[6 * f + 1] + step.y / length(step)) < kClose);
+  }
+}
+
+namespace {
+
+// A shaken grid of squares of side h, rolled up about the x axis with radius 1.
+Mesh rolled(Index side, double h) {
+  Mesh mesh = sheared_grid(side, 0.0);
+  const std::vector<double> shakes = random_numbers(2 * mesh.n_vertices(), 5, -1.0);
+  for (Index v = 0; v < mesh.n_vertices(); ++v) {
+    const double x = h * (mesh.vertices[3 * v] + 0.3 * shakes[2 * v]);
+    const double turn = h * (mesh.vertices[3 * v + 1] + 0.3 * shakes[2 * v + 1]);
+    mesh.vertices[3 * v] = x;
+    mesh.vertices[3 * v + 1] = std::sin(turn);
+    mesh.vertices[3 * v + 2] = std::cos(turn);
+  }
+  return mesh;
+}
+
+double worst_tilt_inside(Index side, double h) {
+  const Mesh mesh = rolled(side, h);
+  const Array<double> normals = vertex_normals(mesh.vertices, mesh.faces);
+  double worst = 0.0;
+  for (Index row = 1; row + 1 < side; ++row)
+    for (Index column = 1; column + 1 < side; ++column) {
+      const Index v = row * side + column;
+      const Vector3 exact = unit({0, mesh.vertices[3 * v + 1], mesh.vertices[3 * v + 2]}, {});
+      worst = std::max(worst, length(cross(at(normals, v), exact)));
+    }
+  return worst;
+}
+
+}  // namespace
+
+TEST(normals_of_a_cylinder_converge_with_the_third_order) {
+  const double coarse = worst_tilt_inside(12, 0.04), fine = worst_tilt_inside(12, 0.02);
+  CHECK(coarse < 1e-4);
+  CHECK(fine < coarse / 6);
+}
+
+TEST(where_a_plane_is_folded_its_normals_stay) {
+  Mesh mesh = sheared_grid(11, 0.2);
+  for (Index v = 0; v < mesh.n_vertices(); ++v)
+    mesh.vertices[3 * v + 2] = std::abs(mesh.vertices[3 * v + 1] - 5.0);
+  const Array<double> normals = vertex_normals(mesh.vertices, mesh.faces);
+  for (Index v = 0; v < mesh.n_vertices(); ++v) {
+    const double aside = mesh.vertices[3 * v + 1] - 5.0;
+    if (aside == 0) continue;
+    const Vector3 exact = unit({0, aside > 0 ? -1.0 : 1.0, 1}, {});
+    CHECK(length(cross(at(normals, v), exact)) < kClose);
   }
 }

@@ -10,8 +10,6 @@
 namespace geodesic {
 namespace {
 
-// Sum of normals, as a share of that of their lengths, below which they cancel.
-constexpr double kCancelled = 1e-9;
 // Cosine of the angle between two normals, plus one, from which on the least rotation between them
 // is taken to be known.
 constexpr double kOpposite = 1e-9;
@@ -19,17 +17,10 @@ constexpr double kOpposite = 1e-9;
 Index next(Index half) { return half % 3 == 2 ? half - 2 : half + 1; }
 Index previous(Index half) { return half % 3 == 0 ? half + 2 : half - 1; }
 
-Vector3 scaled(const Vector3& a, double by) { return {a.x * by, a.y * by, a.z * by}; }
-Vector3 sum(const Vector3& a, const Vector3& b) { return {a.x + b.x, a.y + b.y, a.z + b.z}; }
 void put(Array<double>& table, Index row, const Vector3& a) {
   table[3 * row] = a.x;
   table[3 * row + 1] = a.y;
   table[3 * row + 2] = a.z;
-}
-// A vector of length 1, or another one where there is no direction.
-Vector3 unit(const Vector3& a, const Vector3& otherwise) {
-  const double size = length(a);
-  return size > 0 ? scaled(a, 1 / size) : otherwise;
 }
 
 // The angles at all corners, (F, 3): Heron's formula as in `doubled_area`, of sorted edges.
@@ -119,41 +110,6 @@ class Fans {
 };
 
 }  // namespace
-
-Array<double> vertex_normals(std::span<const double> vertices, std::span<const Index> faces) {
-  const Index n = count(vertices) / 3;
-  Array<double> normals(3 * n, 0.0), sizes(n, 0.0);
-  const auto each = [&](auto take) {
-    for (Index f = 0; f < count(faces); f += 3)
-      for (int c = 0; c < 3; ++c) {
-        const Vector3 here = at(vertices, faces[f + c]);
-        const Vector3 u = at(vertices, faces[f + (c + 1) % 3]) - here;
-        const Vector3 v = at(vertices, faces[f + (c + 2) % 3]) - here;
-        // In two steps: squares of squares of short lengths are 0.
-        const double uu = dot(u, u), vv = dot(v, v);
-        if (uu > 0 && vv > 0) take(faces[f + c], scaled(scaled(cross(u, v), 1 / uu), 1 / vv));
-      }
-  };
-  each([&](Index v, const Vector3& normal) {
-    put(normals, v, sum(at(normals, v), normal));
-    sizes[v] += length(normal);
-  });
-  Array<bool> cancel(n, false);
-  bool any = false;
-  for (Index v = 0; v < n; ++v) {
-    const Vector3 normal = at(normals, v);
-    cancel[v] = sizes[v] > 0 && !(length(normal) > kCancelled * sizes[v]);
-    any |= cancel[v];
-    put(normals, v, unit(normal, {0, 0, 1}));
-  }
-  if (any)
-    each([&](Index v, const Vector3& normal) {
-      if (!cancel[v] || !(length(normal) > 0)) return;
-      put(normals, v, unit(normal, {0, 0, 1}));
-      cancel[v] = false;
-    });
-  return normals;
-}
 
 Array<double> tangent_axes(std::span<const double> normals) {
   Array<double> axes(count(normals));

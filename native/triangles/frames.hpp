@@ -12,13 +12,6 @@
 
 namespace geodesic {
 
-// Unit normals at vertices, (N, 3), exact where the vertices are on a sphere; (0, 0, 1) at vertices
-// of no face, and a normal of one face where those of all cancel.
-//
-// N. Max, Weights for Computing Vertex Normals from Facet Normals, Journal of Graphics Tools 4,
-// 1999, https://doi.org/10.1080/10867651.1999.10487501
-Array<double> vertex_normals(std::span<const double> vertices, std::span<const Index> faces);
-
 // A unit vector at a right angle to each normal, (N, 3).
 //
 // T. Duff and others, Building an Orthonormal Basis, Revisited, Journal of Computer Graphics

@@ -434,6 +434,8 @@ class Way {
   void carry_across(Row v) {
     const Characteristic& way = ways_[v];
     const State &from_a = states_[way.a], &from_b = states_[way.b];
+    if (circle_.directions && is_in_shadow(from_a) != is_in_shadow(from_b))
+      return carry_beside_shadow(v);
     State& state = states_[v];
     const double at_a = way.radius_a / from_a.spread, at_b = way.radius_b / from_b.spread;
     const double here = at_a + (at_b - at_a) * way.share, all = at_a + at_b;
@@ -452,6 +454,39 @@ class Way {
       const double unknown = std::max(std::abs(apart) - from_a.error - from_b.error, 0.0);
       const double error = from_a.error + part * (from_b.error - from_a.error);
       return Rotation{by_a + part * apart, error + kDoubt * part * (1 - part) * unknown};
+    });
+  }
+
+  static bool is_in_shadow(const State& state) { return state.spread >= kShadow; }
+
+  // Where the shadow of a corner begins between the ends of an edge, what the lit end carries on
+  // alone is right up to the angle of the shadow, which is constant. The mean of both would make
+  // the shadow wider and lighter from edge to edge.
+  void carry_beside_shadow(Row v) {
+    const Characteristic& way = ways_[v];
+    const bool a_is_lit = is_in_shadow(states_[way.b]);
+    const Row lit = a_is_lit ? way.a : way.b, dark = a_is_lit ? way.b : way.a;
+    const std::optional<Beyond> alone = beyond(v, lit);
+    State& state = states_[v];
+    state.label = states_[dark].label;
+    const double turn = within_turn(states_[dark].angle - states_[lit].angle, circle_);
+    const double own = alone ? std::copysign(1.0, turn) * (alone->angle - states_[lit].angle) : 0.0;
+    if (alone && own < std::abs(turn)) {
+      state.angle = alone->angle;
+      state.arrival = alone->arrival;
+      state.spread = alone->spread;
+    } else {
+      state.angle = states_[dark].angle;
+      state.spread = kShadow;
+    }
+    const State &from_a = states_[way.a], &from_b = states_[way.b];
+    state.slope = states_[lit].slope;
+    state.mixed = from_a.mixed + way.share * (from_b.mixed - from_a.mixed);
+    settle(v, std::max(from_a.mixed, from_b.mixed), [&] {
+      const double by_a = from_a.rotation + rotation_from(v, false);
+      const double apart = turn_of(from_b.rotation + rotation_from(v, true) - by_a);
+      return Rotation{by_a + way.share * apart,
+                      from_a.error + way.share * (from_b.error - from_a.error)};
     });
   }
 

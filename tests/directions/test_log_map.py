@@ -102,18 +102,20 @@ def test_from_a_point_in_a_face_of_a_sphere_it_is_as_exact():
     assert degrees_between(found.vectors[good], flat).mean() < 0.15
 
 
-def test_on_a_cylinder_it_is_that_of_the_plane():
+def test_on_a_cylinder_it_is_that_of_the_plane_from_every_source():
     mesh, flat = irregular_cylinder()
-    source = len(flat) // 3
-    found = log_of(mesh, source)
-    turn = (flat[:, 0] - flat[source, 0] + np.pi) % (2 * np.pi) - np.pi
-    rise = flat[:, 1] - flat[source, 1]
-    t = flat[source, 0]
-    want = turn[:, None] * [-np.sin(t), np.cos(t), 0.0] + rise[:, None] * [0.0, 0.0, 1.0]
-    good = (np.abs(turn) < 3.0) & (np.hypot(turn, rise) > 0)
-    assert degrees_between(found.vectors[good], want[good]).mean() < 0.5
-    length = np.linalg.norm(want[good], axis=1)
-    assert (np.abs(found.distance[good] / length - 1)).mean() < 1e-3
+    solver, inside = gt.GeodesicSolver(mesh), np.flatnonzero(np.abs(flat[:, 1] - 1.5) < 1.2)
+    for source in np.random.default_rng(0).choice(inside, 12, replace=False):
+        found = gt.log_map(solver, source, refine=True)
+        turn = (flat[:, 0] - flat[source, 0] + np.pi) % (2 * np.pi) - np.pi
+        rise = flat[:, 1] - flat[source, 1]
+        t = flat[source, 0]
+        want = turn[:, None] * [-np.sin(t), np.cos(t), 0.0] + rise[:, None] * [0.0, 0.0, 1.0]
+        good = (np.abs(turn) < 3.0) & (np.hypot(turn, rise) > 0)
+        # Measured: 0.02 to 0.05 degrees.
+        assert degrees_between(found.vectors[good], want[good]).mean() < 0.1
+        length = np.linalg.norm(want[good], axis=1)
+        assert (np.abs(found.distance[good] / length - 1)).mean() < 1e-3
 
 
 def test_geodesics_of_an_ellipsoid_lead_where_logarithms_say():
@@ -197,8 +199,24 @@ def test_in_the_shadow_of_a_corner_all_leave_towards_that_corner():
     assert shadow.sum() > 10
     directions = found.vectors[shadow] / found.distance[shadow][:, None]
     want = to_corner / np.linalg.norm(to_corner)
-    assert degrees_between(directions, np.tile(want, (len(directions), 1))).max() < 1.0
-    assert np.isinf(found.spread[shadow]).mean() > 0.5
+    assert degrees_between(directions, np.tile(want, (len(directions), 1))).max() < 1e-3
+    assert np.isinf(found.spread[shadow]).all()
+
+
+def test_beside_the_line_where_a_shadow_begins_angles_change_as_they_should():
+    mesh = plate_with_notch(49)
+    places = mesh.vertices
+    source = int(np.linalg.norm(places - [0.5, 1.75, 0.0], axis=1).argmin())
+    found = log_of(mesh, source)
+    corner = np.array([1.0, 1.0, 0.0])
+    away, from_corner = places - places[source], places - corner
+    shadow = np.cross(corner - places[source], from_corner)[:, 2] > 0
+    shadow &= (from_corner[:, 0] > 0) & (from_corner[:, 1] < 1e-12)
+    want = np.where(shadow[:, None], corner - places[source], away)
+    there = found.distance > 0
+    off = degrees_between(found.vectors[there], want[there])
+    assert off.max() < 1.0  # measured: 0.6
+    assert off.mean() < 0.02  # measured: 0.012
 
 
 # -- odd meshes -----------------------------------------------------------------------------------

@@ -9,6 +9,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+import geodesic_toolkit as gt
+
 BENCHMARKS = Path(__file__).resolve().parents[2] / "benchmarks"
 
 if not BENCHMARKS.exists():
@@ -118,6 +120,48 @@ def test_the_default_columns_have_no_options(module):
     assert libraries.options(libraries.PEER_DEFAULT) == {}
     assert libraries.options(libraries.PLAIN) == {"refine": False}
     assert libraries.options("potpourri3d") == {"use_robust": False}
+
+
+def test_rows_of_other_parts_stay_in_a_file_and_figures_that_miss_their_bound_are_bold(
+    module, tmp_path, capsys
+):
+    figures = module("measuring.figures")
+    file = tmp_path / "some.json"
+
+    def run(*options, error=0.5):
+        parts = {
+            "angles": lambda: iter([figures.Row("angle", error, 0.1, peer=2.0)]),
+            "orders": lambda: iter(
+                [figures.Row("order", 1.9, 1.8, at_least=True), figures.Row("loops", 3.0)]
+            ),
+        }
+        figures.report(parts, figures.parser("").parse_args([*options, "--json", str(file)]))
+
+    run()
+    assert "angle" in capsys.readouterr().out
+    assert "| angle | **0.5** | <= 0.1 | 2 |" in file.with_suffix(".md").read_text()
+    run("--parts", "angles", error=0.05)
+    printed = capsys.readouterr().out
+    assert "MISSED" not in printed
+    assert "order" not in printed
+    table = file.with_suffix(".md").read_text()
+    assert "| angle | 0.05 | <= 0.1 | 2 |" in table
+    assert "| order | 1.9 | >= 1.8 |  |" in table
+    assert "| loops | 3 |  |  |" in table
+
+
+def test_closed_forms_around_a_hole_and_on_an_ellipsoid_are_right(module):
+    pytest.importorskip("potpourri3d")
+    directions = module("heat_family")
+    plate = directions.plate_with_hole(500)
+    exact = gt.exact_distance(plate.mesh, plate.source)
+    lengths = np.linalg.norm(plate.logarithms, axis=1)
+    np.testing.assert_allclose(lengths[plate.good], exact[plate.good], atol=1e-12)
+    assert plate.good.mean() > 0.9
+    shape = directions.ellipsoid(400)
+    ends = directions.shot(shape.mesh.vertices[shape.source], shape.logarithms[shape.good], 200)
+    np.testing.assert_allclose(ends, shape.mesh.vertices[shape.good], atol=1e-7)
+    assert shape.good.sum() > 50
 
 
 @pytest.mark.slow
