@@ -145,8 +145,12 @@ class Analysis:
     first[s + 1]`` and the rows ``rows[row_starts[s]:row_starts[s + 1]]``, with its own columns
     first; its dense panel of that shape is stored by columns from ``panels[s]``, and ``parents[s]``
     is its parent, -1 at roots. The permuted lower triangle by columns is `starts` and `lower_rows`;
-    `places` are the indices of its entries in the data of a matrix.
+    `places` are the indices of its entries in the data of a matrix. Of an analysis `in_pairs` only
+    the even columns are kept.
     """
+
+    def in_pairs(self, indptr: Rows) -> Analysis:
+        """Return that of complex Hermitian matrices of the pattern, in their real form."""
 
     @property
     def order(self) -> Rows: ...
@@ -313,10 +317,10 @@ def connection_laplacian(
     frames: Numbers,
     measure: Numbers,
     turns: Numbers,
-) -> Numbers:
-    """Return complex entries (nnz, 2) of G_cᴴ W G_c on a pattern with all edges and the diagonal.
+) -> Numbers | None:
+    """Return complex entries (nnz, 2) of G_cᴴ W G_c on a symmetric pattern with sorted rows.
 
-    The pattern must have an entry for every pair of corners of a triangle.
+    None if it lacks the diagonal, or the entry of a pair of corners of a triangle.
     """
 
 def edge_turns(indptr: Rows, indices: Rows, elements: Indices, turns: Numbers) -> Numbers:
@@ -475,8 +479,8 @@ class Tracer:
         period: float,
         clockwise: bool,
         directions: bool,
-    ) -> tuple[Numbers, Numbers, Numbers, Rows, Rows, Rows, Numbers]:
-        """Return angles, spreads, arrivals, labels (N,), and from where they came.
+    ) -> tuple[Numbers, Numbers, Numbers, Numbers, Rows, Rows, Rows, Numbers]:
+        """Return angles, spreads, arrivals, rotations, labels (N,), and from where they came.
 
         The latter are the ends of the edge that the front to a vertex crossed, -1 at sources, and
         the share of the second.

@@ -23,7 +23,7 @@ from geodesic_toolkit.heat.poisson import PoissonStep
 from geodesic_toolkit.heat.positive import PositiveFlow, worse
 from geodesic_toolkit.heat.refined import Fronts, RefinedStep
 from geodesic_toolkit.heat.time_step import time_steps
-from geodesic_toolkit.linear.base import LinearSolver
+from geodesic_toolkit.linear.base import Analysis, LinearSolver
 from geodesic_toolkit.linear.memory import array_bytes, require_memory
 from geodesic_toolkit.linear.patterns import SharedAnalysis
 from geodesic_toolkit.refinement.bounds import DistanceBounds
@@ -342,6 +342,11 @@ class HeatMethod:
         bool
         """
         return self._flow.is_positive(load)
+
+    @property
+    def known_analysis(self) -> Analysis | None:
+        """The analysis of the heat system, if that has been factorised."""
+        return self._heat_analysis.known
 
     def _diffuse(
         self, block: Sequence[SourcePoints], workspace: FloatArray | None = None

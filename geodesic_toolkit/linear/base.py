@@ -7,6 +7,7 @@ from collections.abc import Mapping
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, ClassVar
 
+from geodesic_toolkit.core.rows import CompressedRows
 from geodesic_toolkit.core.types import FloatArray
 
 if TYPE_CHECKING:
@@ -207,6 +208,38 @@ class LinearSolver(abc.ABC):
             A factor would not fit in memory.
         """
         return _NothingShared(self)
+
+    def analyse_pairs(
+        self,
+        matrix: Any,
+        pattern: CompressedRows,  # noqa: ARG002 - a hook
+        known: Analysis | None = None,  # noqa: ARG002
+    ) -> Analysis:
+        """Return the analysis of real forms of complex Hermitian matrices with one pattern.
+
+        In the real form an entry ``a + i b`` is a block ``[[a, -b], [b, a]]``. The default is the
+        analysis of any matrix; solvers that know complex numbers do half the work.
+
+        Parameters
+        ----------
+        matrix : csr_array of shape (2 N, 2 N), float64
+            The real form of one of them; its values are not used.
+        pattern : CompressedRows of shape (N, N)
+            The pattern of the complex matrices; its values are not used.
+        known : Analysis, optional
+            One that may be of this pattern.
+
+        Returns
+        -------
+        Analysis
+            It factorises real forms.
+
+        Raises
+        ------
+        NotEnoughMemoryError
+            A factor would not fit in memory.
+        """
+        return self.analyse(matrix)
 
 
 class _NothingShared(Analysis):

@@ -10,7 +10,7 @@ from geodesic_toolkit.core.types import FloatArray
 from geodesic_toolkit.linear.base import Analysis, Factor, LinearSolver
 from geodesic_toolkit.linear.memory import require_memory
 
-__all__ = ["SharedAnalysis", "plus_diagonal"]
+__all__ = ["SharedAnalysis", "factorize_pairs", "plus_diagonal"]
 
 
 def plus_diagonal(
@@ -83,11 +83,14 @@ class SharedAnalysis(Analysis):
         with self._lock:
             if self._analysis is None:
                 analysis = self._solver.analyse(given)
-                size = f"{matrix.shape[0]} unknowns with {matrix.nnz} entries"
-                needed = analysis.expected_bytes(self._n_factors)
-                require_memory(needed, f"{self._n_factors} x factorising {size}")
+                _require_memory(analysis, self._n_factors, matrix)
                 self._analysis = analysis  # set last, so that a call after an error checks again
         return self._analysis.factorize(given)
+
+    @property
+    def known(self) -> Analysis | None:
+        """The analysis, if a matrix has been factorised."""
+        return self._analysis
 
     def expected_bytes(self, n_factors: int | None = None) -> float:
         """Return the bytes that factors take: all expected ones, unless `n_factors` is given.
@@ -98,3 +101,39 @@ class SharedAnalysis(Analysis):
         if self._analysis is None:
             return 0.0
         return self._analysis.expected_bytes(n_factors or self._n_factors)
+
+
+def factorize_pairs(
+    solver: LinearSolver,
+    matrix: CompressedRows,
+    pattern: CompressedRows,
+    known: Analysis | None = None,
+) -> Factor:
+    """Return the factor of the real form of a complex Hermitian matrix.
+
+    Parameters
+    ----------
+    solver : LinearSolver
+    matrix : CompressedRows of shape (2 N, 2 N)
+        Each entry ``a + i b`` is a block ``[[a, -b], [b, a]]``.
+    pattern : CompressedRows of shape (N, N)
+        That of the complex matrix.
+    known : Analysis, optional
+        One that may be of the pattern.
+
+    Raises
+    ------
+    SolverError
+        The matrix is singular or not positive definite.
+    NotEnoughMemoryError
+        The factor would not fit.
+    """
+    given = matrix if solver.takes_rows else matrix.scipy
+    analysis = solver.analyse_pairs(given, pattern, known)
+    _require_memory(analysis, 1, matrix)
+    return analysis.factorize(given)
+
+
+def _require_memory(analysis: Analysis, n_factors: int, matrix: CompressedRows) -> None:
+    size = f"{matrix.shape[0]} unknowns with {matrix.nnz} entries"
+    require_memory(analysis.expected_bytes(n_factors), f"{n_factors} x factorising {size}")

@@ -100,6 +100,21 @@ class Supernodal(LinearSolver):
         )
         return SupernodalAnalysis(_rows_of(pattern), compact=bool(self.compact))
 
+    def analyse_pairs(
+        self,
+        matrix: csr_array | CompressedRows,
+        pattern: CompressedRows,
+        known: Analysis | None = None,
+    ) -> SupernodalAnalysis:
+        """Return the analysis of real forms of complex Hermitian matrices with one pattern.
+
+        The factor of a real form is the real form of a complex factor. It is stored as complex
+        numbers: with all digits, in as much memory as a compact factor takes.
+        """
+        if not (isinstance(known, SupernodalAnalysis) and known.fits(pattern)):
+            known = SupernodalAnalysis(pattern)
+        return known.in_pairs(_rows_of(matrix))
+
     def factorize(self, matrix: csr_array | CompressedRows) -> SupernodalFactor:
         """Return the Cholesky factor of a symmetric positive definite `matrix`."""
         return self.analyse(matrix).factorize(matrix)
@@ -114,6 +129,8 @@ class SupernodalAnalysis(Analysis):
         Its values are not used.
     compact : bool
         Keep only the upper half of each number, if that is accurate enough.
+    analysis : _native.Analysis, optional
+        The result, if it is known.
 
     Raises
     ------
@@ -121,10 +138,20 @@ class SupernodalAnalysis(Analysis):
         The pattern has entries without a mirror image.
     """
 
-    def __init__(self, pattern: CompressedRows, *, compact: bool = False) -> None:
+    def __init__(
+        self,
+        pattern: CompressedRows,
+        *,
+        compact: bool = False,
+        analysis: _native.Analysis | None = None,
+    ) -> None:
         self.compact = compact
         self._pattern = unchanging(pattern.indptr), unchanging(pattern.indices)
-        self._analysis = _analysis_of(pattern)
+        self._analysis = _analysis_of(pattern) if analysis is None else analysis
+
+    def in_pairs(self, matrix: CompressedRows) -> SupernodalAnalysis:
+        """Return the analysis of real forms, (2 N, 2 N), of complex matrices of the pattern."""
+        return SupernodalAnalysis(matrix, analysis=self._analysis.in_pairs(self._pattern[0]))
 
     def expected_bytes(self, n_factors: int) -> float:
         """Return the exact bytes of this many factors with their stacks of update matrices."""
@@ -134,7 +161,7 @@ class SupernodalAnalysis(Analysis):
     def factorize(self, matrix: csr_array | CompressedRows) -> SupernodalFactor:
         """Return the Cholesky factor of `matrix`; a different pattern is analysed first."""
         rows = _rows_of(matrix)
-        analysis = self._analysis if self._fits(rows) else _analysis_of(rows)
+        analysis = self._analysis if self.fits(rows) else _analysis_of(rows)
         _require_finite(rows)
         if self.compact:
             factor = _cholesky(rows, analysis, compact=True)
@@ -142,7 +169,7 @@ class SupernodalAnalysis(Analysis):
                 return factor
         return _cholesky(rows, analysis, compact=False)
 
-    def _fits(self, matrix: CompressedRows) -> bool:
+    def fits(self, matrix: CompressedRows) -> bool:
         """Return True if a matrix has the pattern that was analysed."""
         return all(
             own is other or np.array_equal(own, other)

@@ -91,8 +91,19 @@ def connection_laplacian(metric: Discretization, frames: Frames) -> Connection:
             f"a connection needs triangles or edges, and this discretization has {gradient!r}"
         )
     _check_turns(frames, gradient.elements.shape)
+    if metric.rows.nnz <= gradient.n_vertices + 2 * gradient.elements.size:  # that of its edges
+        entries = _on(metric.rows, gradient, frames)
+        if entries is not None:
+            return Connection(metric.rows, entries)
     pattern = gradient.sums().stiffness()
-    entries = _native.connection_laplacian(
+    entries = _on(pattern, gradient, frames)
+    assert entries is not None  # for the type checker; the pattern has all edges
+    return Connection(pattern, entries)
+
+
+def _on(pattern: CompressedRows, gradient: ElementGradient, frames: Frames) -> FloatArray | None:
+    """Return the entries on a pattern, or None if it lacks some."""
+    return _native.connection_laplacian(
         pattern.indptr,
         pattern.indices,
         gradient.elements,
@@ -100,7 +111,6 @@ def connection_laplacian(metric: Discretization, frames: Frames) -> Connection:
         gradient.measure,
         frames.turns.view(np.float64),
     )
-    return Connection(pattern, entries)
 
 
 def connection_along_edges(

@@ -9,8 +9,8 @@ from geodesic_toolkit.core.rows import CompressedRows
 from geodesic_toolkit.core.types import BoolArray, FloatArray
 from geodesic_toolkit.geometry.frames import ComplexArray
 from geodesic_toolkit.heat.log_range import smallest_final_value
-from geodesic_toolkit.linear.base import Factor, LinearSolver
-from geodesic_toolkit.linear.patterns import SharedAnalysis
+from geodesic_toolkit.linear.base import Analysis, Factor, LinearSolver
+from geodesic_toolkit.linear.patterns import factorize_pairs
 
 __all__ = ["LogVectors", "VectorFlow"]
 
@@ -37,12 +37,22 @@ class VectorFlow:
     ----------
     matrix : CompressedRows of shape (2 N, 2 N)
         M + t L_c in its real form.
+    pattern : CompressedRows of shape (N, N)
+        That of L_c.
     solver : LinearSolver
+    known : Analysis, optional
+        One that may be of the pattern, so that nothing is analysed.
     """
 
-    def __init__(self, matrix: CompressedRows, solver: LinearSolver) -> None:
+    def __init__(
+        self,
+        matrix: CompressedRows,
+        pattern: CompressedRows,
+        solver: LinearSolver,
+        known: Analysis | None = None,
+    ) -> None:
         self.matrix = matrix
-        self._factor: Factor = SharedAnalysis(solver).factorize(matrix)
+        self._factor: Factor = factorize_pairs(solver, matrix, pattern, known)
         self._restarts = solver.componentwise
 
     @property
@@ -65,14 +75,14 @@ class VectorFlow:
         As in :func:`geodesic_toolkit.heat.log_range.log_solve`: where a vector has sunk below a
         threshold, the solve starts again with the load of those above it on the others, scaled.
         """
+        vectors = self.solve(load)
+        sizes = np.abs(vectors)
+        if sizes.min() > self._least:  # as on most shapes
+            return LogVectors(np.log(sizes), vectors / sizes)
         count = len(load)
         log_sizes, directions = np.full(count, -np.inf), np.zeros(count, dtype=np.complex128)
         settled, log_scale = np.zeros(count, dtype=np.bool_), 0.0
         for _ in range(count + 1):  # each stage finishes a vertex at least
-            vectors = self.solve(load)
-            sizes = np.abs(vectors)
-            if not settled.any() and sizes.min() > self._least:  # as on most shapes
-                return LogVectors(np.log(sizes), vectors / sizes)
             new = ~settled & (sizes > self._least)
             log_sizes[new] = np.log(sizes[new]) + log_scale
             directions[new] = vectors[new] / sizes[new]
@@ -85,6 +95,8 @@ class VectorFlow:
                 break
             load /= largest
             log_scale += float(np.log(largest))
+            vectors = self.solve(load)
+            sizes = np.abs(vectors)
         return LogVectors(log_sizes, directions)
 
     def _interface(self, vectors: ComplexArray, near: BoolArray) -> ComplexArray:

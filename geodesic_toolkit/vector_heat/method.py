@@ -128,7 +128,9 @@ class VectorHeatMethod:
                 else:
                     connection = connection_along_edges(heat.diffusion, metric, self.frames)
                 matrix = connection.plus_mass(heat.diffusion.mass, self._times)
-                self._flows[positive] = VectorFlow(matrix, self._solver)
+                self._flows[positive] = VectorFlow(
+                    matrix, connection.pattern, self._solver, heat.known_analysis
+                )
             return self._flows[positive]
 
     # -- what it is for ------------------------------------------------------------------------

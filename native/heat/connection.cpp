@@ -1,17 +1,24 @@
 #include "heat/connection.hpp"
 
 #include <algorithm>
-#include <stdexcept>
 
 namespace geodesic {
 namespace {
 
+// Entries of a row up to which all are counted: no branch depends on what they are.
+constexpr Index kFewEntries = 24;
+
 // Where the entry (row, column) is, or -1.
 Index place_of(const Pattern& pattern, Index row, Index column) {
-  const auto begin = pattern.indices.begin() + pattern.indptr[row];
-  const auto end = pattern.indices.begin() + pattern.indptr[row + 1];
-  const auto found = std::lower_bound(begin, end, static_cast<Row>(column));
-  return found != end && *found == column ? found - pattern.indices.begin() : -1;
+  const Row* const begin = pattern.indices.data() + pattern.indptr[row];
+  const Row* const end = pattern.indices.data() + pattern.indptr[row + 1];
+  const Row wanted = static_cast<Row>(column);
+  const Row* found = begin;
+  if (end - begin > kFewEntries)
+    found = std::lower_bound(begin, end, wanted);
+  else
+    for (const Row* at = begin; at < end; ++at) found += *at < wanted;
+  return found != end && *found == wanted ? found - pattern.indices.data() : -1;
 }
 
 // Add to a complex number by conj(one) other, times a real one.
@@ -20,25 +27,56 @@ void add(double* sum, const double* one, const double* other, double by) {
   sum[1] += by * (one[0] * other[1] - one[1] * other[0]);
 }
 
+// Fill in the entries left of the diagonal; return whether each has its mirror image. Rows visited
+// in order meet those of each column in order.
+bool mirror(const Pattern& pattern, const Array<Index>& diagonal, Array<double>& entries) {
+  Array<Index> place(pattern.size());
+  for (Index v = 0; v < pattern.size(); ++v) place[v] = diagonal[v] + 1;
+  for (Index row = 0; row < pattern.size(); ++row)
+    for (Index k = pattern.indptr[row]; k < pattern.indptr[row + 1]; ++k) {
+      if (pattern.indices[k] >= row) break;
+      const Row column = pattern.indices[k];
+      const Index other = place[column]++;
+      if (other >= pattern.indptr[column + 1] || pattern.indices[other] != row) return false;
+      entries[2 * k] = entries[2 * other];
+      entries[2 * k + 1] = -entries[2 * other + 1];
+    }
+  for (Index v = 0; v < pattern.size(); ++v)
+    if (place[v] != pattern.indptr[v + 1]) return false;
+  return true;
+}
+
 }  // namespace
 
-Array<double> connection_laplacian(const Pattern& pattern, std::span<const Index> elements,
-                                   std::span<const double> frames, std::span<const double> measure,
-                                   std::span<const double> turns) {
+std::optional<Array<double>> connection_laplacian(const Pattern& pattern,
+                                                  std::span<const Index> elements,
+                                                  std::span<const double> frames,
+                                                  std::span<const double> measure,
+                                                  std::span<const double> turns) {
   Array<double> entries(2 * count(pattern.indices), 0.0);
+  Array<Index> diagonal(pattern.size());
+  for (Index v = 0; v < pattern.size(); ++v) {
+    diagonal[v] = place_of(pattern, v, v);
+    if (diagonal[v] < 0) return std::nullopt;
+  }
   for (Index e = 0; e < count(measure); ++e) {
     const Index* const corner = elements.data() + 3 * e;
     const double p = frames[3 * e], q = frames[3 * e + 1], r = frames[3 * e + 2];
     const double gradient[3][2] = {{-p, -q - r}, {p, q}, {0.0, r}};
+    const double* const own = turns.data() + 6 * e;
+    const auto put = [&](int i, int j) {
+      const double product = gradient[i][0] * gradient[j][0] + gradient[i][1] * gradient[j][1];
+      const Index place =
+          corner[i] == corner[j] ? diagonal[corner[i]] : place_of(pattern, corner[i], corner[j]);
+      if (place < 0) return false;
+      add(&entries[2 * place], own + 2 * i, own + 2 * j, measure[e] * product);
+      return true;
+    };
     for (int i = 0; i < 3; ++i)
-      for (int j = 0; j < 3; ++j) {
-        const double product = gradient[i][0] * gradient[j][0] + gradient[i][1] * gradient[j][1];
-        const Index place = place_of(pattern, corner[i], corner[j]);
-        if (place < 0) throw std::invalid_argument("the pattern lacks an edge of a triangle");
-        add(&entries[2 * place], &turns[2 * (3 * e + i)], &turns[2 * (3 * e + j)],
-            measure[e] * product);
-      }
+      for (int j = 0; j < 3; ++j)
+        if (corner[i] <= corner[j] && !put(i, j)) return std::nullopt;
   }
+  if (!mirror(pattern, diagonal, entries)) return std::nullopt;
   return entries;
 }
 

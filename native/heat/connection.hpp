@@ -4,15 +4,20 @@
 // https://doi.org/10.1145/3243651
 #pragma once
 
+#include <optional>
+
 #include "core/matrix.hpp"
 
 namespace geodesic {
 
-// Complex entries of G_c^H W G_c, as pairs of numbers, on a pattern that has all edges of triangles
-// (E, 3) and the diagonal. Hermitian and positive semidefinite, as L = -Delta is.
-Array<double> connection_laplacian(const Pattern& pattern, std::span<const Index> elements,
-                                   std::span<const double> frames, std::span<const double> measure,
-                                   std::span<const double> turns);
+// Complex entries of G_c^H W G_c, as pairs of numbers, on a pattern with sorted rows; nothing where
+// that is not symmetric or lacks the diagonal or an edge of the triangles, (E, 3). Hermitian and
+// positive semidefinite, as L = -Delta is.
+std::optional<Array<double>> connection_laplacian(const Pattern& pattern,
+                                                  std::span<const Index> elements,
+                                                  std::span<const double> frames,
+                                                  std::span<const double> measure,
+                                                  std::span<const double> turns);
 
 // The turn from the frame of vertex j into that of vertex i for each entry (i, j) of a pattern, as
 // pairs of numbers: the sum of those through the elements (E, m) that have both, 0 where none has.

@@ -32,10 +32,11 @@ struct Analysis {
   Array<Row> rows;
   Array<Row> parents;  // the parent of each supernode, kNone at roots
   Array<Index> panels;
-  Index n_entries = 0;  // of the pattern that was analysed
-  Index stack = 0;      // numbers on the stack of update matrices, at the most
-  Index tallest = 0;    // rows of the tallest supernode
-  Index largest = 0;    // numbers in the largest panel
+  Index n_entries = 0;    // of the pattern that was analysed
+  Index stack = 0;        // numbers on the stack of update matrices, at the most
+  Index tallest = 0;      // rows of the tallest supernode
+  Index largest = 0;      // numbers in the largest panel
+  bool in_pairs = false;  // whether it is of a matrix of complex numbers; see `in_pairs`
 
   Index n_vertices() const { return order.size(); }
   Index n_supernodes() const { return parents.size(); }
@@ -53,5 +54,12 @@ struct Analysis {
 bool is_symmetric(const Pattern& pattern);
 Elimination minimum_degree(const Pattern& pattern);
 std::shared_ptr<const Analysis> analyze(const Pattern& pattern, const Elimination& elimination);
+
+// The analysis of Hermitian matrices with a pattern, from that of the pattern, in their real form:
+// an entry a + i b is a block [[a, -b], [b, a]].
+//
+// So are the entries of the factor, as its diagonal is real, and its odd columns follow from the
+// even ones: only those are computed and stored. `indptr` is that of the pattern.
+std::shared_ptr<const Analysis> in_pairs(const Analysis& analysis, std::span<const Row> indptr);
 
 }  // namespace geodesic

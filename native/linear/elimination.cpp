@@ -220,4 +220,44 @@ std::shared_ptr<const Analysis> analyze(const Pattern& pattern, const Eliminatio
   return result;
 }
 
+std::shared_ptr<const Analysis> in_pairs(const Analysis& its, std::span<const Row> indptr) {
+  const Index n = its.n_vertices(), n_supernodes = its.n_supernodes();
+  auto result = std::make_shared<Analysis>();
+  result->order = Array<Row>(2 * n);
+  result->starts = Array<Index>(2 * n + 1);
+  result->lower_rows = Array<Row>(2 * its.lower_rows.size());
+  result->places = Array<Row>(2 * its.places.size());
+  for (Index j = 0; j < n; ++j) {
+    const Row begin = indptr[its.order[j]];
+    for (Row part = 0; part < 2; ++part) result->order[2 * j + part] = 2 * its.order[j] + part;
+    result->starts[2 * j] = 2 * its.starts[j];
+    result->starts[2 * j + 1] = 2 * its.starts[j + 1];  // nothing is read of odd columns
+    for (Index p = its.starts[j]; p < its.starts[j + 1]; ++p)
+      for (Row part = 0; part < 2; ++part) {
+        result->lower_rows[2 * p + part] = 2 * its.lower_rows[p] + part;
+        result->places[2 * p + part] = 2 * (begin + its.places[p]) + part;
+      }
+  }
+  result->starts[2 * n] = 2 * its.starts[n];
+  result->first = Array<Row>(n_supernodes + 1);
+  result->row_starts = Array<Index>(n_supernodes + 1);
+  result->panels = Array<Index>(n_supernodes + 1);
+  for (Index s = 0; s <= n_supernodes; ++s) {
+    result->first[s] = 2 * its.first[s];
+    result->row_starts[s] = 2 * its.row_starts[s];
+    result->panels[s] = 2 * its.panels[s];
+  }
+  result->rows = Array<Row>(2 * its.rows.size());
+  for (Index k = 0; k < its.rows.size(); ++k)
+    for (Row part = 0; part < 2; ++part) result->rows[2 * k + part] = 2 * its.rows[k] + part;
+  result->parents = Array<Row>(n_supernodes);
+  std::ranges::copy(its.parents, result->parents.begin());
+  result->n_entries = 4 * its.n_entries;
+  result->stack = 4 * its.stack;
+  result->tallest = 2 * its.tallest;
+  result->largest = 4 * its.largest;
+  result->in_pairs = true;
+  return result;
+}
+
 }  // namespace geodesic

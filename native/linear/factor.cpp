@@ -40,7 +40,7 @@ void check_definite(const Analysis& analysis, const Pivots& pivots) {
 Factor::Factor(std::shared_ptr<const Analysis> analysis, std::span<const double> data, bool compact)
     : analysis_(std::move(analysis)) {
   const Index size = analysis_->n_stored() + kPaddingRows;
-  if (compact) {
+  if (compact && !analysis_->in_pairs) {
     halves_ = Array<Half>(size);
     check_definite(*analysis_, factorize<Half>(*analysis_, data, halves_));
   } else {
@@ -52,6 +52,7 @@ Factor::Factor(std::shared_ptr<const Analysis> analysis, std::span<const double>
 void Factor::solve(std::span<const double> b, std::span<double> x, Index n_columns) const {
   const auto with = [&](const auto* panels) {
     const Analysis& its = *analysis_;
+    if (its.in_pairs) return solve_pairs(its, numbers_.data(), b, x, n_columns);
     const Index alone = n_columns <= kMaxColumnsOneByOne ? n_columns : 0;
     bool finite = true;
     for (Index k = 0; k < alone; ++k)
@@ -71,7 +72,9 @@ Index Factor::nbytes() const {
 }
 
 Index Factor::nbytes_needed(const Analysis& its, bool compact) {
-  const Index stored = its.n_stored() + kPaddingRows, front = compact ? its.largest : 0;
+  const Index stored = its.n_stored() + kPaddingRows;
+  compact = compact && !its.in_pairs;
+  const Index front = compact || its.in_pairs ? its.largest : 0;
   const Index numbers = its.stack + front::packed_size(its.tallest) + front;
   return numbers * Index{sizeof(double)} + stored * Index(compact ? sizeof(Half) : sizeof(double));
 }

@@ -8,8 +8,8 @@
 
 namespace geodesic {
 
-// The panels of a factor, of whole numbers or of their upper halves. Solving changes nothing in it,
-// so that several threads may.
+// The panels of a factor, of whole numbers or of their upper halves, which pairs never are. Solving
+// changes nothing in it, so that several threads may.
 class Factor {
  public:
   // Throws SolverError where the matrix is not positive definite to working precision, or has

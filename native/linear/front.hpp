@@ -23,6 +23,10 @@ Index packed_size(Index tallest);
 // They become those of L, except that the diagonal becomes the inverse of L's. `update` receives
 // the lower triangle of U, square and of `height - width` rows; `workspace` has `packed_size`
 // numbers.
-Index eliminate(double* panel, double* update, Index height, Index width, double* workspace);
+//
+// `in_pairs` the front is one of complex numbers in their real form: only its even columns count,
+// and only those of `update` are written. The odd columns of the panel are spoilt.
+Index eliminate(double* panel, double* update, Index height, Index width, bool in_pairs,
+                double* workspace);
 
 }  // namespace geodesic::front

@@ -32,8 +32,8 @@ struct Update {
   double* values;
 };
 
-// Eliminates fronts, one after the other.
-template <class T>
+// Eliminates fronts, one after the other. Of pairs of columns the second follows from the first.
+template <class T, int Every>
 class Eliminator {
  public:
   Eliminator(const Analysis& analysis, std::span<const double> data, T* panels, double* pivots)
@@ -44,7 +44,7 @@ class Eliminator {
         local_(its_.n_vertices()),
         child_rows_(its_.tallest),
         packed_(front::packed_size(its_.tallest)),
-        front_(kCompact ? its_.largest : 0) {}
+        front_(kCopies ? its_.largest : 0) {}
 
   // Eliminate the front of s; return the column of the first pivot <= 0, or kNone.
   Index eliminate(Index s, std::span<const Update> children, double* update) {
@@ -56,29 +56,31 @@ class Eliminator {
       const Index count = its_.below(child.supernode), inside = locate(child, width);
       add(panel, height, child.values, count, 0, inside);
     }
-    const Index failed = front::eliminate(panel, update, height, width, packed_.data());
+    const Index failed = front::eliminate(panel, update, height, width, Every == 2, packed_.data());
     if (failed != kNone) return begin + failed;
     double* const corner = update - width * (below + 1);
     for (const Update& child : children) {
       const Index count = its_.below(child.supernode), inside = locate(child, width);
       add(corner, below, child.values, count, inside, count);
     }
-    for (Index j = 0; j < width; ++j) {
+    for (Index j = 0; j < width; j += Every) {
       const double root = 1 / panel[j * height + j];
-      pivots_[begin + j] = root * root / pivots_[begin + j];
+      const double left = root * root / pivots_[begin + j];
+      for (Index part = 0; part < Every; ++part) pivots_[begin + j + part] = left;
     }
-    if constexpr (kCompact) {
-      T* const kept = panels_ + its_.panels[s];
-      for (Index k = 0; k < height * width; ++k) kept[k] = T(panel[k]);
+    if constexpr (kCopies) {
+      T* kept = panels_ + its_.panels[s];
+      for (Index j = 0; j < width; j += Every, kept += height)
+        for (Index i = 0; i < height; ++i) kept[i] = T(panel[j * height + i]);
     }
     return kNone;
   }
 
  private:
-  static constexpr bool kCompact = !std::is_same_v<T, double>;
+  static constexpr bool kCopies = Every == 2 || !std::is_same_v<T, double>;
 
   double* panel_of(Index s) {
-    if constexpr (kCompact)
+    if constexpr (kCopies)
       return front_.data();
     else
       return panels_ + its_.panels[s];
@@ -91,7 +93,7 @@ class Eliminator {
     const Row* const rows = its_.rows_of(s);
     for (Index k = 0; k < height; ++k) local_[rows[k]] = static_cast<Row>(k);
     std::fill_n(panel, height * width, 0.0);
-    for (Index j = 0; j < width; ++j) {
+    for (Index j = 0; j < width; j += Every) {
       for (Index p = its_.starts[begin + j]; p < its_.starts[begin + j + 1]; ++p) {
         prefetch(&data_[its_.places[std::min(p + kPrefetchDistance, last)]]);
         panel[j * height + local_[its_.lower_rows[p]]] += data_[its_.places[p]];
@@ -115,7 +117,7 @@ class Eliminator {
   // Add some columns of a child's update matrix of `count` rows, where `child_rows_` says.
   void add(double* target, Index stride, const double* child, Index count, Index begin, Index end) {
     const Row* const places = child_rows_.data();
-    for (Index j = begin; j < end; ++j) {
+    for (Index j = begin; j < end; j += Every) {
       const double* const source = child + j * count;
       double* const column = target + places[j] * stride;
       for (Index i = j; i < count; ++i) column[places[i]] += source[i];
@@ -130,10 +132,8 @@ class Eliminator {
   Array<double> packed_, front_;
 };
 
-}  // namespace
-
-template <class T>
-Pivots factorize(const Analysis& its, std::span<const double> data, std::span<T> panels) {
+template <class T, int Every>
+Pivots factorize_every(const Analysis& its, std::span<const double> data, std::span<T> panels) {
   const FlushSubnormals flush;
   const Index n_supernodes = its.n_supernodes();
   Pivots result{kNone, Array<double>(its.n_vertices())};
@@ -141,7 +141,7 @@ Pivots factorize(const Analysis& its, std::span<const double> data, std::span<T>
   Array<bool> odd(n_supernodes);
   for (Index s = n_supernodes - 1; s >= 0; --s)
     odd[s] = its.parents[s] != kNone && !odd[its.parents[s]];
-  Eliminator<T> eliminator(its, data, panels.data(), result.left.data());
+  Eliminator<T, Every> eliminator(its, data, panels.data(), result.left.data());
   Workspace stack(
       std::max(its.stack, kBlock * its.n_vertices()));  // solves of a block will have it
   std::vector<Update> waiting;
@@ -171,6 +171,15 @@ Pivots factorize(const Analysis& its, std::span<const double> data, std::span<T>
       low = update + below * below;
   }
   return result;
+}
+
+}  // namespace
+
+template <class T>
+Pivots factorize(const Analysis& its, std::span<const double> data, std::span<T> panels) {
+  if constexpr (std::is_same_v<T, double>)
+    if (its.in_pairs) return factorize_every<T, 2>(its, data, panels);
+  return factorize_every<T, 1>(its, data, panels);
 }
 
 template Pivots factorize(const Analysis&, std::span<const double>, std::span<double>);

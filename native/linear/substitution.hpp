@@ -18,4 +18,8 @@ template <class T>
 bool solve_block(const Analysis& analysis, const T* panels, const double* b, double* x,
                  Index stride, Index n_columns);
 
+// The same of an analysis in pairs, for n_columns of real and imaginary parts in turn, by rows.
+bool solve_pairs(const Analysis& analysis, const double* panels, std::span<const double> b,
+                 std::span<double> x, Index n_columns);
+
 }  // namespace geodesic

@@ -44,11 +44,11 @@ void bind_heat(nb::module_& module) {
         require(elements.shape(1) == 3 && frames.size() == elements.size() &&
                     measure.size() == elements.shape(0) && turns.size() == 2 * elements.size(),
                 "a frame, a measure and three turns for each triangle");
-        Array<double> entries = unlocked([&] {
+        std::optional<Array<double>> entries = unlocked([&] {
           return connection_laplacian(pattern, span(elements), span(frames), span(measure),
                                       span(turns));
         });
-        return give(std::move(entries), 2);
+        return entries ? nb::cast(give(*std::move(entries), 2)) : nb::object(nb::none());
       },
       "indptr"_a.noconvert(), "indices"_a.noconvert(), "elements"_a.noconvert(),
       "frames"_a.noconvert(), "measure"_a.noconvert(), "turns"_a.noconvert());

@@ -48,7 +48,17 @@ void bind_linear(nb::module_& module) {
       .def_prop_ro("panels", field(&Analysis::panels))
       .def_prop_ro("n_stored", &Analysis::n_stored)
       .def_prop_ro("nbytes", &Analysis::nbytes)
-      .def("factor_bytes", &Factor::nbytes_needed, "compact"_a);
+      .def("factor_bytes", &Factor::nbytes_needed, "compact"_a)
+      .def(
+          "in_pairs",
+          [](const Analysis& self, In<Row> indptr) {
+            require(!self.in_pairs && n_rows(indptr) == self.n_vertices() + 1 &&
+                        indptr.data()[self.n_vertices()] == self.n_entries,
+                    "the pattern that was analysed");
+            return unlocked(
+                [&] { return std::const_pointer_cast<Analysis>(in_pairs(self, span(indptr))); });
+          },
+          "indptr"_a.noconvert());
   module.def(
       "analyze",
       [](In<Row> indptr, In<Row> indices) {
@@ -92,7 +102,8 @@ void bind_linear(nb::module_& module) {
         Array<double> update((height - width) * (height - width));
         Array<double> workspace(front::packed_size(height));
         const Index failed = unlocked([&] {
-          return front::eliminate(panel.data(), update.data(), height, width, workspace.data());
+          return front::eliminate(panel.data(), update.data(), height, width, false,
+                                  workspace.data());
         });
         return nb::make_tuple(failed, give(std::move(update)));
       },

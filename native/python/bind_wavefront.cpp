@@ -120,6 +120,7 @@ void bind_tracer(nb::module_& module) {
             });
             return nb::make_tuple(give(std::move(carried.angles)), give(std::move(carried.spreads)),
                                   give(std::move(carried.arrivals)),
+                                  give(std::move(carried.rotations)),
                                   give(std::move(carried.labels)), give(std::move(carried.a)),
                                   give(std::move(carried.b)), give(std::move(carried.shares)));
           },

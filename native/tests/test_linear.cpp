@@ -65,31 +65,50 @@ std::vector<double> eliminated(std::vector<double> front, Index height, Index wi
   return front;
 }
 
-// Compare a front of whichever shape with plain loops. Memory is as large as it must be, so that
-// the address sanitizer sees what reaches past it.
-void check_front(Index height, Index width) {
-  const std::string shape = std::to_string(height) + " rows, " + std::to_string(width) + " columns";
-  std::vector<double> whole = random_numbers(height * height, 3);
+// Compare a front of whichever shape with plain loops; of pairs only the even columns. Memory is as
+// large as it must be, so that the address sanitizer sees what reaches past it.
+void check_front(std::vector<double> whole, Index height, Index width, bool in_pairs) {
+  const std::string shape = std::to_string(height) + " rows, " + std::to_string(width) +
+                            " columns" + (in_pairs ? ", pairs" : "");
+  const Index every = in_pairs ? 2 : 1;
   for (Index c = 0; c < height; ++c) whole[c * height + c] += static_cast<double>(height);
   const std::vector<double> expected = eliminated(whole, height, width);
   std::vector<double> panel(whole.begin(), whole.begin() + height * width);
   const Index below = height - width;
   std::vector<double> update(below * below), workspace(front::packed_size(height));
-  CHECK(front::eliminate(panel.data(), update.data(), height, width, workspace.data()) == kNone,
+  CHECK(front::eliminate(panel.data(), update.data(), height, width, in_pairs, workspace.data()) ==
+            kNone,
         shape);
   double worst = 0.0;
-  for (Index c = 0; c < width; ++c) {
+  for (Index c = 0; c < width; c += every) {
     worst = std::max(worst, std::abs(panel[c * height + c] * expected[c * height + c] - 1.0));
     for (Index i = c + 1; i < height; ++i)
       worst = std::max(worst, std::abs(panel[c * height + i] - expected[c * height + i]));
   }
-  for (Index j = 0; j < below; ++j) {
+  for (Index j = 0; j < below; j += every) {
     for (Index i = j; i < below; ++i) {
       const Index place = (width + j) * height + width + i;
       worst = std::max(worst, std::abs(update[j * below + i] - expected[place] + whole[place]));
     }
   }
   CHECK(worst < kClose * static_cast<double>(height), shape + ", error " + std::to_string(worst));
+}
+
+void check_front(Index height, Index width) {
+  check_front(random_numbers(height * height, 3), height, width, false);
+}
+
+// The real form of complex numbers, without those above the diagonal.
+void check_pairs(Index height, Index width) {
+  std::vector<double> whole = random_numbers(height * height, 3);
+  for (Index c = 0; c < height; c += 2) {
+    whole[c * height + c + 1] = 0.0;
+    for (Index i = c; i < height; i += 2) {
+      whole[(c + 1) * height + i] = -whole[c * height + i + 1];
+      whole[(c + 1) * height + i + 1] = whole[c * height + i];
+    }
+  }
+  check_front(whole, height, width, true);
 }
 
 }  // namespace
@@ -102,6 +121,53 @@ TEST(fronts_of_every_small_shape_are_eliminated) {
 TEST(fronts_of_several_chunks_and_slabs_are_eliminated) {
   for (const Index height : {129, 135, 320, 321, 337})
     for (const Index width : {1, 3, 4, 127, 128, 129}) check_front(height, width);
+}
+
+TEST(fronts_of_complex_numbers_are_eliminated) {
+  for (Index height = 2; height <= 24; height += 2)
+    for (Index width = 2; width <= height; width += 2) check_pairs(height, width);
+  for (const Index height : {130, 320, 322, 338})
+    for (const Index width : {2, 6, 126, 128, 130}) check_pairs(height, width);
+}
+
+// A grid whose edges turn: entries i < j are multiplied by a complex number of length 1.
+TEST(complex_systems_are_solved_in_pairs) {
+  for (const Row side : {1, 2, 7, 40, 90}) {
+    const Sparse matrix = grid(side, 0.1);
+    const Index n = matrix.size();
+    const auto analysis = in_pairs(*analysis_of(matrix), matrix.indptr);
+    std::vector<double> data;
+    for (Index i = 0; i < n; ++i)
+      for (int part = 0; part < 2; ++part)
+        for (Row k = matrix.indptr[i]; k < matrix.indptr[i + 1]; ++k) {
+          const Index j = matrix.indices[k];
+          const double turn = i == j ? 0.0 : (i < j ? 1.0 : -1.0) * static_cast<double>(i + j);
+          const double re = matrix.data[k] * std::cos(turn), im = matrix.data[k] * std::sin(turn);
+          data.push_back(part ? im : re);
+          data.push_back(part ? re : -im);
+        }
+    const Factor factor(analysis, data, false);
+    CHECK(factor.nbytes() <= Factor::nbytes_needed(*analysis, false));
+    for (const Index n_columns : {1, 3}) {
+      const std::vector<double> b = random_numbers(2 * n * n_columns, 5);
+      std::vector<double> x = b;
+      factor.solve(x, x, n_columns);
+      double worst = 0.0;
+      for (Index row = 0; row < 2 * n; ++row)
+        for (Index column = 0; column < n_columns; ++column) {
+          const Index i = row / 2, count = matrix.indptr[i + 1] - matrix.indptr[i];
+          const double* const entry =
+              data.data() + 4 * matrix.indptr[i] + (row % 2 ? 2 * count : 0);
+          double sum = -b[row * n_columns + column];
+          for (Index k = 0; k < 2 * count; ++k) {
+            const Index j = 2 * matrix.indices[matrix.indptr[i] + k / 2] + k % 2;
+            sum += entry[k] * x[j * n_columns + column];
+          }
+          worst = std::max(worst, std::abs(sum));
+        }
+      CHECK(worst < kClose, std::to_string(side) + ", error " + std::to_string(worst));
+    }
+  }
 }
 
 TEST(grids_are_solved) {

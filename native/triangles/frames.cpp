@@ -1,9 +1,9 @@
 #include "triangles/frames.hpp"
 
+#include <algorithm>
 #include <cmath>
-#include <numbers>
-#include <vector>
 
+#include "core/angles.hpp"
 #include "triangles/measures.hpp"
 #include "triangles/vector3.hpp"
 
@@ -23,74 +23,90 @@ void put(Array<double>& table, Index row, const Vector3& a) {
   table[3 * row + 2] = a.z;
 }
 
-double angle_at(std::span<const double> lengths, Index corner) {
-  return angle_between(lengths[next(corner)], lengths[previous(corner)], lengths[corner]);
+// The angles at all corners, (F, 3): Heron's formula as in `doubled_area`, of sorted edges.
+Array<double> corner_angles(std::span<const double> lengths) {
+  Array<double> angles(count(lengths));
+  for (Index f = 0; f < count(lengths); f += 3) {
+    const double p = lengths[f], q = lengths[f + 1], r = lengths[f + 2];
+    const double area = doubled_area(p, q, r);
+    angles[f] = angle((q * q + r * r - p * p) / 2, area);
+    angles[f + 1] = angle((r * r + p * p - q * q) / 2, area);
+    angles[f + 2] = angle((p * p + q * q - r * r) / 2, area);
+  }
+  return angles;
 }
 
-// The corners about one vertex from one end of the surface to the other, or around all of it.
-class Fan {
+// The half-edges that leave each vertex, fan by fan: from one end of the surface to the other, or
+// around all of it, counter-clockwise as the faces run.
+class Fans {
  public:
-  Fan(std::span<const double> lengths, std::span<const Index> twin)
-      : lengths_(lengths), twin_(twin) {}
+  struct Spoke {
+    Index half, head;  // the half-edge, or -1 of the last edge of a fan that does not close
+  };
 
-  // Counter-clockwise as the faces run, from the corner that is the first in its direction.
-  void walk(Index corner) {
-    corners_.clear();
-    before_.clear();
-    total_ = 0.0;
-    is_closed_ = false;
-    Index start = corner;
-    while (true) {
-      const Index mate = twin_[previous(start)];
-      if (mate < 0) break;
-      start = previous(mate);
-      if (start == corner) {
-        is_closed_ = true;
-        break;
+  Fans(std::span<const Index> faces, std::span<const double> lengths, std::span<const Index> twin,
+       std::span<const bool> mirrored)
+      : faces_(faces), twin_(twin), angles_(corner_angles(lengths)), done_(count(faces), false) {
+    const Index most = count(faces) + std::ranges::count_if(twin, [](Index t) { return t < 0; });
+    spokes_ = Array<Spoke>(most);
+    directions_ = Array<double>(most);
+    starts_ = Array<Index>(count(faces) + 1);
+    scales_ = Array<double>(count(faces));
+    for (Index corner = 0; corner < count(faces); ++corner)
+      if (!done_[corner]) walk(corner, mirrored[corner / 3] ? -1.0 : 1.0);
+    starts_[n_fans_] = n_;
+  }
+
+  Index n_fans() const { return n_fans_; }
+  Index n_spokes() const { return n_; }
+  Index begin(Index fan) const { return starts_[fan]; }
+  Index end(Index fan) const { return starts_[fan + 1]; }
+  const Spoke& spoke(Index place) const { return spokes_[place]; }
+  Index tail(Index fan) const { return faces_[next(spokes_[starts_[fan]].half)]; }
+  // Scaled angles from the first half-edge of the fan, and the factor between these and angles.
+  double direction(Index place) const { return directions_[place]; }
+  double scale(Index fan) const { return scales_[fan]; }
+
+ private:
+  void walk(Index corner, double sign) {
+    starts_[n_fans_] = n_;
+    double total = 0.0;
+    Index start = corner, at = corner;
+    const auto go_around = [&] {
+      for (at = start;;) {
+        done_[at] = true;
+        spokes_[n_] = {previous(at), faces_[next(at)]};
+        directions_[n_++] = total;
+        total += angles_[at];
+        const Index mate = twin_[next(at)];
+        if (mate < 0) return false;
+        at = next(mate);
+        if (at == start) return true;
       }
+    };
+    const bool closes = go_around();
+    if (!closes) {
+      for (Index mate; (mate = twin_[previous(start)]) >= 0;) start = previous(mate);
+      if (start != corner) {
+        n_ = starts_[n_fans_];
+        total = 0.0;
+        go_around();
+      }
+      spokes_[n_] = {-1, faces_[previous(at)]};
+      directions_[n_++] = total;
     }
-    for (Index at = start;;) {
-      corners_.push_back(at);
-      before_.push_back(total_);
-      total_ += angle_at(lengths_, at);
-      const Index mate = twin_[next(at)];
-      if (mate < 0) break;
-      at = next(mate);
-      if (at == start) break;
-    }
+    const double scale = sign * (closes ? 2 * kPi / total : 1.0);
+    for (Index k = starts_[n_fans_]; k < n_; ++k) directions_[k] *= scale;
+    scales_[n_fans_++] = scale;
   }
-  std::span<const Index> corners() const { return corners_; }
-  double angle_before(std::size_t place) const { return before_[place]; }
-  double total() const { return total_; }
-  double scale() const { return is_closed_ ? 2 * std::numbers::pi / total_ : 1.0; }
-  bool is_closed() const { return is_closed_; }
 
- private:
-  std::span<const double> lengths_;
-  std::span<const Index> twin_;
-  std::vector<Index> corners_;
-  std::vector<double> before_;
-  double total_ = 0.0;
-  bool is_closed_ = false;
-};
-
-// The angle by which directions must be turned to fit steps in space best.
-class Fit {
- public:
-  Fit(const Vector3& x, const Vector3& y) : x_(x), y_(y) {}
-  void add(const Vector3& step, double direction) {
-    const double along = dot(step, x_), aside = dot(step, y_);
-    const double size = std::sqrt(along * along + aside * aside);
-    if (!(size > 0)) return;
-    const double c = std::cos(direction), s = std::sin(direction);
-    real_ += (along * c + aside * s) / size;
-    imaginary_ += (aside * c - along * s) / size;
-  }
-  double turn() const { return std::atan2(imaginary_, real_); }
-
- private:
-  Vector3 x_, y_;
-  double real_ = 0.0, imaginary_ = 0.0;
+  std::span<const Index> faces_, twin_;
+  Array<double> angles_;
+  Array<bool> done_;
+  Array<Spoke> spokes_;
+  Array<double> directions_, scales_;
+  Array<Index> starts_;
+  Index n_ = 0, n_fans_ = 0;
 };
 
 }  // namespace
@@ -109,29 +125,39 @@ Directions polar_directions(std::span<const double> vertices, std::span<const In
                             std::span<const double> lengths, std::span<const Index> twin,
                             std::span<const bool> mirrored, std::span<const double> normals,
                             std::span<const double> axes) {
-  const Index n_corners = count(faces);
-  Directions result{Array<double>(n_corners), Array<double>(n_corners)};
-  Array<bool> done(n_corners, false);
-  Fan fan(lengths, twin);
-  for (Index corner = 0; corner < n_corners; ++corner) {
-    if (done[corner]) continue;
-    fan.walk(corner);
-    const Index v = faces[corner];
-    const double scale = mirrored[corner / 3] ? -fan.scale() : fan.scale();
-    const Vector3 here = at(vertices, v), x = at(axes, v);
-    Fit fit(x, cross(at(normals, v), x));
-    const std::span<const Index> around = fan.corners();
-    for (std::size_t k = 0; k < around.size(); ++k) {
-      done[around[k]] = true;
-      fit.add(at(vertices, faces[next(around[k])]) - here, scale * fan.angle_before(k));
+  const Fans fans(faces, lengths, twin, mirrored);
+  // Each step in space as a complex number in the frame, of length 1, over its direction.
+  Array<double> real(fans.n_spokes()), imaginary(fans.n_spokes());
+  for (Index fan = 0; fan < fans.n_fans(); ++fan) {
+    const Index v = fans.tail(fan);
+    const Vector3 here = at(vertices, v), x = at(axes, v), y = cross(at(normals, v), x);
+    for (Index k = fans.begin(fan); k < fans.end(fan); ++k) {
+      const Vector3 step = at(vertices, fans.spoke(k).head) - here;
+      real[k] = dot(step, x);
+      imaginary[k] = dot(step, y);
     }
-    if (!fan.is_closed())
-      fit.add(at(vertices, faces[previous(around.back())]) - here, scale * fan.total());
-    const double turn = fit.turn();
-    for (std::size_t k = 0; k < around.size(); ++k) {
-      const Index half = previous(around[k]);  // which leaves the corner
-      result.angles[half] = turn + scale * fan.angle_before(k);
-      result.scales[half] = scale;
+  }
+  for (Index k = 0; k < fans.n_spokes(); ++k) {
+    const auto [cosine, sine] = cosine_and_sine(fans.direction(k));
+    const double along = real[k], aside = imaginary[k];
+    const double size = std::sqrt(along * along + aside * aside);
+    const double share = size > 0 ? 1 / size : 0.0;
+    real[k] = share * (along * cosine + aside * sine);
+    imaginary[k] = share * (aside * cosine - along * sine);
+  }
+  Directions result{Array<double>(count(faces)), Array<double>(count(faces))};
+  for (Index fan = 0; fan < fans.n_fans(); ++fan) {
+    double along = 0.0, aside = 0.0;
+    for (Index k = fans.begin(fan); k < fans.end(fan); ++k) {
+      along += real[k];
+      aside += imaginary[k];
+    }
+    const double turn = std::atan2(aside, along);
+    for (Index k = fans.begin(fan); k < fans.end(fan); ++k) {
+      const Index half = fans.spoke(k).half;
+      if (half < 0) continue;
+      result.angles[half] = turn + fans.direction(k);
+      result.scales[half] = fans.scale(fan);
     }
   }
   return result;
@@ -139,27 +165,30 @@ Directions polar_directions(std::span<const double> vertices, std::span<const In
 
 Array<double> bisectors(std::span<const double> lengths, std::span<const double> angles,
                         std::span<const double> scales) {
+  const Array<double> corners = corner_angles(lengths);
   Array<double> result(count(lengths));
-  for (Index corner = 0; corner < count(lengths); ++corner) {
-    const Index half = previous(corner);
-    result[corner] = angles[half] + scales[half] * angle_at(lengths, corner) / 2;
-  }
+  for (Index f = 0; f < count(lengths); f += 3)
+    for (Index c = 0; c < 3; ++c) {
+      const Index half = f + (c + 2) % 3;
+      result[f + c] = angles[half] + scales[half] * corners[f + c] / 2;
+    }
   return result;
 }
 
 Array<double> triangle_turns(std::span<const double> lengths, std::span<const double> bisectors,
                              std::span<const bool> mirrored) {
+  const Array<double> corners = corner_angles(lengths);
   Array<double> turns(2 * count(lengths));
   for (Index f = 0; f < count(lengths); f += 3) {
-    double angle[3];
-    for (int c = 0; c < 3; ++c) angle[c] = angle_at(lengths, f + c);
-    const double inside[3] = {angle[0] / 2, std::numbers::pi - angle[1] / 2,
-                              std::numbers::pi + angle[0] + angle[2] / 2};
-    for (int c = 0; c < 3; ++c) {
-      const double turn = (mirrored[f / 3] ? -inside[c] : inside[c]) - bisectors[f + c];
-      turns[2 * (f + c)] = std::cos(turn);
-      turns[2 * (f + c) + 1] = std::sin(turn);
-    }
+    const double* const own = corners.data() + f;
+    const double inside[3] = {own[0] / 2, kPi - own[1] / 2, kPi + own[0] + own[2] / 2};
+    for (Index c = 0; c < 3; ++c)
+      turns[2 * (f + c)] = (mirrored[f / 3] ? -inside[c] : inside[c]) - bisectors[f + c];
+  }
+  for (Index corner = 0; corner < count(lengths); ++corner) {
+    const auto [cosine, sine] = cosine_and_sine(turns[2 * corner]);
+    turns[2 * corner] = cosine;
+    turns[2 * corner + 1] = sine;
   }
   return turns;
 }

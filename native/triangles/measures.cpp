@@ -18,18 +18,6 @@ void write(Measures& triangles, Index f, double edge, double along, double doubl
 
 }  // namespace
 
-double doubled_area(double p, double q, double r) {
-  const double a = std::max({p, q, r}), c = std::min({p, q, r});
-  const double b = std::max(std::min(p, q), std::min(std::max(p, q), r));
-  const double product = (a + (b + c)) * (c - (a - b)) * (c + (a - b)) * (a + (b - c));
-  return std::sqrt(std::max(product, 0.0)) / 2;
-}
-
-double angle_between(double one, double other, double opposite) {
-  return std::atan2(doubled_area(one, other, opposite),
-                    (one * one + other * other - opposite * opposite) / 2);
-}
-
 Measured measure_triangles(std::span<const double> vertices, std::span<const Index> faces) {
   const Index n_faces = count(faces) / 3;
   Measured result{{Array<double>(3 * n_faces), Array<double>(n_faces)},

@@ -4,6 +4,9 @@
 // inverse of [[l, 0], [a, b]] takes the differences of a linear function to its gradient.
 #pragma once
 
+#include <cmath>
+
+#include "core/angles.hpp"
 #include "core/array.hpp"
 
 namespace geodesic {
@@ -25,8 +28,17 @@ Measures measure_lengths(std::span<const double> lengths);
 Array<double> edge_lengths(std::span<const double> frames);
 // The area, doubled, of a triangle with such edges: Heron's formula in Kahan's order of operations,
 // which does not cancel for thin ones.
-double doubled_area(double p, double q, double r);
+inline double doubled_area(double p, double q, double r) {
+  const double high = p > q ? p : q, low = p > q ? q : p;
+  const double a = high > r ? high : r, rest = high > r ? r : high;
+  const double b = rest > low ? rest : low, c = rest > low ? low : rest;
+  const double product = (a + (b + c)) * (c - (a - b)) * (c + (a - b)) * (a + (b - c));
+  return std::sqrt(product < 0 ? 0.0 : product) / 2;
+}
 // The angle between two edges of a triangle, by the third.
-double angle_between(double one, double other, double opposite);
+inline double angle_between(double one, double other, double opposite) {
+  return angle((one * one + other * other - opposite * opposite) / 2,
+               doubled_area(one, other, opposite));
+}
 
 }  // namespace geodesic

@@ -3,8 +3,8 @@
 #include <cmath>
 #include <limits>
 
+#include "core/angles.hpp"
 #include "triangles/measures.hpp"
-#include "wavefront/angles.hpp"
 
 namespace geodesic {
 namespace {

@@ -1,9 +1,10 @@
 #include "wavefront/characteristics.hpp"
 
 #include <cmath>
+#include <limits>
 #include <optional>
 
-#include "wavefront/angles.hpp"
+#include "core/angles.hpp"
 #include "wavefront/crossing.hpp"
 #include "wavefront/falling.hpp"
 
@@ -39,6 +40,14 @@ constexpr Index kMostRounds = 30;
 // angle.
 constexpr double kShadow = 1e100;
 
+// Error of a rotation that is carried, in parts of the holonomy about the edge that it crosses.
+// With 1 to 100 transport on tubes is exact and that from ten sources on spheres the same; on five
+// meshes, against exact paths, it is 2.75 degrees off with 1, and 2.6 with 30 and 100.
+constexpr double kDoubt = 30;
+
+// Spread from which on a geodesic has turned about a corner.
+constexpr double kLit = 1e50;
+
 // Least spread, in edge lengths, so that nothing is divided by zero where geodesics meet again.
 constexpr double kFocus = 1e-3;
 
@@ -48,13 +57,17 @@ struct Characteristic {
   Row a = kNone, b = kNone;
   double share = 0, radius_a = 0, radius_b = 0, radius = 0, step = 0, edge = 0, whole = 0;
   double arrival = 0;
+  Row corner = kNone;    // of the vertex
+  bool along_b = false;  // whether it is the second edge of that corner along which it came
 };
 
-// The data of a vertex.
+// The data of a vertex. The slope is the derivative of the spread by distance.
 struct State {
-  double angle, spread, arrival;
-  Row label;
-  bool is_fixed, is_pending;
+  double angle, spread, slope, rotation, arrival;
+  double error = 0;  // of the rotation
+  double mixed = 0;  // share of other fronts in the distance, times the angle between them
+  Row label = kNone;
+  bool is_fixed = false;
 };
 
 double squared(double x) { return x * x; }
@@ -86,11 +99,12 @@ class Way {
         circle_(circle),
         front_(curvature.size()),
         ways_(curvature.size(), Characteristic{}),
-        states_(curvature.size()) {
+        states_(curvature.size()),
+        is_pending_(count(curvature), false) {
     constexpr double kNoNumber = std::numeric_limits<double>::quiet_NaN();
     for (Index v = 0; v < n_vertices(); ++v) {
       front_[v] = {fronts.distances[v], inverse(fronts.kappas[v])};
-      states_[v] = {kNoNumber, kNoNumber, kNoNumber, kNone, false, false};
+      states_[v] = {kNoNumber, kNoNumber, kNoNumber, kNoNumber, kNoNumber};
     }
   }
 
@@ -100,8 +114,16 @@ class Way {
       const double distance = seeds.distances[p];
       if (states_[v].is_fixed || front_[v].distance < distance - kSame * std::abs(distance))
         continue;  // of several at a vertex the first counts; and none to which there is a way
-      const double spread = seeds.spreads[p] * (1 - curvature_[v] * squared(distance) / 6);
-      states_[v] = {seeds.angles[p], spread, seeds.arrivals[p], seeds.labels[p], true, false};
+      const double bend = curvature_[v] * squared(distance);
+      states_[v] = {seeds.angles[p],
+                    seeds.spreads[p] * (1 - bend / 6),
+                    1 - bend / 2,
+                    seeds.arrivals[p] - seeds.angles[p],
+                    seeds.arrivals[p],
+                    0.0,
+                    0.0,
+                    seeds.labels[p],
+                    true};
     }
     for (Index v = 0; v < n_vertices(); ++v)
       if (!states_[v].is_fixed && front_[v].distance < kInfinity) ways_[v] = way_to(v);
@@ -118,8 +140,8 @@ class Way {
     for (const Row v : order) n_pending += await(v);
     for (Index round = 0; round < kMostRounds && n_pending > 0; ++round) {
       for (const Row v : order) {
-        if (!states_[v].is_pending) continue;
-        states_[v].is_pending = false;
+        if (!is_pending_[v]) continue;
+        is_pending_[v] = false;
         --n_pending;
         const State before = states_[v];
         carry_to(v);
@@ -132,11 +154,14 @@ class Way {
   Carried result() const {
     const Index n = n_vertices();
     Carried result{Array<double>(n), Array<double>(n), Array<double>(n), Array<double>(n),
-                   Array<Row>(n),    Array<Row>(n),    Array<Row>(n)};
+                   Array<double>(n), Array<Row>(n),    Array<Row>(n),    Array<Row>(n)};
     for (Index v = 0; v < n; ++v) {
       result.angles[v] = states_[v].angle;
       result.spreads[v] = states_[v].spread;
-      result.arrivals[v] = states_[v].arrival;
+      result.arrivals[v] = states_[v].spread > kLit || !circle_.directions
+                               ? states_[v].arrival
+                               : states_[v].angle + states_[v].rotation;
+      result.rotations[v] = states_[v].rotation;
       result.labels[v] = states_[v].label;
       result.shares[v] = ways_[v].share;
       result.a[v] = states_[v].is_fixed ? kNone : ways_[v].a;
@@ -218,6 +243,25 @@ class Way {
     return begins ? -corner.edge : corner.edge;
   }
 
+  // The rotation along the edge from one of the other vertices of its corner to a vertex: NaN where
+  // the star of the former lacks the edge.
+  double rotation_from(Index v, bool from_b) const {
+    const Row place = ways_[v].corner;
+    const Corner& corner = corners_.around[place];
+    const std::uint32_t from = from_b ? corner.b : corner.a, third = from_b ? corner.a : corner.b;
+    double away = std::numeric_limits<double>::quiet_NaN();
+    for (Row there = corners_.starts[from]; there < corners_.starts[from + 1]; ++there) {
+      const Corner& its = corners_.around[there];
+      const bool is_first = its.a == v;
+      if (!is_first && its.b != v) continue;
+      const auto [direction, turn] = bearings_[there];
+      away = is_first ? direction : direction + turn;
+      if ((is_first ? its.b : its.a) == third) break;
+    }
+    const auto [direction, turn] = bearings_[place];
+    return direction + (from_b ? turn : 0.0) + kPi - away;
+  }
+
   Characteristic along_edge(Row place, bool from_b) const {
     const auto [direction, turn] = bearings_[place];
     const Corner& corner = corners_.around[place];
@@ -225,6 +269,8 @@ class Way {
     way.a = way.b = static_cast<Row>(from_b ? corner.b : corner.a);
     way.step = from_b ? corner.to_b : corner.to_a;
     way.arrival = direction + (from_b ? turn : 0.0) + kPi;
+    way.corner = place;
+    way.along_b = from_b;
     return way;
   }
 
@@ -265,6 +311,7 @@ class Way {
     const double from_a = angle(x * (x - crossing) + y * y, y * crossing);
     const auto [direction, turn] = bearings_[place];
     way.arrival = direction + kPi + (full > 0 ? from_a / full : crossing / edge) * turn;
+    way.corner = place;
     return way;
   }
 
@@ -279,9 +326,13 @@ class Way {
       if (static_cast<Row>(near) == source || std::abs(way - length) > kSame * distance(near))
         return;
       if (state.is_fixed && state.label != label) return;
-      const double spread = length / scale * (1 - curvature_[source] * length * length / 6);
+      const double bend = curvature_[source] * squared(length);
       const double arrival = ways_[near].a == kNone ? state.arrival : ways_[near].arrival;
-      state = {direction, spread, arrival, label, true, false};
+      state = {direction,    length / scale * (1 - bend / 6),
+               1 - bend / 2, arrival - direction,
+               arrival,      0.0,
+               0.0,          label,
+               true};
     };
     for (Row place = corners_.starts[source]; place < corners_.starts[source + 1]; ++place) {
       const Corner& corner = corners_.around[place];
@@ -294,9 +345,8 @@ class Way {
   }
 
   bool await(Row v) {
-    State& state = states_[v];
-    if (state.is_fixed || state.is_pending || ways_[v].a == kNone) return false;
-    return state.is_pending = true;
+    if (is_pending_[v] || states_[v].is_fixed || ways_[v].a == kNone) return false;
+    return is_pending_[v] = true;
   }
 
   Index await_followers(Row v) {
@@ -314,7 +364,8 @@ class Way {
 
   static bool has_changed(const State& before, const State& now) {
     return before.label != now.label || !(std::abs(before.angle - now.angle) <= kSettled) ||
-           !(std::abs(before.arrival - now.arrival) <= kSettled);
+           !(std::abs(before.arrival - now.arrival) <= kSettled) ||
+           std::abs(turn_of(before.rotation - now.rotation)) > kSettled;
   }
 
   void carry_to(Row v) {
@@ -331,6 +382,31 @@ class Way {
     }
   }
 
+  // A rotation that was carried from edge to edge, and how far it may be off.
+  struct Rotation {
+    double angle, error;
+  };
+
+  // Take the rotation that is carried, if that is more accurate than the directions of departure
+  // and arrival. The latter come from distances, which are off behind the meeting of two fronts by
+  // what is `mixed` at the ends of the edge; what is carried goes wrong with the curvature between
+  // them. The geodesics in the shadow of a corner have turned about it, which the directions of
+  // those beside it contain in part.
+  template <class Carry>
+  void settle(Row v, double mixed, const Carry& carry) {
+    State& state = states_[v];
+    const bool is_bent = state.spread > kLit;
+    state.rotation = state.arrival - state.angle;
+    state.error = mixed;
+    if (!circle_.directions || !(is_bent || mixed > kSettled)) return;
+    const Rotation carried = carry();
+    if (std::isnan(carried.angle) || !(is_bent || carried.error < mixed)) return;
+    if (is_bent)
+      state.mixed = std::max(state.mixed, std::abs(turn_of(state.rotation - carried.angle)));
+    state.rotation = carried.angle;
+    state.error = carried.error;
+  }
+
   void carry_along(Row v) {
     const Characteristic& way = ways_[v];
     const State& from = states_[way.a];
@@ -338,14 +414,19 @@ class Way {
     const double radius = front_[way.a].radius;
     state.angle = from.angle;
     state.label = from.label;
+    state.mixed = from.mixed;
+    state.slope = from.slope - curvature_[v] * from.spread * way.step;
     if (radius == 0 && circle_.directions) {
       state.spread = way.step;
+      state.slope = 1;
     } else if (radius == 0 || reflex_[way.a]) {
       state.spread = kShadow;
     } else {
       const double widened = 1 + way.step / radius - curvature_[v] * squared(way.step) / 2;
       state.spread = from.spread * std::max(widened, kFocus);
     }
+    settle(v, from.mixed,
+           [&] { return Rotation{from.rotation + rotation_from(v, way.along_b), from.error}; });
   }
 
   // Angles are spread over the angle at the centre of the front, by so many that go to one of that;
@@ -364,6 +445,16 @@ class Way {
     const double bend = (curvature_[way.a] + curvature_[way.b] + curvature_[v]) / 3;
     const double spread = way.radius / here * (1 - bend * squared(way.step) / 2);
     state.spread = std::min(std::max(spread, kFocus * way.step), kShadow);
+    state.slope =
+        from_a.slope + part * (from_b.slope - from_a.slope) - bend * state.spread * way.step;
+    state.mixed = from_a.mixed + way.share * (from_b.mixed - from_a.mixed);
+    settle(v, std::max(from_a.mixed, from_b.mixed), [&] {
+      const double by_a = from_a.rotation + rotation_from(v, false);
+      const double apart = turn_of(from_b.rotation + rotation_from(v, true) - by_a);
+      const double unknown = std::max(std::abs(apart) - from_a.error - from_b.error, 0.0);
+      const double error = from_a.error + part * (from_b.error - from_a.error);
+      return Rotation{by_a + part * apart, error + kDoubt * part * (1 - part) * unknown};
+    });
   }
 
   static bool is_in_shadow(const State& state) { return state.spread >= kShadow; }
@@ -388,6 +479,15 @@ class Way {
       state.angle = states_[dark].angle;
       state.spread = kShadow;
     }
+    const State &from_a = states_[way.a], &from_b = states_[way.b];
+    state.slope = states_[lit].slope;
+    state.mixed = from_a.mixed + way.share * (from_b.mixed - from_a.mixed);
+    settle(v, std::max(from_a.mixed, from_b.mixed), [&] {
+      const double by_a = from_a.rotation + rotation_from(v, false);
+      const double apart = turn_of(from_b.rotation + rotation_from(v, true) - by_a);
+      return Rotation{by_a + way.share * apart,
+                      from_a.error + way.share * (from_b.error - from_a.error)};
+    });
   }
 
   // Whether the ends of an edge have been reached by fronts that have nothing to do with each
@@ -405,24 +505,26 @@ class Way {
   // Take the data of the front at one of the ends of an edge, carried on alone.
   void carry_from_nearer(Row v, bool from_a, bool from_b) {
     const Characteristic& way = ways_[v];
-    std::optional<Beyond> best;
-    if (from_a) best = beyond(v, way.a);
-    if (from_b) {
-      const std::optional<Beyond> other = beyond(v, way.b);
-      if (other && (!best || other->distance < best->distance)) best = other;
-    }
+    std::optional<Beyond> best = from_a ? beyond(v, way.a) : std::nullopt;
+    std::optional<Beyond> other = from_b ? beyond(v, way.b) : std::nullopt;
+    if (other && (!best || other->distance < best->distance)) std::swap(best, other);
     State& state = states_[v];
-    if (best) {
-      state.angle = best->angle;
-      state.arrival = best->arrival;
-      state.spread = best->spread;
-      state.label = states_[best->from].label;
-      return;
-    }
-    const Row near = from_a && (way.share < 0.5 || !from_b) ? way.a : way.b;
-    state.angle = states_[near].angle;
-    state.label = states_[near].label;
-    state.spread = states_[near].spread + std::abs(way.step);
+    const bool is_a = best ? best->from == way.a : from_a && (way.share < 0.5 || !from_b);
+    const State& near = states_[is_a ? way.a : way.b];
+    state.label = near.label;
+    state.angle = best ? best->angle : near.angle;
+    state.spread = best ? best->spread : near.spread + std::abs(way.step);
+    if (best) state.arrival = best->arrival;
+    const double bend = (curvature_[is_a ? way.a : way.b] + curvature_[v]) / 2;
+    state.slope = near.slope - bend * near.spread * way.step;
+    // Between the geodesics to both, whose angle changes by the slope for one at the source.
+    const double holonomy = (1 - near.slope) * (state.angle - near.angle);
+    state.mixed = !from_a || !from_b ? near.mixed  // what the other end has is yet to come
+                  : best && other    ? std::abs(turn_of(best->arrival - other->arrival))
+                                     : kPi;
+    settle(v, state.mixed, [&] {
+      return Rotation{near.rotation + rotation_from(v, !is_a) - holonomy, near.error};
+    });
   }
 
   // The data that the front at a single vertex carries to a neighbour.
@@ -527,6 +629,7 @@ class Way {
   Array<Front> front_;
   Array<Characteristic> ways_;
   Array<State> states_;
+  Array<bool> is_pending_;  // apart: all are looked at in every round
 };
 
 }  // namespace

@@ -7,6 +7,9 @@
 //   it, so that angle and distance are the logarithmic map; of a curve the place on it;
 // - the spread of geodesics, how far those are apart at the vertex that leave a unit of angle
 //   apart: a Jacobi field, which weights angles along an edge;
+// - parallel transport along it: by how much a vector from the source turns, in the frames of both
+//   vertices. It depends on edges alone, so that distances that are off where fronts meet do no
+//   harm;
 // - the number of the source.
 #pragma once
 
@@ -42,7 +45,7 @@ struct Circle {
 // angle that the front spans at its centre; from `a` alone where both are the same, and
 // sources have neither.
 struct Carried {
-  Array<double> angles, spreads, arrivals, shares;
+  Array<double> angles, spreads, arrivals, rotations, shares;
   Array<Row> labels, a, b;
 };
 

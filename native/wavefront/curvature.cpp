@@ -1,6 +1,6 @@
 #include "wavefront/curvature.hpp"
 
-#include "wavefront/angles.hpp"
+#include "core/angles.hpp"
 
 namespace geodesic {
 namespace {

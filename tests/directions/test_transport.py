@@ -47,6 +47,24 @@ def test_where_the_cells_of_sources_meet_the_angle_is_nearly_right(sources):
     assert off.mean() < 1.0
 
 
+def test_far_along_a_tube_it_is_exact_where_fronts_from_both_sides_meet():
+    tube = shapes.tube(400, 48)
+    x, y, _ = tube.vertices.T
+    around = np.column_stack([-y, x, 0 * x]) / np.hypot(x, y)[:, None]
+    assert degrees_between(carried(tube, 5, around[5]), around).max() < 1e-6
+
+
+def test_behind_a_hole_vectors_do_not_turn_as_the_paths_around_it_do():
+    grid = shapes.grid(25)
+    middle = grid.vertices[grid.faces].mean(axis=1) / grid.vertices.max(axis=0).max()
+    beside = (np.abs(middle[:, :2] - 0.5) > 0.2).any(axis=1)
+    used, faces = np.unique(grid.faces[beside], return_inverse=True)
+    mesh = gt.TriangleMesh(grid.vertices[used], faces.reshape(-1, 3))
+    vector = np.array([1.0, 0.3, 0.0])
+    got = carried(mesh, 0, vector)
+    np.testing.assert_allclose(got, np.tile(vector, (mesh.n_vertices, 1)), rtol=0, atol=1e-9)
+
+
 def test_on_spheres_it_goes_along_great_circles_with_second_order():
     errors = []
     for n in (600, 2400):

@@ -52,6 +52,8 @@ class Traced:
         nothing connects.
     arrivals : ndarray of shape (N,), float64
         The direction in which it arrives, in the frame of the vertex.
+    rotations : ndarray of shape (N,), float64
+        The angle by which parallel transport along it turns a vector, from frame to frame.
     spreads : ndarray of shape (N,), float64
         How far geodesics are apart there that leave the source a unit of angle apart.
     labels : ndarray of shape (N,), int64
@@ -64,6 +66,7 @@ class Traced:
     distances: FloatArray
     angles: FloatArray
     arrivals: FloatArray
+    rotations: FloatArray
     spreads: FloatArray
     labels: IntArray
     sources: Surroundings
@@ -94,7 +97,7 @@ def trace(solver: GeodesicSolver, points: SourcePoints, *, unfold: bool = True) 
     fronts = solver.method.fronts(points, sources.points)
     points = sources.points
     known = points.distances + points.starts[points.rows]
-    angles, spreads, arrivals, labels, _, _, _ = tracer.carry(
+    angles, spreads, arrivals, rotations, labels, _, _, _ = tracer.carry(
         fronts.swept,
         fronts.curvatures,
         points.vertices,
@@ -108,7 +111,14 @@ def trace(solver: GeodesicSolver, points: SourcePoints, *, unfold: bool = True) 
         True,
     )
     return Traced(
-        fronts.distances, angles, arrivals, spreads, labels.astype(np.int64), sources, frames
+        fronts.distances,
+        angles,
+        arrivals,
+        rotations,
+        spreads,
+        labels.astype(np.int64),
+        sources,
+        frames,
     )
 
 
@@ -134,7 +144,7 @@ def trace_curve(solver: GeodesicSolver, points: SourcePoints, course: Course) ->
         turning = points.curvatures * points.distances
     is_circle = ~(turning < TURNING)
     spreads = 1 / (1 - np.where(is_circle, 0.0, turning))
-    along, _, _, labels, _, _, _ = solver.tracer.carry(
+    along, _, _, _, labels, _, _, _ = solver.tracer.carry(
         fronts.swept,
         fronts.curvatures,
         points.vertices,

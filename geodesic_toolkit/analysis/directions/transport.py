@@ -21,8 +21,10 @@ def parallel_transport(
 ) -> FloatArray:
     """Return at each vertex the tangent vector of the nearest source, carried there in parallel.
 
-    Refined, the vector keeps its angle to the shortest geodesic. Plain transport is the vector heat
-    method, which blurs vectors where the cells of sources meet.
+    Refined, the vector is carried along the shortest geodesic, to which it keeps its angle, and no
+    linear system besides that of the heat is solved. Plain transport is the vector heat method,
+    which blurs vectors where the cells of sources meet; where many sources are asked for one after
+    the other, it is faster.
 
     Parameters
     ----------
@@ -75,7 +77,7 @@ def parallel_transport(
     at_sources = traced.sources.to_frames(given)
     _check_directions(np.abs(at_sources), given)
     reached = traced.labels >= 0
-    turned = at_sources[traced.labels] * np.exp(1j * (traced.arrivals - traced.angles))
+    turned = at_sources[traced.labels] * np.exp(1j * traced.rotations)
     return frames.to_space(np.where(reached, turned, 0.0))
 
 
