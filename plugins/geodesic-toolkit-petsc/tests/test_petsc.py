@@ -17,19 +17,6 @@ def bumpy_torus():
     return gt.testing.shapes.bumpy_torus(rng=np.random.default_rng(0))
 
 
-def laws():
-    return [
-        pytest.param(law, id=f"{number}-{law}")
-        for number, solver in enumerate(SOLVERS)
-        for law in gt.testing.linear_solver_checks(solver)
-    ]
-
-
-@pytest.mark.parametrize("law", laws())
-def test_the_contract_of_linear_solvers_holds(law):
-    law()
-
-
 def shapes():
     sphere = gt.testing.shapes.icosphere(4)
     torus = bumpy_torus()
