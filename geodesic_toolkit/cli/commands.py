@@ -22,6 +22,7 @@ EXAMPLES: dict[str, tuple[str, ...]] = {
         "distance bunny.off scan.ply --source 0 --output {name}.npy",
         "distance - --source 500 --output -.csv < bunny.off > d.csv",
     ),
+    "view": ("view bunny.off", "view bunny.off --source 500 --no-open"),
     "signed": ("signed bunny.off --curve circle.obj --output d.ply --picture d.png",),
     "logmap": ("logmap bunny.off --source 500 --output uv.obj --picture uv.png",),
     "loop": ("loop torus.ply --through 0,8,16 --output loop.obj --picture loop.png",),

@@ -231,6 +231,7 @@ EVERYTHING = "everything"
 
 USEFUL_EXTRAS = {
     "viz": "pictures",
+    "view": "pages to click",
     "gui": "the desktop viewer",
     "io": "more file formats",
     "zarr": "large matrices",

@@ -26,6 +26,7 @@ from geodesic_toolkit.cli.new_plugin import new_plugin
 from geodesic_toolkit.cli.output import say, show
 from geodesic_toolkit.cli.plugins import plugins
 from geodesic_toolkit.cli.signed import signed
+from geodesic_toolkit.cli.view import view
 
 __all__ = ["app", "main"]
 
@@ -97,6 +98,7 @@ def _options(
 COMMANDS = (
     demo,
     distance,
+    view,
     signed,
     logmap,
     loop,

@@ -1,7 +1,8 @@
-"""Pictures: PNG without a display, a rotatable HTML file, notebook widgets, a desktop window.
+"""Pictures: PNG, a rotatable HTML file, notebook widgets, a page to click, a desktop window.
 
 Nothing is imported until it is used: the packages for it are installed by
-``pip install "geodesic-toolkit[viz]"`` (and ``[gui]`` for :func:`polyscope`).
+``pip install "geodesic-toolkit[viz]"``, ``[view]`` for :func:`view`, ``[gui]`` for
+:func:`polyscope`.
 """
 
 import importlib
@@ -11,12 +12,14 @@ if TYPE_CHECKING:
     from geodesic_toolkit.viz.checkers import Checkers
     from geodesic_toolkit.viz.desktop import polyscope
     from geodesic_toolkit.viz.html import save_html, show
+    from geodesic_toolkit.viz.live.view import View, view
     from geodesic_toolkit.viz.parts import OF_PARTS, by_part
     from geodesic_toolkit.viz.picture import plot
     from geodesic_toolkit.viz.sides import two_sided
 
 _HOMES = {
     "Checkers": "checkers",
+    "View": "live.view",
     "OF_PARTS": "parts",
     "by_part": "parts",
     "plot": "picture",
@@ -24,17 +27,20 @@ _HOMES = {
     "save_html": "html",
     "show": "html",
     "two_sided": "sides",
+    "view": "live.view",
 }
 
 __all__ = [
     "OF_PARTS",
     "Checkers",
+    "View",
     "by_part",
     "plot",
     "polyscope",
     "save_html",
     "show",
     "two_sided",
+    "view",
 ]
 
 

@@ -42,7 +42,7 @@ os.execvp(sys.argv[3], sys.argv[3:])
 class Page:
     """A page: its requests to the network, its messages on the console, its picture."""
 
-    def __init__(self, to_browser, from_browser):
+    def __init__(self, to_browser, from_browser, offline):
         self._write, self._read = to_browser, from_browser
         self._buffer, self._count, self._session = b"", 0, None
         self.requests, self.complaints = [], []
@@ -53,7 +53,7 @@ class Page:
             self.call(f"{domain}.enable")
         self.call(
             "Network.emulateNetworkConditions",
-            offline=True, latency=0, downloadThroughput=-1, uploadThroughput=-1,
+            offline=offline, latency=0, downloadThroughput=-1, uploadThroughput=-1,
         )  # fmt: skip
 
     def call(self, method, timeout=60, **parameters):
@@ -84,6 +84,8 @@ class Page:
     def _note(self, method, parameters):
         if method == "Network.requestWillBeSent":
             self.requests.append(parameters["request"]["url"])
+        elif method == "Network.webSocketCreated":
+            self.requests.append(parameters["url"])
         elif method == "Runtime.exceptionThrown":
             self.complaints.append(parameters["exceptionDetails"])
         elif method == "Runtime.consoleAPICalled" and parameters["type"] in {"error", "assert"}:
@@ -92,7 +94,10 @@ class Page:
             self.complaints.append(parameters["entry"])
 
     def open(self, path):
-        self.call("Page.navigate", url=path.as_uri())
+        self.visit(path.as_uri())
+
+    def visit(self, url):
+        self.call("Page.navigate", url=url)
 
     def evaluate(self, expression):
         return self.call("Runtime.evaluate", expression=expression, returnByValue=True)[
@@ -108,6 +113,12 @@ class Page:
     def mouse(self, kind, x, y, **more):
         self.call("Input.dispatchMouseEvent", type=kind, x=x, y=y, **more)
 
+    def click(self, x, y, *, shift=False):
+        button = {"button": "left", "clickCount": 1, "modifiers": 8 if shift else 0}
+        self.mouse("mouseMoved", x, y)
+        self.mouse("mousePressed", x, y, buttons=1, **button)
+        self.mouse("mouseReleased", x, y, **button)
+
     def drag(self, start, end):
         self.mouse("mouseMoved", *start)
         self.mouse("mousePressed", *start, button="left", buttons=1, clickCount=1)
@@ -122,8 +133,11 @@ class Page:
 
 
 @contextlib.contextmanager
-def open_browser(profile, *flags):
-    """Give a page of a browser that has no network; skip where no Chromium is installed."""
+def open_browser(profile, *flags, offline=True):
+    """Give a page of a browser; skip where no Chromium is installed.
+
+    It has no network, not even to this computer, unless `offline` is false.
+    """
     program = next(filter(None, map(shutil.which, BROWSERS)), None)
     if program is None:
         pytest.skip("no Chromium is installed (apt-get install chromium)")
@@ -141,7 +155,7 @@ def open_browser(profile, *flags):
     os.close(browser_reads)
     os.close(browser_writes)
     try:
-        page = Page(to_browser, from_browser)
+        page = Page(to_browser, from_browser, offline)
         yield page
         page._session = None
         page.call("Browser.close")

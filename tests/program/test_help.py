@@ -12,6 +12,7 @@ from command_line import run, run_process
 import geodesic_toolkit as gt
 from geodesic_toolkit.cli.commands import EXAMPLES
 from geodesic_toolkit.cli.program import COMMANDS
+from geodesic_toolkit.viz.live.view import View
 
 DOCS = Path(__file__).parents[2] / "docs"
 
@@ -20,8 +21,10 @@ NAMES = [function.__name__.replace("_", "-") for function in COMMANDS]
 
 @pytest.fixture
 def files(tmp_path, monkeypatch):
-    """Enter a folder with the files that the examples name."""
+    """Enter a folder with the files that the examples name; pages end when they are there."""
     monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr("webbrowser.open", lambda url: True)
+    monkeypatch.setattr("geodesic_toolkit.viz.live.view.View.wait", View.stop)
     ball = gt.testing.shapes.icosphere(3, radius=0.1)
     text = [f"OFF\n{ball.n_vertices} {ball.n_faces} 0"]
     text += [" ".join(map(str, row)) for row in ball.vertices.tolist()]
@@ -55,6 +58,8 @@ def test_every_command_has_examples_json_and_quiet_in_its_help(name):
 def test_an_example_runs_as_it_is_printed(files, line):
     if "--picture" in line:
         pytest.importorskip("pyvista")
+    if line.startswith("view"):
+        pytest.importorskip("viser")
     words, _, rest = line.partition(" < ")
     given = (files / "bunny.off").read_bytes() if rest else None
     result = run(*shlex.split(words), input=given)
@@ -107,6 +112,8 @@ ONCE = [(name, lines[0]) for name, lines in EXAMPLES.items()]
 def test_json_has_the_documented_keys(files, name, line):
     if "--picture" in line or name in ("compare", "demo"):
         pytest.importorskip("pyvista")
+    if name == "view":
+        pytest.importorskip("viser")
     found = json.loads(run(*shlex.split(line.partition(" --picture")[0]), "--json").stdout)
     known = documented(name)
     assert set(found) <= known | documented("All commands")
