@@ -519,7 +519,7 @@ class Way {
     state.slope = near.slope - bend * near.spread * way.step;
     // Between the geodesics to both, whose angle changes by the slope for one at the source.
     const double holonomy = (1 - near.slope) * (state.angle - near.angle);
-    state.mixed = !from_a || !from_b ? near.mixed  // the other end is not settled yet
+    state.mixed = !from_a || !from_b ? near.mixed  // the other end is not final yet
                   : best && other    ? std::abs(turn_of(best->arrival - other->arrival))
                                      : kPi;
     settle(v, state.mixed, [&] {

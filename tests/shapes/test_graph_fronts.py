@@ -253,7 +253,7 @@ def test_options_of_heat_mean_heat_and_across_can_be_insisted_on():
     with pytest.raises(InvalidOptionError, match="across"):
         gt.GeodesicSolver(graph, refine="through")
     method = gt.GeodesicSolver(graph).method
-    with pytest.raises(UnsupportedDomainError, match="across=True needs .* a graph with corners"):
+    with pytest.raises(UnsupportedDomainError, match=r"across=True needs .* a graph with corners"):
         gt.HeatMethod(
             method.metric,
             heat_solver=method.heat_solver,
