@@ -85,6 +85,11 @@ html_css_files = ["calm.css"]
 html_show_sourcelink = False
 html_sidebars = {
     "getting_started": [],
+    "why": [],
+    "choosing": [],
+    "faq": [],
+    "glossary": [],
+    "reliability": [],
     "mathematics": [],
     "accuracy": [],
     "performance": [],
@@ -92,7 +97,7 @@ html_sidebars = {
     "changelog": [],
 }
 html_theme_options = {
-    "header_links_before_dropdown": 7,
+    "header_links_before_dropdown": 6,
     "navbar_align": "left",
     "navbar_end": ["theme-switcher"],
     "footer_start": ["copyright"],
