@@ -271,3 +271,27 @@ def test_what_needs_a_surface_in_space_is_refused():
             gt.geodesic_disc(gt.GeodesicSolver(domain), 0, 0.5)
         with pytest.raises(UnsupportedDomainError):
             gt.log_map(gt.GeodesicSolver(domain), 0)
+
+
+# -- isochrones ------------------------------------------------------------------------------------
+
+
+def test_an_isochrone_of_a_uniform_cost_is_an_isoline_at_another_level():
+    plane = shapes.grid(41)
+    middle = nearest(plane, 0.5, 0.5)
+    slow = gt.MetricMesh(plane, cost=2.0)
+    (isochrone,) = gt.isolines(slow, distance_from(slow, middle), 0.6)
+    points = np.array([place.position(plane) for place in isochrone.points])
+    assert isochrone.closed
+    np.testing.assert_allclose(np.linalg.norm(points - plane.vertices[middle], axis=1), 0.3, 5e-3)
+    alone = gt.IntrinsicMesh(slow.faces, slow.lengths)
+    (same,) = gt.isolines(alone, distance_from(alone, middle), 0.6)
+    assert [place.face for place in same.points] == [place.face for place in isochrone.points]
+
+
+def test_lengths_and_discs_need_faces_in_space():
+    slow = gt.MetricMesh(shapes.grid(5), cost=2.0)
+    with pytest.raises(UnsupportedDomainError, match="whose faces lie in space"):
+        gt.area_above(slow, np.zeros(25), 0.0)
+    with pytest.raises(UnsupportedDomainError, match="whose faces lie in space"):
+        gt.geodesic_disc(gt.GeodesicSolver(slow), 0, 0.5)

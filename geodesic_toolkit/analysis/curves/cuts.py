@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike
 from geodesic_toolkit.core.checks import check_nothing_masked
 from geodesic_toolkit.core.types import BoolArray, FloatArray, IntArray
 from geodesic_toolkit.domains import TriangleMesh
+from geodesic_toolkit.domains.measured import MeasuredFaces
 from geodesic_toolkit.errors import InvalidOptionError, UnsupportedDomainError
 from geodesic_toolkit.geometry.triangles import proper_faces
 from geodesic_toolkit.interop.conversion import as_domain
@@ -17,6 +18,7 @@ from geodesic_toolkit.interop.conversion import as_domain
 __all__ = [
     "Cuts",
     "areas_of",
+    "as_faces",
     "as_field",
     "as_level",
     "as_mesh",
@@ -34,9 +36,15 @@ def as_mesh(domain: Any, what: str) -> TriangleMesh:
     mesh = as_domain(domain)
     if not isinstance(mesh, TriangleMesh):
         raise UnsupportedDomainError(
-            f"{what} need a triangle mesh; a {type(mesh).__name__} has no faces"
+            f"{what} need a triangle mesh, whose faces lie in space; this is a {type(mesh).__name__}"
         )
     return mesh
+
+
+def as_faces(domain: Any, what: str) -> TriangleMesh | MeasuredFaces:
+    """Return a mesh, or faces with lengths of their own; the error names `what` needs them."""
+    found = as_domain(domain)
+    return found if isinstance(found, MeasuredFaces) else as_mesh(found, what)
 
 
 def as_field(values: ArrayLike, n_vertices: int) -> FloatArray:
@@ -77,7 +85,7 @@ def as_level(level: Any) -> float:
     return number
 
 
-def finite_faces(mesh: TriangleMesh, field: FloatArray) -> IntArray:
+def finite_faces(mesh: TriangleMesh | MeasuredFaces, field: FloatArray) -> IntArray:
     """Return the faces (G,) of three vertices, each once, with a value at every corner."""
     return np.flatnonzero(proper_faces(mesh.faces) & np.isfinite(field)[mesh.faces].all(axis=1))
 

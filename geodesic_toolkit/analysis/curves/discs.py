@@ -176,7 +176,7 @@ def geodesic_disc(solver: GeodesicSolver, source: Any, radius: float) -> Geodesi
     mesh = solver.domain
     if not isinstance(mesh, TriangleMesh):
         raise UnsupportedDomainError(
-            f"discs need a triangle mesh; a {type(mesh).__name__} has no faces to cut"
+            f"discs need a triangle mesh, whose faces lie in space; this is a {type(mesh).__name__}"
         )
     if isinstance(radius, bool) or not isinstance(radius, int | float | np.number):
         raise InvalidOptionError(f"the radius is a length, not {radius!r}")

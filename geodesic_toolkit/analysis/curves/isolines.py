@@ -8,14 +8,15 @@ from numpy.typing import ArrayLike
 
 from geodesic_toolkit.analysis.curves.cuts import (
     Cuts,
+    as_faces,
     as_field,
     as_level,
-    as_mesh,
     cut_triangles,
     finite_faces,
 )
 from geodesic_toolkit.core.types import BoolArray, IntArray
 from geodesic_toolkit.domains import TriangleMesh
+from geodesic_toolkit.domains.measured import MeasuredFaces
 from geodesic_toolkit.sources.kinds import Curve
 from geodesic_toolkit.sources.surface_point import SurfacePoint
 
@@ -32,8 +33,9 @@ def isolines(domain: Any, values: ArrayLike, levels: ArrayLike) -> list[Curve]:
 
     Parameters
     ----------
-    domain : TriangleMesh or object
-        A mesh, or what :func:`as_domain` makes one of.
+    domain : TriangleMesh, MetricMesh, IntrinsicMesh or object
+        Faces, or what :func:`as_domain` makes a mesh of. With a cost, the isolines of travel times
+        are isochrones.
     values : array-like of shape (N,)
         A distance, or any other number a vertex. Faces are left out where one is not finite.
     levels : float or array-like of float
@@ -47,7 +49,7 @@ def isolines(domain: Any, values: ArrayLike, levels: ArrayLike) -> list[Curve]:
     Raises
     ------
     UnsupportedDomainError
-        Not a mesh.
+        Neither a mesh nor faces with lengths.
     InvalidOptionError
         Values that are not one number a vertex, a level that is not finite.
 
@@ -59,7 +61,7 @@ def isolines(domain: Any, values: ArrayLike, levels: ArrayLike) -> list[Curve]:
     >>> circle.closed, round(gt.curve_length(sphere, circle), 2)  # 2 π sin(1) = 5.29
     (True, 5.28)
     """
-    mesh = as_mesh(domain, "isolines")
+    mesh = as_faces(domain, "isolines")
     field = as_field(values, mesh.n_vertices)
     faces = finite_faces(mesh, field)
     several = isinstance(levels, Sequence | np.ndarray) and np.ndim(levels) > 0
@@ -126,7 +128,7 @@ def _chains(ends: IntArray, links: BoolArray) -> list[tuple[list[tuple[int, int]
 
 
 def _points(
-    mesh: TriangleMesh,
+    mesh: TriangleMesh | MeasuredFaces,
     faces: IntArray,
     cuts: Cuts,
     chain: list[tuple[int, int]],
