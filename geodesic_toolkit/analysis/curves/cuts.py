@@ -36,7 +36,8 @@ def as_mesh(domain: Any, what: str) -> TriangleMesh:
     mesh = as_domain(domain)
     if not isinstance(mesh, TriangleMesh):
         raise UnsupportedDomainError(
-            f"{what} need a triangle mesh, whose faces lie in space; this is a {type(mesh).__name__}"
+            f"{what} need a triangle mesh, whose faces lie in space; this is a "
+            f"{type(mesh).__name__}"
         )
     return mesh
 
