@@ -434,13 +434,13 @@ def run(code, **environment):
 def test_importing_viz_imports_none_of_the_packages_behind_it():
     code = (
         "import sys, geodesic_toolkit.viz\n"
-        "heavy = {'pyvista', 'vtkmodules', 'matplotlib', 'k3d', 'polyscope', 'PIL', 'ipywidgets'}\n"
+        "heavy = {'pyvista', 'vtkmodules', 'matplotlib', 'k3d', 'polyscope', 'PIL', 'viser'}\n"
         "print(sorted(heavy & set(sys.modules)), dir(geodesic_toolkit.viz))"
     )
     answer = run(code)
     assert answer.stdout.strip() == (
-        "[] ['Checkers', 'OF_PARTS', 'by_part', 'plot', 'polyscope', 'save_html', 'show', "
-        "'two_sided']"
+        "[] ['Checkers', 'OF_PARTS', 'View', 'by_part', 'plot', 'polyscope', 'save_html', 'show', "
+        "'two_sided', 'view']"
     )
 
 
