@@ -4,6 +4,7 @@ from typing import Any
 
 from geodesic_toolkit import _native
 from geodesic_toolkit.core.types import FloatArray
+from geodesic_toolkit.core.words import a_kind_of
 from geodesic_toolkit.domains import TriangleMesh
 from geodesic_toolkit.errors import InvalidSourceError, UnsupportedDomainError
 from geodesic_toolkit.geometry.triangles import proper_faces
@@ -66,9 +67,7 @@ def exact_distance(mesh: Any, sources: Any, *others: Any) -> FloatArray:
     check_one_shape("exact_distance", others)
     mesh = as_domain(mesh)
     if not isinstance(mesh, TriangleMesh):
-        raise UnsupportedDomainError(
-            f"exact distances need a TriangleMesh, not a {type(mesh).__name__}"
-        )
+        raise UnsupportedDomainError(f"exact distances need a TriangleMesh, not {a_kind_of(mesh)}")
     if isinstance(sources, Curve):
         raise InvalidSourceError(
             "exact distances start from vertices and points, not from a Curve; give points along it"

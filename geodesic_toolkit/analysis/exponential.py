@@ -11,6 +11,7 @@ from geodesic_toolkit import _native
 from geodesic_toolkit.analysis.paths.path import GeodesicPath
 from geodesic_toolkit.core.frozen import FrozenArrays, freeze
 from geodesic_toolkit.core.types import FloatArray, IntArray
+from geodesic_toolkit.core.words import a_kind_of
 from geodesic_toolkit.domains import TriangleMesh
 from geodesic_toolkit.errors import (
     InvalidOptionError,
@@ -155,7 +156,7 @@ def exp_map(solver: GeodesicSolver, source: Any, vectors: ArrayLike) -> ExpMap:
     mesh = solver.passable
     if not isinstance(mesh, TriangleMesh):
         raise UnsupportedDomainError(
-            f"exp_map follows lines over the faces of a mesh, not over a {type(mesh).__name__}"
+            f"exp_map follows lines over the faces of a mesh, not over {a_kind_of(mesh)}"
         )
     place = solver.locate(source, "source")
     if place.count != 1 or place.front_curvatures is not None:

@@ -8,6 +8,7 @@ from scipy.spatial import cKDTree
 
 from geodesic_toolkit.analysis.paths.fronts import refined_distance
 from geodesic_toolkit.core.types import FloatArray
+from geodesic_toolkit.core.words import a_kind_of
 from geodesic_toolkit.domains import PointCloud, TriangleMesh
 from geodesic_toolkit.errors import (
     InvalidCurveError,
@@ -97,7 +98,7 @@ def signed_distance(
     check_solver(solver, "signed_distance")
     if not isinstance(solver.passable, TriangleMesh | PointCloud):
         raise UnsupportedDomainError(
-            f"a {type(solver.passable).__name__} has no sides: an edge has no angle; a signed "
+            f"{a_kind_of(solver.passable)} has no sides: an edge has no angle; a signed "
             "distance needs a mesh or a point cloud"
         )
     for name, value in (("refine", refine), ("level", level)):

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from geodesic_toolkit.core.types import FloatArray, IntArray
+from geodesic_toolkit.core.words import a_kind_of
 from geodesic_toolkit.domains import PointCloud
 from geodesic_toolkit.errors import (
     InvalidOptionError,
@@ -226,7 +227,7 @@ def thin(cloud: Any, spacing: float, *, keep: ArrayLike | None = None) -> Thinne
     full = as_domain(cloud)
     if not isinstance(full, PointCloud):
         raise UnsupportedDomainError(
-            f"thin takes a PointCloud, not a {type(full).__name__}; to coarsen a mesh, decimate it "
+            f"thin takes a PointCloud, not {a_kind_of(full)}; to coarsen a mesh, decimate it "
             "with the library that made it"
         )
     points = full.points[full.present]

@@ -10,6 +10,7 @@ from scipy.spatial import cKDTree
 
 from geodesic_toolkit.core.frozen import FrozenArrays, freeze
 from geodesic_toolkit.core.types import FloatArray
+from geodesic_toolkit.core.words import a_kind_of
 from geodesic_toolkit.domains import Domain, PointCloud, TriangleMesh
 from geodesic_toolkit.errors import InvalidOptionError, UnsupportedDomainError
 from geodesic_toolkit.interop.conversion import as_domain
@@ -130,7 +131,7 @@ def _box(domain: Domain) -> tuple[FloatArray, FloatArray]:
     else:
         lacking = " without normals" if isinstance(domain, PointCloud) else ""
         raise UnsupportedDomainError(
-            f"a {type(domain).__name__}{lacking} has no sides; a signed distance in a volume needs "
+            f"{a_kind_of(domain)}{lacking} has no sides; a signed distance in a volume needs "
             "the faces of a mesh, or points with normals"
         )
     return used.min(axis=0), used.max(axis=0)

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from geodesic_toolkit.cli.streams import is_stream
+from geodesic_toolkit.core.words import a_kind_of
 from geodesic_toolkit.errors import InvalidOptionError, InvalidSourceError
 
 if TYPE_CHECKING:
@@ -256,7 +257,7 @@ def check_positions(domain: "Domain") -> None:
     """Raise an `InvalidOptionError` if `domain` has no positions, to which points could be near."""
     if not domain.has("positions"):
         raise InvalidOptionError(
-            f"--at: a {type(domain).__name__} has no positions to measure at; omit --at"
+            f"--at: {a_kind_of(domain)} has no positions to measure at; omit --at"
         )
 
 

@@ -32,6 +32,7 @@ from geodesic_toolkit.cli.run import Run, method_in_words, running
 from geodesic_toolkit.cli.several import answer_each
 from geodesic_toolkit.cli.targets import Targets
 from geodesic_toolkit.cli.welding import Welded, check_weld, welded
+from geodesic_toolkit.core.words import a_kind_of
 from geodesic_toolkit.errors import InvalidOptionError
 
 if TYPE_CHECKING:  # importing NumPy takes longer than all of --help
@@ -394,7 +395,7 @@ def _thinned(
     from geodesic_toolkit.sources.points import SourcePoints
 
     if not isinstance(domain, PointCloud):
-        raise InvalidOptionError(f"--thin is for point clouds, not for a {type(domain).__name__}")
+        raise InvalidOptionError(f"--thin is for point clouds, not for {a_kind_of(domain)}")
     thinned = thin(domain, spacing, keep=located.vertices)
     vertices = thinned.vertices_of(located.vertices)
     return thinned, SourcePoints.at_vertices(vertices, thinned.cloud.n_vertices)

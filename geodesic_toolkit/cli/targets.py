@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from geodesic_toolkit.cli.run import Run
+from geodesic_toolkit.core.words import a_kind_of
 from geodesic_toolkit.errors import InvalidOptionError
 
 if TYPE_CHECKING:
@@ -133,7 +134,7 @@ class Targets:
             for path in self.paths:
                 if path.suffix.lower() in (*WITH_SHAPE, ".png", ".html"):
                     raise InvalidOptionError(
-                        f"{path}: a {type(domain).__name__} has no positions to draw or to write; "
+                        f"{path}: {a_kind_of(domain)} has no positions to draw or to write; "
                         "use .npy, .csv or .txt"
                     )
 

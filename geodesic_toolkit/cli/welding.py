@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from geodesic_toolkit.cli.run import Run
+from geodesic_toolkit.core.words import a_kind_of
 from geodesic_toolkit.errors import InvalidOptionError, InvalidSourceError
 
 if TYPE_CHECKING:  # importing NumPy takes longer than all of --help
@@ -108,8 +109,7 @@ class Welded:
 
         if not isinstance(self.domain, TriangleMesh):
             raise InvalidOptionError(
-                f"--cost is for faces or vertices of a mesh; the input is a "
-                f"{type(self.domain).__name__}"
+                f"--cost is for faces or vertices of a mesh; the input is {a_kind_of(self.domain)}"
             )
         values = read_values(cost, "cost")
         if self.new is not None and len(values) == self.file.n_vertices:
@@ -147,7 +147,7 @@ def welded(domain: "Domain", weld: float | None, run: Run) -> Welded:
 
     if not isinstance(domain, TriangleMesh):
         raise InvalidOptionError(
-            f"--weld merges vertices of a mesh; the input is a {type(domain).__name__}"
+            f"--weld merges vertices of a mesh; the input is {a_kind_of(domain)}"
         )
     shape = Welded(domain, *merge_vertices(domain, tolerance=weld))
     merged = domain.n_vertices - shape.domain.n_vertices

@@ -12,6 +12,7 @@ from geodesic_toolkit.core.arrays import copied
 from geodesic_toolkit.core.checks import check_nothing_masked
 from geodesic_toolkit.core.frozen import FrozenArrays
 from geodesic_toolkit.core.types import BoolArray, FloatArray, IntArray
+from geodesic_toolkit.core.words import a_kind_of
 from geodesic_toolkit.errors import InvalidDomainError, UnsupportedDomainError
 
 if TYPE_CHECKING:
@@ -158,7 +159,7 @@ class Domain(FrozenArrays, abc.ABC):
             This kind of domain cannot be masked.
         """
         raise UnsupportedDomainError(
-            f"vertices of a {type(self).__name__} cannot be masked; remove them from it"
+            f"vertices of {a_kind_of(self)} cannot be masked; remove them from it"
             f"{_to_write(self, 'without(mask)')}"
         )
 
@@ -259,7 +260,7 @@ class Domain(FrozenArrays, abc.ABC):
             The object cannot hold values of this domain.
         """
         raise _without_capability(
-            self, f"no place for values on a {type(obj).__name__}", "attach(obj, values, name)"
+            self, f"no place for values on {a_kind_of(obj)}", "attach(obj, values, name)"
         )
 
     @classmethod
@@ -313,9 +314,7 @@ def _defined(kind: type, capability: str) -> Any:
 
 
 def _without_capability(domain: Domain, missing: str, name: str) -> UnsupportedDomainError:
-    return UnsupportedDomainError(
-        f"a {type(domain).__name__} has {missing}{_to_write(domain, name)}"
-    )
+    return UnsupportedDomainError(f"{a_kind_of(domain)} has {missing}{_to_write(domain, name)}")
 
 
 def _to_write(domain: Domain, name: str) -> str:

@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from geodesic_toolkit.core.types import FloatArray, IntArray
+from geodesic_toolkit.core.words import a_kind_of
 from geodesic_toolkit.domains.base import Domain
 from geodesic_toolkit.domains.graph import Graph
 from geodesic_toolkit.errors import UnsupportedDomainError
@@ -122,4 +123,4 @@ def _check(domain: Domain, name: str, array: Any, dtype: type, rows: int | None)
 def _described(array: NDArray[Any] | object) -> str:
     if isinstance(array, np.ndarray):
         return f"{array.dtype} of shape {array.shape}"
-    return f"a {type(array).__name__}"
+    return f"{a_kind_of(array)}"

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from geodesic_toolkit.core.types import BoolArray, FloatArray, IntArray
+from geodesic_toolkit.core.words import a_kind_of
 from geodesic_toolkit.domains.base import (
     Domain,
     as_floats,
@@ -138,7 +139,7 @@ class MeasuredFaces(Domain):
             bad = found.index(-1) if -1 in found else 0
             raise InvalidSourceError(
                 f"place {bad} has the vertices {vertices[bad].tolist()}, which are not the corners "
-                f"of a face; on a {type(self).__name__} give a SurfacePoint, or vertex indices"
+                f"of a face; on {a_kind_of(self)} give a SurfacePoint, or vertex indices"
             )
         own = self.faces[found]
         column = (own[:, None, :] == vertices[:, :, None]).argmax(axis=2)
@@ -304,7 +305,7 @@ class MetricMesh(MeasuredFaces):
     ) -> None:
         if not isinstance(mesh, TriangleMesh):
             raise InvalidDomainError(
-                f"a cost is for a TriangleMesh, not a {type(mesh).__name__}; convert it with "
+                f"a cost is for a TriangleMesh, not {a_kind_of(mesh)}; convert it with "
                 "as_domain, and give a Graph the cost of its edges as lengths"
             )
         if (cost is None) == (tensor is None):

@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike
 from geodesic_toolkit.core.checks import check_nothing_masked
 from geodesic_toolkit.core.optional import require
 from geodesic_toolkit.core.types import FloatArray, IntArray
+from geodesic_toolkit.core.words import a_kind_of
 from geodesic_toolkit.domains import Domain, positions_of
 from geodesic_toolkit.errors import InvalidOptionError, UnsupportedDomainError
 from geodesic_toolkit.geometry.welding import merged_positions, rounding_of
@@ -179,7 +180,7 @@ def _check_count(values: Values, obj: Any, count: int, advice: str = "") -> None
 
 def _refusal(obj: Any) -> str:
     if isinstance(obj, Domain):
-        return f"a {type(obj).__name__} is immutable; write(file, shape, distance) saves both"
+        return f"{a_kind_of(obj)} is immutable; write(file, shape, distance) saves both"
     if hasattr(obj, "coordinates") and hasattr(obj, "faces"):
         return (
             f"{described(obj)} holds no values; give the hemisphere that it is, "

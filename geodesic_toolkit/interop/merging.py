@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 from geodesic_toolkit.core.types import IntArray
+from geodesic_toolkit.core.words import a_kind_of
 from geodesic_toolkit.domains import TriangleMesh
 from geodesic_toolkit.errors import InvalidOptionError, UnsupportedDomainError
 from geodesic_toolkit.geometry.welding import merged_positions, movable_by, rounding_of
@@ -64,7 +65,7 @@ def merge_vertices(mesh: Any, tolerance: float = 0.0) -> tuple[TriangleMesh, Int
     domain = as_domain(mesh)
     if not isinstance(domain, TriangleMesh):
         raise UnsupportedDomainError(
-            f"vertices of a TriangleMesh can be merged, not those of a {type(domain).__name__}"
+            f"vertices of a TriangleMesh can be merged, not those of {a_kind_of(domain)}"
         )
     if isinstance(tolerance, bool) or not isinstance(tolerance, numbers.Real):
         raise InvalidOptionError(f"tolerance must be a length, not {tolerance!r}")

@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from geodesic_toolkit.core.atomic import check_output, replacing
 from geodesic_toolkit.core.types import FloatArray
+from geodesic_toolkit.core.words import a_kind_of
 from geodesic_toolkit.domains import Domain, normals_of, polygons_of, positions_of
 from geodesic_toolkit.errors import InvalidOptionError
 from geodesic_toolkit.io.common import optional_package
@@ -119,7 +120,7 @@ def write(
     suffix = file.suffix.lower()
     if suffix in WITH_SHAPE and positions is None:
         raise InvalidOptionError(
-            f"a {type(domain).__name__} has no positions to write to a {suffix} file; write .npy, "
+            f"{a_kind_of(domain)} has no positions to write to a {suffix} file; write .npy, "
             ".csv or .txt"
         )
     model = _model(file, like)

@@ -7,6 +7,7 @@ import numpy as np
 
 from geodesic_toolkit import _native
 from geodesic_toolkit.core.types import BoolArray, FloatArray, IntArray
+from geodesic_toolkit.core.words import a_kind_of
 from geodesic_toolkit.discretization.data import Discretization
 from geodesic_toolkit.discretization.element_gradient import ElementGradient
 from geodesic_toolkit.discretization.positivity import obtuse_excess
@@ -218,7 +219,7 @@ class CotanLaplacian(LaplaceOperator):
         self.check_domain(domain)
         if not isinstance(domain, TriangleMesh):
             raise UnsupportedDomainError(
-                f"tangent vectors are those of a surface in space, not of a {type(domain).__name__}"
+                f"tangent vectors are those of a surface in space, not of {a_kind_of(domain)}"
             )
         given, flipped = self._triangles_of(domain, metric)
         normals, axes, fans = fans_of(domain.vertices, [*given, *flipped])

@@ -3,6 +3,7 @@
 import numpy as np
 
 from geodesic_toolkit.core.types import FloatArray, IntArray
+from geodesic_toolkit.core.words import a_kind_of
 from geodesic_toolkit.discretization.data import Discretization
 from geodesic_toolkit.discretization.edge_gradient import EdgeGradient
 from geodesic_toolkit.discretization.element_gradient import ElementGradient
@@ -69,7 +70,7 @@ def _elements(domain: Domain, metric: Discretization) -> IntArray:
     """Return the elements (E, 3), or the edges (E, 2), of the gradient."""
     if not domain.has("positions"):
         raise UnsupportedDomainError(
-            f"a {type(domain).__name__} has no directions: an edge has no angle; directions need a "
+            f"{a_kind_of(domain)} has no directions: an edge has no angle; directions need a "
             "shape in space, such as a mesh or a point cloud"
         )
     gradient = metric.gradient

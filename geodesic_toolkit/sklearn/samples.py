@@ -9,6 +9,7 @@ from sklearn.utils.validation import check_is_fitted, validate_data
 
 from geodesic_toolkit.analysis.matrix.fingerprints import digest
 from geodesic_toolkit.core.types import BoolArray, FloatArray, IntArray
+from geodesic_toolkit.core.words import a_kind_of
 from geodesic_toolkit.domains import Domain, Graph
 from geodesic_toolkit.errors import InvalidOptionError, UnsupportedDomainError
 from geodesic_toolkit.interop.conversion import graph_of_lengths
@@ -106,7 +107,7 @@ class OnSamples(BaseEstimator):
             return False
         if X is not self.domain_ and digest(X) != digest(self.domain_):
             raise InvalidOptionError(
-                f"{type(self).__name__} was fitted on a {type(self.domain_).__name__}, whose "
+                f"{type(self).__name__} was fitted on {a_kind_of(self.domain_)}, whose "
                 "vertices are its samples: give that domain again; points in space are for "
                 "solver_.query"
             )

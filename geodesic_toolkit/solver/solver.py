@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any
 from numpy.typing import ArrayLike
 
 from geodesic_toolkit.core.types import FloatArray
+from geodesic_toolkit.core.words import a_kind_of
 from geodesic_toolkit.errors import InvalidOptionError
 from geodesic_toolkit.geometry.seams import Seams
 from geodesic_toolkit.heat.method import Boundary, Progress
@@ -276,6 +277,6 @@ def check_solver(solver: object, what: str) -> None:
     """Raise an `InvalidOptionError` if the argument for `what` is not a solver."""
     if not isinstance(solver, GeodesicSolver):
         raise InvalidOptionError(
-            f"{what} needs a GeodesicSolver, not a {type(solver).__name__}; "
+            f"{what} needs a GeodesicSolver, not {a_kind_of(solver)}; "
             "make one for the shape: GeodesicSolver(mesh)"
         )

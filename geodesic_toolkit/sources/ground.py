@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from geodesic_toolkit.core.types import FloatArray, IntArray
+from geodesic_toolkit.core.words import a_kind_of
 from geodesic_toolkit.domains import Domain, Located, positions_of, triangles_of
 from geodesic_toolkit.errors import UnsupportedDomainError
 from geodesic_toolkit.geometry.closest import TriangleTree
@@ -88,7 +89,7 @@ def _checked(domain: Domain, found: object, count: int) -> Located:
     if not isinstance(found, Located) or len(found) != count:
         size = f" of {len(found)} places" if isinstance(found, Located) else ""
         raise UnsupportedDomainError(
-            f"{kind}.closest returned a {type(found).__name__}{size} for {count} points; it must "
+            f"{kind}.closest returned {a_kind_of(found)}{size} for {count} points; it must "
             f"return a Located of {count} places"
         )
     found.check_on(domain, f"{kind}.closest")

@@ -9,6 +9,7 @@ import numpy as np
 from geodesic_toolkit.core.checks import check_nothing_masked
 from geodesic_toolkit.core.types import BoolArray, FloatArray, IntArray
 from geodesic_toolkit.core.warning import warn
+from geodesic_toolkit.core.words import a_kind_of
 from geodesic_toolkit.domains import Domain, Located, check_present, positions_of, triangles_of
 from geodesic_toolkit.errors import FarSourceWarning, InvalidSourceError
 from geodesic_toolkit.geometry.triangles import face_edge_lengths
@@ -126,7 +127,7 @@ def _located(domain: Domain, points: Sequence[Any], name: str) -> Located:
     if not domain.has("triangles"):
         raise InvalidSourceError(
             f"{name}: a SurfacePoint needs a TriangleMesh, or another kind of domain that has "
-            f"triangles, not a {type(domain).__name__}"
+            f"triangles, not {a_kind_of(domain)}"
         )
     triangles = triangles_of(domain)
     for position, point in enumerate(points):
@@ -196,7 +197,7 @@ def _check_no_labels(array: Any, n_vertices: int, name: str) -> None:
 def _check_positions(domain: Domain, name: str) -> None:
     if not domain.has("positions"):
         raise InvalidSourceError(
-            f"{name}: a {type(domain).__name__} has no positions; give vertex indices"
+            f"{name}: {a_kind_of(domain)} has no positions; give vertex indices"
         )
 
 
@@ -260,7 +261,7 @@ def samples_of(domain: Domain, passable: Domain, curve: Curve, name: str) -> Cur
 
     if not domain.measured_in_space:
         raise InvalidSourceError(
-            f"{name}: a curve is measured in space, and a {type(domain).__name__} has a metric of "
+            f"{name}: a curve is measured in space, and {a_kind_of(domain)} has a metric of "
             "its own; give points of the curve as sources, closer together than the edges"
         )
     corners = corners_of_curve(domain, curve, name)

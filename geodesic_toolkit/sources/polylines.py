@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 
 from geodesic_toolkit.core.types import FloatArray
+from geodesic_toolkit.core.words import a_kind_of
 from geodesic_toolkit.domains import Domain
 from geodesic_toolkit.errors import InvalidSourceError
 from geodesic_toolkit.sources.kinds import Curve
@@ -52,8 +53,6 @@ def _polyline(domain: Domain, curve: Any, index: int) -> FloatArray:
     else:
         points = getattr(curve, "points", None)
     if not isinstance(points, np.ndarray) or points.ndim != 2 or points.shape[1] != 3:
-        raise InvalidSourceError(
-            f"curve {index} is a {type(curve).__name__}; give a Curve or a path"
-        )
+        raise InvalidSourceError(f"curve {index} is {a_kind_of(curve)}; give a Curve or a path")
     closed = bool(getattr(curve, "closed", False))
     return np.concatenate([points, points[:1]]) if closed else points

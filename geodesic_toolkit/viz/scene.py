@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from geodesic_toolkit.core.types import BoolArray, FloatArray, IntArray
+from geodesic_toolkit.core.words import a_kind_of
 from geodesic_toolkit.domains import Domain, graph_of, positions_of, triangles_of
 from geodesic_toolkit.errors import InvalidOptionError, UnsupportedDomainError
 from geodesic_toolkit.geometry.triangles import proper_faces
@@ -227,10 +228,10 @@ def _positions(domain: Domain, positions: ArrayLike | None) -> FloatArray:
     if isinstance(domain, Domain) and domain.has("positions"):
         return positions_of(domain)
     raise UnsupportedDomainError(
-        f"a {type(domain).__name__} has no positions to draw; pass positions=, an array of shape "
+        f"{a_kind_of(domain)} has no positions to draw; pass positions=, an array of shape "
         f"({domain.n_vertices}, 3), from a layout of your choice"
         if isinstance(domain, Domain)
-        else f"only domains can be drawn, not a {type(domain).__name__}"
+        else f"only domains can be drawn, not {a_kind_of(domain)}"
     )
 
 

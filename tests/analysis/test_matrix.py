@@ -760,7 +760,7 @@ def test_other_executors_give_the_same_bits(package, tmp_path, monkeypatch):
 @pytest.mark.parametrize(
     ("options", "error", "message"),
     [
-        ({"executor": 3}, errors.InvalidOptionError, "not a int"),
+        ({"executor": 3}, errors.InvalidOptionError, "not an int"),
         ({"symmetrize": "average"}, errors.InvalidOptionError, "'average'"),
         ({"dtype": "int32"}, errors.InvalidOptionError, "not int32"),
         ({"dtype": "nonsense"}, errors.InvalidOptionError, "'nonsense'"),

@@ -66,7 +66,7 @@ def test_curves_that_cannot_be_written_are_refused(tmp_path):
         gt.write_curves(tmp_path / "curve.stl", TORUS, LOOP)
     with pytest.raises(WriteError):
         gt.write_curves(tmp_path / "nowhere" / "curve.obj", TORUS, LOOP)
-    with pytest.raises(InvalidSourceError, match="curve 1 is a int"):
+    with pytest.raises(InvalidSourceError, match="curve 1 is an int"):
         gt.write_curves(tmp_path / "curve.obj", TORUS, [LOOP, 5])
     assert not list(tmp_path.iterdir())
 

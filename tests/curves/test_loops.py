@@ -340,7 +340,7 @@ def test_loops_need_a_triangle_mesh():
         ([0, 1, 1, 2], "place 2 is place 1 again"),
         ([0, 1, 2, 0], "place 0 is place 3 again"),
         (gt.Curve([[0, 0, 0], [1, 0, 0], [1, 1, 0]]), "not through a Curve"),
-        (gt.OffsetSources([0, 1, 2], [0, 1, 2]), "not through a OffsetSources"),
+        (gt.OffsetSources([0, 1, 2], [0, 1, 2]), "not through an OffsetSources"),
         ([0.5, 1.5], "points in space"),
         ([[0, 0, np.nan]], "not finite"),
         ("abc", "must be vertex indices"),

@@ -9,6 +9,7 @@ from numpy.typing import ArrayLike
 
 from geodesic_toolkit.core.checks import check_nothing_masked
 from geodesic_toolkit.core.types import BoolArray, FloatArray, IntArray
+from geodesic_toolkit.core.words import a_kind_of
 from geodesic_toolkit.domains import TriangleMesh
 from geodesic_toolkit.domains.measured import MeasuredFaces
 from geodesic_toolkit.errors import InvalidOptionError, UnsupportedDomainError
@@ -36,8 +37,7 @@ def as_mesh(domain: Any, what: str) -> TriangleMesh:
     mesh = as_domain(domain)
     if not isinstance(mesh, TriangleMesh):
         raise UnsupportedDomainError(
-            f"{what} need a triangle mesh, whose faces lie in space; this is a "
-            f"{type(mesh).__name__}"
+            f"{what} need a triangle mesh, whose faces lie in space; this is {a_kind_of(mesh)}"
         )
     return mesh
 

@@ -13,6 +13,7 @@ from geodesic_toolkit.analysis.curves.cuts import Cuts, areas_of, cut_triangles
 from geodesic_toolkit.analysis.paths.insertion import insert_points
 from geodesic_toolkit.core.frozen import freeze
 from geodesic_toolkit.core.types import FloatArray, IntArray
+from geodesic_toolkit.core.words import a_kind_of
 from geodesic_toolkit.domains import TriangleMesh
 from geodesic_toolkit.errors import InvalidOptionError, UnsupportedDomainError
 from geodesic_toolkit.geometry.components import connected_by_edges
@@ -176,7 +177,7 @@ def geodesic_disc(solver: GeodesicSolver, source: Any, radius: float) -> Geodesi
     mesh = solver.domain
     if not isinstance(mesh, TriangleMesh):
         raise UnsupportedDomainError(
-            f"discs need a triangle mesh, whose faces lie in space; this is a {type(mesh).__name__}"
+            f"discs need a triangle mesh, whose faces lie in space; this is {a_kind_of(mesh)}"
         )
     if isinstance(radius, bool) or not isinstance(radius, int | float | np.number):
         raise InvalidOptionError(f"the radius is a length, not {radius!r}")

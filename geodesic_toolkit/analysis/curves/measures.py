@@ -13,6 +13,7 @@ from geodesic_toolkit.analysis.curves.cuts import (
     cut_triangles,
     finite_faces,
 )
+from geodesic_toolkit.core.words import a_kind_of
 from geodesic_toolkit.errors import InvalidSourceError
 from geodesic_toolkit.interop.conversion import as_domain
 from geodesic_toolkit.sources.curves import polyline_length
@@ -49,7 +50,7 @@ def curve_length(domain: Any, curve: Curve) -> float:
     """
     shape = as_domain(domain)
     if not isinstance(curve, Curve):
-        raise InvalidSourceError(f"a Curve has a length, a {type(curve).__name__} has not")
+        raise InvalidSourceError(f"a Curve has a length, {a_kind_of(curve)} has not")
     return polyline_length(corners_of_curve(shape, curve, "curve"), closed=curve.closed)
 
 

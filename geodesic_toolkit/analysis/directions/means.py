@@ -10,6 +10,7 @@ from geodesic_toolkit.analysis.directions.traced import trace
 from geodesic_toolkit.analysis.exponential import exp_map
 from geodesic_toolkit.core.frozen import FrozenArrays, freeze
 from geodesic_toolkit.core.types import FloatArray
+from geodesic_toolkit.core.words import a_kind_of
 from geodesic_toolkit.domains import TriangleMesh
 from geodesic_toolkit.errors import (
     InvalidOptionError,
@@ -122,7 +123,7 @@ def geodesic_mean(
     mesh = solver.passable
     if not isinstance(mesh, TriangleMesh):
         raise UnsupportedDomainError(
-            f"a mean lies in a face of a mesh, and a {type(mesh).__name__} has none"
+            f"a mean is a place on a TriangleMesh; this is {a_kind_of(mesh)}"
         )
     if power not in (1, 2) or not tolerance > 0:
         raise InvalidOptionError(

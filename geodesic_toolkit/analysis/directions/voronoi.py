@@ -10,6 +10,7 @@ from geodesic_toolkit.analysis.directions.steps import Stepper
 from geodesic_toolkit.analysis.directions.traced import Traced, trace
 from geodesic_toolkit.core.frozen import FrozenArrays, freeze
 from geodesic_toolkit.core.types import FloatArray, IntArray
+from geodesic_toolkit.core.words import a_kind_of
 from geodesic_toolkit.domains import TriangleMesh
 from geodesic_toolkit.errors import InvalidOptionError, InvalidSourceError, UnsupportedDomainError
 from geodesic_toolkit.heat.method import Progress
@@ -109,7 +110,7 @@ def centroidal_voronoi(
     mesh = solver.passable
     if not isinstance(mesh, TriangleMesh):
         raise UnsupportedDomainError(
-            f"sites move over the faces of a mesh, and not over a {type(mesh).__name__}"
+            f"sites move over the faces of a mesh, and not over {a_kind_of(mesh)}"
         )
     if not (steps >= 0 and tolerance >= 0):
         raise InvalidOptionError(f"steps {steps} and tolerance {tolerance} must not be negative")

@@ -36,6 +36,7 @@ from geodesic_toolkit.analysis.matrix.unfinished import Unfinished
 from geodesic_toolkit.analysis.matrix.workers import check_executor, computed
 from geodesic_toolkit.core.atomic import check_output
 from geodesic_toolkit.core.types import IntArray
+from geodesic_toolkit.core.words import a_kind_of
 from geodesic_toolkit.errors import InvalidOptionError, WriteError
 from geodesic_toolkit.heat.method import Progress
 from geodesic_toolkit.solver.solver import GeodesicSolver, check_solver
@@ -259,7 +260,7 @@ def check_matrix_output(out: str | os.PathLike[str], *, sparse: bool) -> Path:
     try:
         path = Path(out)
     except TypeError as error:
-        raise InvalidOptionError(f"out must be a path, not a {type(out).__name__}") from error
+        raise InvalidOptionError(f"out must be a path, not {a_kind_of(out)}") from error
     suffix = path.suffix.lower()
     if suffix in MATRIX_SUFFIXES and sparse != (suffix == ".npz"):
         raise InvalidOptionError(

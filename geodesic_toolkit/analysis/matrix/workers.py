@@ -13,6 +13,7 @@ from weakref import WeakKeyDictionary
 
 from geodesic_toolkit.analysis.matrix.tasks import Rows, RowTask
 from geodesic_toolkit.core.warning import Collected, collected_warnings, warn
+from geodesic_toolkit.core.words import a_kind_of
 from geodesic_toolkit.errors import GeodesicWarning, InvalidOptionError, SolverError
 from geodesic_toolkit.heat.method import HeatMethod
 from geodesic_toolkit.solver.solver import GeodesicSolver
@@ -28,8 +29,8 @@ def check_executor(executor: object) -> None:
     if executor is not None and not isinstance(executor, Executor):
         raise InvalidOptionError(
             "executor must be a concurrent.futures.Executor (a process pool, loky's, "
-            "dask's Client(...).get_executor(), mpi4py's), not a "
-            f"{type(executor).__name__}"
+            "dask's Client(...).get_executor(), mpi4py's), not "
+            f"{a_kind_of(executor)}"
         )
 
 

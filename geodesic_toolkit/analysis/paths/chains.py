@@ -12,6 +12,7 @@ from geodesic_toolkit.analysis.paths.candidates import Candidate
 from geodesic_toolkit.analysis.paths.insertion import insert_points
 from geodesic_toolkit.analysis.paths.path import GeodesicPath, closed_path, path_from_candidate
 from geodesic_toolkit.core.types import IntArray
+from geodesic_toolkit.core.words import a_kind_of
 from geodesic_toolkit.domains import TriangleMesh
 from geodesic_toolkit.errors import InvalidSourceError, UnreachableError, UnsupportedDomainError
 from geodesic_toolkit.geometry.triangles import proper_faces
@@ -59,14 +60,14 @@ def located_stops(
     """
     if not isinstance(solver.domain, TriangleMesh):
         raise UnsupportedDomainError(
-            "loops and paths through places need a triangle mesh; a "
-            f"{type(solver.domain).__name__} has no surface to pull them over"
+            "loops and paths through places need a triangle mesh; "
+            f"{a_kind_of(solver.domain)} has no surface to pull them over"
         )
     groups = []
     for given, name in places:
         if isinstance(given, Curve | OffsetSources):
             raise InvalidSourceError(
-                f"{name}: a path runs through places, not through a {type(given).__name__}"
+                f"{name}: a path runs through places, not through {a_kind_of(given)}"
             )
         groups.append(solver.locate(given, name))
         if name in {"source", "target"} and groups[-1].count != 1:

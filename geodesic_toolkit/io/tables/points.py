@@ -5,6 +5,7 @@ from pathlib import Path
 
 import numpy as np
 
+from geodesic_toolkit.core.words import a_kind_of
 from geodesic_toolkit.domains import PointCloud, positions_of
 from geodesic_toolkit.errors import ReadError
 from geodesic_toolkit.io.common import array_of
@@ -52,5 +53,5 @@ def read_points(path: str | os.PathLike[str]) -> PointCloud:
             return PointCloud(np.atleast_2d(array_of(plain)))
     domain = read(file)
     if not domain.has("positions"):
-        raise ReadError(f"{file}: a {type(domain).__name__} has no positions")
+        raise ReadError(f"{file}: {a_kind_of(domain)} has no positions")
     return PointCloud(positions_of(domain))

@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 from scipy.sparse import csr_array
 
+from geodesic_toolkit.core.words import a_kind_of
 from geodesic_toolkit.discretization.data import Discretization
 from geodesic_toolkit.domains import Domain
 from geodesic_toolkit.errors import GeodesicError, UnsupportedDomainError
@@ -79,7 +80,7 @@ def dtypes_are_the_agreed_ones(subject: OperatorSubject) -> Iterable[Measured]:
             if not isinstance(parts[name][0], csr_array)
         ]
         if not isinstance(discretization, Discretization):
-            found.append(f"assemble returned a {type(discretization).__name__}")
+            found.append(f"assemble returned {a_kind_of(discretization)}")
         yield Measured(float(len(found)), 0.0, f"{sample.name}: {'; '.join(found)}")
 
 
@@ -152,7 +153,7 @@ def other_domains_are_refused_by_name(subject: OperatorSubject) -> Iterable[Meas
     for other in (ForeignDomain(), None, np.zeros((4, 3))):
         raised = _raised(subject.recipe, other)
         if not isinstance(raised, UnsupportedDomainError):
-            found.append(f"a {type(other).__name__} raised {_text(raised)}")
+            found.append(f"{a_kind_of(other)} raised {_text(raised)}")
     yield faults(found)
 
 
