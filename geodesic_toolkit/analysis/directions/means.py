@@ -25,10 +25,15 @@ from geodesic_toolkit.sources.surface_point import SurfacePoint
 __all__ = ["GeodesicMean", "geodesic_mean"]
 
 MOST_STEPS = 50
-"""Steps off the best vertex; means of squares take 3 or 4, medians some more."""
+"""Steps off the best vertex; means of squares take 3 or 4, medians 12 to 46."""
 
 LEAST_WAY = 1e-6
 """Distance, in mean edge lengths, up to which a median is at a site, which then holds it."""
+
+ROUGHNESS_OF_ENERGY = 1e-3
+"""Relative increase of the sum that is a difference between distances from two places, and not an
+ascent. On 30 sets of 3 to 12 sites on an irregular sphere of 3,500 vertices, medians are up to 0.12
+edge lengths off with 0, and up to 0.013 with all of 1e-4 to 0.1."""
 
 
 @final
@@ -87,7 +92,7 @@ def geodesic_mean(
     power : {2, 1}
         Of the distance: 2 is the mean of Fréchet and Karcher, 1 the median.
     tolerance : float
-        Step, in mean edge lengths, below which the iteration ends.
+        Way ahead, in mean edge lengths, below which the iteration ends; estimated from two steps.
 
     Returns
     -------
@@ -141,19 +146,22 @@ def geodesic_mean(
         raise UnreachableError("no vertex connects with all sites; they lie in different parts")
     place, energy = SourcePoints.at_vertices(np.array([start]), mesh.n_vertices), np.inf
     spacing = solver.method.metric.spacing
-    best, step = place, 0
+    best, steps, last = place, 0, np.inf
     for step in range(MOST_STEPS + 1):
         ways, vectors = _logarithms(solver, place, points)
         now = float(share @ ways**power)
-        if step > 0 and not now < energy:
+        if now > (1 + ROUGHNESS_OF_ENERGY) * energy:
             break
-        best, energy = place, now
+        best, energy, steps = place, now, step
         move = _step(share, ways, vectors, power, LEAST_WAY * spacing)
-        if np.linalg.norm(move) < tolerance * spacing:
+        size = float(np.linalg.norm(move))
+        # Steps that shrink by a constant factor still have this many times their size ahead.
+        if size <= tolerance * spacing * (1 - min(size / last, 1.0)):
             break
+        last = size
         place = solver.locate(exp_map(solver, place, move).points[0])
     point = exp_map(solver, best, np.zeros(3))
-    return GeodesicMean(point.points[0], point.positions[0].copy(), energy, step, vertex_energy)
+    return GeodesicMean(point.points[0], point.positions[0].copy(), energy, steps, vertex_energy)
 
 
 def _step(
