@@ -158,6 +158,13 @@ class GeodesicDistances(ClassNamePrefixFeaturesOutMixin, TransformerMixin, OnSam
 
     def _filled(self, distances: FloatArray) -> FloatArray:
         unreachable = np.isinf(distances)
+        if self.fill is not None and unreachable.any():
+            largest = distances[~unreachable].max(initial=0.0)
+            if 0 <= self.fill <= largest:  # a negative number is a mark, not a distance
+                raise InvalidOptionError(
+                    f"fill={self.fill!r} must be above all distances, or unconnected samples would "
+                    f"be near: the largest is {largest:.6g}"
+                )
         return np.where(unreachable, np.inf if self.fill is None else self.fill, distances)
 
 

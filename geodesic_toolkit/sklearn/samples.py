@@ -11,7 +11,11 @@ from geodesic_toolkit.analysis.matrix.fingerprints import digest
 from geodesic_toolkit.core.types import BoolArray, FloatArray, IntArray
 from geodesic_toolkit.core.words import a_kind_of
 from geodesic_toolkit.domains import Domain, Graph
-from geodesic_toolkit.errors import InvalidOptionError, UnsupportedDomainError
+from geodesic_toolkit.errors import (
+    InvalidDomainError,
+    InvalidOptionError,
+    UnsupportedDomainError,
+)
 from geodesic_toolkit.interop.conversion import graph_of_lengths
 from geodesic_toolkit.registry.catalog import operators
 from geodesic_toolkit.solver.solver import GeodesicSolver
@@ -96,9 +100,28 @@ class OnSamples(BaseEstimator):
             ) from error
         return domain
 
-    def _graph_of(self, table: FloatArray) -> Graph:  # noqa: ARG002 - for overriding methods
-        """Return the graph of neighbours, whose edges have lengths."""
-        return graph_of_lengths(self.nearest_.kneighbors_graph(mode="distance"))
+    def _graph_of(self, table: FloatArray) -> Graph:
+        """Return the graph of neighbours, whose edges have lengths.
+
+        Neighbours are those of distinct samples: a repeated one is at a distance of 0 from the
+        first of its kind.
+        """
+        _, first, kind = np.unique(table, axis=0, return_index=True, return_inverse=True)
+        if len(first) == len(table):
+            return graph_of_lengths(self.nearest_.kneighbors_graph(mode="distance"))
+        if len(first) == 1:
+            raise InvalidDomainError("all samples are equal: there is no distance between them")
+        distinct = NearestNeighbors(
+            n_neighbors=min(self.n_neighbors_, len(first) - 1), metric=self.metric
+        ).fit(table[first])
+        near = graph_of_lengths(distinct.kneighbors_graph(mode="distance"))
+        own = first[kind.ravel()]
+        repeats = np.flatnonzero(own != np.arange(len(table)))
+        return Graph(
+            len(table),
+            np.concatenate([first[near.edges], np.column_stack([own[repeats], repeats])]),
+            np.append(near.lengths, np.zeros(len(repeats))),
+        )
 
     def _is_fitted_on(self, X: Any) -> bool:  # noqa: N803
         """Return True for the domain of `fit`; raise for another one, and for tables then."""
@@ -115,6 +138,11 @@ class OnSamples(BaseEstimator):
 
     def _near(self, X: Any) -> tuple[FloatArray, IntArray, FloatArray]:  # noqa: N803
         """Return new samples as a table, their nearest samples, and the distances of these."""
+        if isinstance(X, Domain):
+            raise InvalidOptionError(
+                f"{type(self).__name__} was fitted on a table of samples: give new ones as a table "
+                f"with as many columns, not {a_kind_of(X)}"
+            )
         table = validate_data(self, X, dtype=np.float64, reset=False)
         far, near = self.nearest_.kneighbors(table)
         return table, near.astype(np.int64), far
@@ -166,7 +194,7 @@ def _between_neighbors(
     finite: BoolArray = np.isfinite(known)
     bound = (known + far).min(axis=2)
     if weights is not None:
-        lower = np.where(finite, known - far, 0.0).max(axis=2)
+        lower = np.where(finite, np.abs(known - far), 0.0).max(axis=2)
         linear = (np.where(finite, known, 0.0) * weights).sum(axis=2)
         linear[~finite.all(axis=2)] = np.inf  # some neighbours are on another component
         bound = np.minimum(np.maximum(linear, lower), bound)
@@ -174,4 +202,4 @@ def _between_neighbors(
     # the nearest one come last, so that a sample of `fit` gets its own distance.
     nearest, gap = known[:, :, 0], far[:, 0]
     first = np.where(np.isfinite(nearest), nearest, bound)
-    return np.asarray(np.clip(bound, first - gap, first + gap))
+    return np.asarray(np.clip(bound, np.abs(first - gap), first + gap))

@@ -166,3 +166,9 @@ def test_progress_counts_steps():
     seen = []
     gt.centroidal_voronoi(PLATE, [0, 1, 2], steps=2, progress=lambda *at: seen.append(at))
     assert seen[0] == (1, 2)
+
+
+def test_a_number_of_sites_needs_a_generator():
+    solver = gt.GeodesicSolver(gt.testing.shapes.icosphere(1))
+    with pytest.raises(InvalidOptionError, match=r"give places, such as \[3\]"):
+        gt.centroidal_voronoi(solver, 3)

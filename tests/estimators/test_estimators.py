@@ -13,6 +13,7 @@ from sklearn.neighbors import KNeighborsTransformer, RadiusNeighborsTransformer
 import geodesic_toolkit as gt
 from geodesic_toolkit.errors import (
     FragmentedCloudWarning,
+    InvalidDomainError,
     InvalidOptionError,
     InvalidSourceError,
     UnreachableError,
@@ -365,3 +366,46 @@ def test_the_output_may_be_a_table_of_pandas():
     assert found.columns.tolist() == [f"geodesicdistances{number}" for number in range(3)]
     assert found.index.tolist() == table.index.tolist()
     assert model.feature_names_in_.tolist() == ["x", "y"]
+
+
+# -- what new samples and repeated ones may read ---------------------------------------------------
+
+
+def test_a_new_sample_is_as_far_as_its_way_to_the_samples():
+    samples = make_swiss_roll(300, random_state=0)[0]
+    far = GeodesicDistances().fit(samples).transform(samples[:3] + 1e4)
+    step = 1e4 * np.sqrt(3)
+    assert (far > 0.99 * step).all()
+    assert (far < 1.02 * step).all()
+
+
+def test_repeated_samples_do_not_take_the_place_of_neighbours():
+    once = make_swiss_roll(200, random_state=0)[0]
+    rows = np.repeat(once, 6, axis=0)
+    found = GeodesicDistances(n_neighbors=5, landmarks=[0]).fit_transform(rows)
+    expected = GeodesicDistances(n_neighbors=5, landmarks=[0]).fit_transform(once)
+    np.testing.assert_allclose(found[::6], expected, rtol=1e-6, atol=1e-9)
+    np.testing.assert_allclose(
+        found.reshape(-1, 6), np.repeat(expected, 6, axis=1), rtol=1e-6, atol=1e-9
+    )
+    assert GeodesicIsomap(n_neighbors=5).fit_transform(rows).shape == (1200, 2)
+
+
+def test_equal_samples_are_refused():
+    with pytest.raises(InvalidDomainError, match="all samples are equal"):
+        GeodesicDistances().fit(np.ones((9, 3)))
+
+
+@pytest.mark.parametrize("fill", [0.0, 0.5])
+def test_a_fill_below_a_distance_is_refused(fill):
+    apart = np.concatenate([np.linspace(0, 1, 20), np.linspace(50, 51, 20)])[:, None]
+    estimator = GeodesicDistances(landmarks=[0], n_neighbors=3, fill=fill)
+    with pytest.raises(InvalidOptionError, match="above all distances"):
+        estimator.fit_transform(apart)
+    assert estimator.set_params(fill=9.0).fit_transform(apart).max() == 9.0
+
+
+def test_a_shape_is_not_a_new_sample():
+    samples = make_swiss_roll(50, random_state=0)[0]
+    with pytest.raises(InvalidOptionError, match="fitted on a table"):
+        GeodesicDistances().fit(samples).transform(gt.testing.shapes.icosphere(1))

@@ -166,6 +166,11 @@ def _first_sites(
                 f"sites: between 1 and the {candidates} vertices that have weight, not {sites}"
             )
         sites = rng.choice(len(mass), int(sites), replace=False, p=mass / mass.sum())
+    elif isinstance(sites, int | np.integer):
+        raise InvalidOptionError(
+            f"sites: with rng {sites} is the number of sites to draw; without it give places, such "
+            f"as [{sites}] for one vertex"
+        )
     places = solver.locate(sites, "sites")
     if places.front_curvatures is not None or places.delayed:
         raise InvalidSourceError("sites: cells have points for sites, not a curve or offsets")

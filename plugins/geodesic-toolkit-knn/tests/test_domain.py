@@ -219,3 +219,9 @@ def test_a_real_anndata_is_taken():
     data = anndata.AnnData(POINTS.copy(), obsm={"X_pca": POINTS.copy()})
     to_anndata(data, KNNGraph(POINTS, k=7))
     assert from_anndata(data).distances.nnz == 1400
+
+
+def test_connections_are_not_affinities():
+    ring = csr_array(np.roll(np.eye(5), 1, axis=1) + np.roll(np.eye(5), -1, axis=1))
+    with pytest.raises(InvalidDomainError, match="matrix of connections"):
+        KNNGraph.from_affinities(ring)

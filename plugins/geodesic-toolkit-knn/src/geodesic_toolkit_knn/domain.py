@@ -294,6 +294,11 @@ class KNNGraph(gt.Domain):
                 f"{matrix[j, i]}; give (a + a.T) / 2, or a.maximum(a.T)"
             )
         kept = (entries.data > 0) & (row != column)
+        if kept.any() and (entries.data[kept] == 1).all():
+            raise InvalidDomainError(
+                "all affinities are 1, which is a distance of 0 between all neighbours: this is a "
+                "matrix of connections; give from_distances a matrix of their distances"
+            )
         lengths = np.sqrt(-np.log(entries.data[kept]))
         known = _matrix(row[kept], column[kept], lengths, matrix.shape[0])
         return cls.from_distances(known, dimension=dimension)
