@@ -33,7 +33,9 @@ def directions(solver: gt.GeodesicSolver) -> None:
 def centres(solver: gt.GeodesicSolver) -> None:
     mean: gt.GeodesicMean = gt.geodesic_mean(solver, [0, 5, 9], power=1)
     assert_type(mean.position, Floats)
-    cells: gt.CentroidalVoronoi = gt.centroidal_voronoi(solver, 4, steps=3)
+    cells: gt.CentroidalVoronoi = gt.centroidal_voronoi(
+        solver, 4, steps=3, rng=np.random.default_rng(0)
+    )
     assert_type(cells.labels, Indices)
 
 
