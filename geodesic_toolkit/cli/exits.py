@@ -53,9 +53,9 @@ def kind_of(error: BaseException) -> str:
 def report(error: BaseException) -> int:
     """Report an error on stderr, in three lines at most, and return the exit status."""
     if os.environ.get(DEBUG_VARIABLE) == "1":
-        say("".join(traceback.format_exception(error)))
+        say("".join(traceback.format_exception(error)), error=True)
     for line in _lines(error):
-        say(line)
+        say(line, error=True)
     return exit_status(error)
 
 

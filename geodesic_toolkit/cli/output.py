@@ -80,9 +80,9 @@ def show(text: str) -> None:
         typer.echo(_by_names(text))
 
 
-def say(text: str) -> None:
-    """Print a text that is not a result: a warning, a note, an error."""
-    if not is_quiet():
+def say(text: str, *, error: bool = False) -> None:
+    """Print a text that is not a result: a warning or a note; or an error, which is never quiet."""
+    if error or not is_quiet():
         typer.echo(_by_names(text), err=True)
 
 

@@ -83,7 +83,7 @@ class Progress:
         self._since = self._now()
         self._done = threading.Event()
         self._lock = threading.Lock()
-        self._show_above = say
+        self._show_above: Callable[[str], None] = say
         self._thread = threading.Thread(target=self._watch, daemon=True)
 
     @contextmanager

@@ -52,7 +52,7 @@ def answer_each(paths: Sequence[Path], answer: Callable[[Path], Result], *, json
             result = answer(path)
         except (GeodesicError, MemoryError) as error:
             statuses.append(exit_status(error))
-            say(f"{path}:")
+            say(f"{path}:", error=True)
             report(error)
             failures.append(one_line(error))
             failure = {"kind": kind_of(error), "message": failures[-1]}

@@ -44,6 +44,13 @@ def test_json_has_one_object_with_all_results(shapes):
     assert results[2]["max"] == pytest.approx(np.sqrt(2), rel=1e-6)
 
 
+def test_quiet_inputs_still_report_their_errors(shapes):
+    done = run("distance", *shapes, "--source", 0, "--quiet")
+    assert done.exit_code == 3
+    assert "broken.ply" in done.stderr
+    assert "[ReadError]" in done.stderr
+
+
 def test_several_inputs_that_are_all_right_have_status_0(shapes):
     assert run("distance", shapes[0], shapes[2], "--source", 0).exit_code == 0
 
