@@ -1,5 +1,6 @@
 """``geodesic-toolkit view``: a page to look and click."""
 
+from contextlib import suppress
 from typing import Annotated
 
 import typer
@@ -77,20 +78,22 @@ def view(
                 browser=browser,
                 block=False,
             )
-    if json:
-        show_json(
-            {
-                "input": str(path),
-                "domain": type(shape.domain).__name__,
-                "n_vertices": shape.file.n_vertices,
-                "n_merged": shape.domain.n_vertices,
-                "url": page.url,
-                "timings": run.timings,
-                "warnings": run.warnings,
-                "outputs": [],
-                "versions": versions(),
-            }
-        )
-    else:
-        show(page.url)
-    page.wait()
+    # Ctrl-C is the end of the page as soon as its address is printed.
+    with page, suppress(KeyboardInterrupt):
+        if json:
+            show_json(
+                {
+                    "input": str(path),
+                    "domain": type(shape.domain).__name__,
+                    "n_vertices": shape.file.n_vertices,
+                    "n_merged": shape.domain.n_vertices,
+                    "url": page.url,
+                    "timings": run.timings,
+                    "warnings": run.warnings,
+                    "outputs": [],
+                    "versions": versions(),
+                }
+            )
+        else:
+            show(page.url)
+        page.wait()

