@@ -30,6 +30,7 @@ __all__ = [
     "Operator",
     "Refine",
     "Solver",
+    "TimeFactor",
     "Weld",
     "check_plugins",
     "check_positions",
@@ -138,6 +139,15 @@ Refine = Annotated[
         help="Sweep wavefronts over the triangles in the order of the heat, or stay with plain "
         "heat, the paper's own result. Refined distances, which are several times more accurate, "
         "are the default on meshes and clouds.",
+        show_default=False,
+    ),
+]
+
+TimeFactor = Annotated[
+    float | None,
+    typer.Option(
+        metavar="M",
+        help="Time step in squared mean edge lengths: 1 unless given; more is smoother.",
         show_default=False,
     ),
 ]

@@ -17,6 +17,7 @@ from geodesic_toolkit.cli.arguments import (
     Operator,
     Refine,
     Solver,
+    TimeFactor,
     Weld,
     check_plugins,
     check_positions,
@@ -96,14 +97,7 @@ def distance(
         str | None,
         typer.Option(metavar="NAME", help="Another operator for the diffusion of heat."),
     ] = None,
-    time_factor: Annotated[
-        float | None,
-        typer.Option(
-            metavar="M",
-            help="Time step in squared mean edge lengths: 1 unless given; more is smoother.",
-            show_default=False,
-        ),
-    ] = None,
+    time_factor: TimeFactor = None,
     time: Annotated[
         float | None,
         typer.Option(metavar="T", help="Time step in squared units of length, instead."),
