@@ -135,20 +135,16 @@ class Controls:
         camera.position, camera.look_at = tuple(away * front.toward), (0.0, 0.0, 0.0)
         camera.up, camera.fov = tuple(front.up), float(np.radians(FIELD_OF_VIEW))
         camera.near, camera.far = 0.01, 100.0
-        server.on_client_connect(self._step_back)
+        server.on_client_connect(self._widen)
         if self._solid:
             self._add_surface()
         else:
             self._add_points()
 
-    def _step_back(self, client: Any) -> None:
-        """Move the camera of a page that is higher than wide away, until all of the shape is seen.
-
-        A page that connects again keeps the camera where it is.
-        """
-        start, camera = np.array(self._server.initial_camera.position), client.camera
-        if camera.aspect < 1.0 and np.allclose(camera.position, start, atol=1e-3):
-            camera.position, camera.look_at = tuple(start / camera.aspect), (0.0, 0.0, 0.0)
+    def _widen(self, client: Any) -> None:
+        """Show all of the shape on a page that is higher than wide: angles of view are vertical."""
+        half = np.tan(np.radians(FIELD_OF_VIEW / 2)) / min(client.camera.aspect, 1.0)
+        client.camera.fov = float(2 * np.arctan(half))
 
     def _add_surface(self) -> None:
         """Add the mesh once, and the hidden clouds from which surface.js takes its values."""

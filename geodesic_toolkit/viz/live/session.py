@@ -124,20 +124,23 @@ class Session:
         self._picker = Picker(self.scene)
         self.mode = Mode.SOURCE
         self.time_factor = time_factor
-        self.refine = self._refine_at_first = refine
+        self.refine = refine
         self._solvers: dict[tuple[Any, float], GeodesicSolver] = {}
         self.hidden: frozenset[int] = frozenset()
         self.path: Any = None
         self.measured: tuple[Place, float] | None = None
         self._path_begins = False
         nowhere = np.zeros(self.domain.n_vertices, dtype=np.bool_)
-        self._mask = self.solver.mask  # a copy, with all points at the position of a masked one
+        first = self.solver
+        self._refined: Refine = "across" if first.method.across else True
+        self.refine = self._refined if self.refined else False  # the choice of "auto"
+        self._solvers = {(self.refine, time_factor): first}
+        self._mask = first.mask  # a copy, with all points at the position of a masked one
         self.masked: BoolArray = nowhere if self._mask is None else self._mask
         passable = self.scene.present & ~self.masked
-        self.parts, self.sizes = _parts(self.solver.method.metric.components, passable)
-        self._refined_at_first = self.refined
-        first = int(np.flatnonzero(passable)[0])
-        located = self.solver.locate(first if sources is None else sources)
+        self.parts, self.sizes = _parts(first.method.metric.components, passable)
+        default = int(np.flatnonzero(passable)[0])
+        located = first.locate(default if sources is None else sources)
         runs = zip(located.begins[:-1], located.begins[1:], strict=True)
         self._set_sources(tuple(Place(located.vertices[a:b], located.shares[a:b]) for a, b in runs))
 
@@ -160,8 +163,8 @@ class Session:
 
     @property
     def refined(self) -> bool:
-        """True if distances are refined."""
-        return bool(self.solver.method.refine)
+        """True if distances are those of fronts or of paths along edges, False for plain heat."""
+        return bool(self.solver.method.refine or self.solver.method.across)
 
     @property
     def shown(self) -> BoolArray:
@@ -276,7 +279,7 @@ class Session:
     # -- options -----------------------------------------------------------------------------------
 
     def set_method(self, *, refine: bool, time_factor: float) -> None:
-        """Compute the distances in another way, or as at the beginning, which may be "auto".
+        """Compute the distances in another way.
 
         Raises
         ------
@@ -286,7 +289,7 @@ class Session:
         """
         before = self.refine, self.time_factor
         try:
-            self.refine = self._refine_at_first if refine == self._refined_at_first else refine
+            self.refine = self._refined if refine else False
             self.time_factor = time_factor
             self._set_distances(self.solver.distance(self._as_sources(self.sources)))
         except BaseException:
