@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike
 
 from geodesic_toolkit.core.types import BoolArray, FloatArray, IntArray
 from geodesic_toolkit.domains import Domain, Located
-from geodesic_toolkit.errors import InvalidSourceError
+from geodesic_toolkit.errors import InvalidOptionError, InvalidSourceError
 from geodesic_toolkit.interop.conversion import as_domain
 from geodesic_toolkit.io import write
 from geodesic_toolkit.solver.solver import GeodesicSolver, Refine
@@ -233,9 +233,17 @@ class Session:
             self.solver, self._as_sources(self.sources), self._as_sources((place,))
         )
 
-    def set_mode(self, mode: Mode) -> None:
-        """Change what clicks do; a path begins with the next click."""
-        self.mode, self._path_begins = mode, False
+    def set_mode(self, mode: Mode | str) -> None:
+        """Change what clicks do, to "source", "path" or "measure"; the next click begins a path.
+
+        Raises
+        ------
+        InvalidOptionError
+            Another mode.
+        """
+        if mode not in tuple(Mode):
+            raise InvalidOptionError(f'mode must be "source", "path" or "measure", not {mode!r}')
+        self.mode, self._path_begins = Mode(mode), False
 
     @property
     def waits_for_target(self) -> bool:
