@@ -211,7 +211,15 @@ def main():
         for size in options.sizes.split(","):
             mesh = gt.testing.shapes.bumpy_torus(*SIZES[size], rng=np.random.default_rng(0))
             figures = measure(page, mesh)
-            rows.append([f"{mesh.n_vertices:,}", *(f"{figure:.3g}" for figure in figures)])
+            rows.append(
+                [
+                    f"{mesh.n_vertices:,}",
+                    *(
+                        f"{figure:,.0f}" if figure >= 1000 else f"{figure:.3g}"
+                        for figure in figures
+                    ),
+                ]
+            )
             print(rows[-1], flush=True)
     text = markdown(
         HEADINGS,
