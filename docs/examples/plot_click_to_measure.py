@@ -13,9 +13,9 @@ import geodesic_toolkit as gt
 
 # %%
 # ``gt.viz.view(mesh)`` opens the page in the browser and waits until Ctrl-C; on the command line it
-# is ``geodesic-toolkit view bunny.off``. Both need ``pip install "geodesic-toolkit[view]"``. Drag to
-# turn the shape, click to set the source, and shift-click to add one; the panel chooses the effect
-# of a click. With ``block=False`` the call returns at once, with the page open, and with
+# is ``geodesic-toolkit view bunny.off``. Both need ``pip install "geodesic-toolkit[view]"``. Drag
+# to turn the shape, click to set the source, and shift-click to add one; the panel chooses the
+# effect of a click. With ``block=False`` the call returns at once, with the page open, and with
 # ``browser=False`` it opens no browser: ``page.url`` is the address to open later.
 
 sphere = gt.testing.shapes.icosphere(5)
