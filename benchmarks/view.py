@@ -94,7 +94,7 @@ class Counter:
 
 
 class Times(dict):
-    """When a click reaches the session, and when its answer is on the way, in ms of the system."""
+    """Time at which a click reaches the session, and when its answer is on the way, in ms of the system."""
 
     def __init__(self, view):
         self.answered = threading.Event()
