@@ -16,7 +16,7 @@ from geodesic_toolkit.cli.arguments import (
 )
 from geodesic_toolkit.cli.output import show, show_json, versions
 from geodesic_toolkit.cli.run import running
-from geodesic_toolkit.cli.welding import check_weld, welded
+from geodesic_toolkit.cli.welding import welded
 
 __all__ = ["view"]
 
@@ -59,7 +59,6 @@ def view(
     from geodesic_toolkit.viz.live.view import view as open_view
 
     sources = None if not source else parse_sources(source)
-    check_weld(weld)
     check_plugins("auto", operator)
     with running() as run:
         with run.step("reading"):
