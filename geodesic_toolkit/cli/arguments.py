@@ -48,7 +48,7 @@ def _existing(path: Path) -> Path:
     """Return a path of a file that exists, or that is a stream."""
     if is_stream(path):
         return path
-    if not path.exists():
+    if not os.access(path, os.F_OK):
         raise typer.BadParameter(f"File {str(path)!r} does not exist.")
     if path.is_dir():
         raise typer.BadParameter(f"File {str(path)!r} is a directory.")
@@ -108,10 +108,15 @@ class MarkedVertices:
 
 def find_marked(text: str) -> MarkedVertices | None:
     """Return the file that ``FILE`` or ``FILE:REGION`` names; None if it does not exist."""
-    if Path(text).is_file():
+    if _is_file(text):
         return MarkedVertices(Path(text))
     file, colon, region = text.rpartition(":")
-    return MarkedVertices(Path(file), region) if colon and Path(file).is_file() else None
+    return MarkedVertices(Path(file), region) if colon and _is_file(file) else None
+
+
+def _is_file(text: str) -> bool:
+    # pathlib alone raises for names that are too long, and for folders that may not be entered.
+    return os.access(text, os.F_OK) and Path(text).is_file()
 
 
 def files_of(mask: MarkedVertices | None, places: Sequence[str] = ()) -> list[Path]:
