@@ -79,6 +79,8 @@ def _answer(
     weld: float | None,
     refine: bool | None,
 ) -> Answer:
+    import numpy as np
+
     from geodesic_toolkit.analysis.curves.isolines import isolines as lines_of
     from geodesic_toolkit.analysis.curves.measures import area_above, curve_length
 
@@ -103,7 +105,8 @@ def _answer(
         ]
     every = [line for _, lines in curves for line in lines]
     if not every:
-        run.warn("no line is at these distances: nothing on the mesh is as far as that")
+        top = distances[np.isfinite(distances)].max()
+        run.warn(f"no line is at these distances: those on the mesh go from 0 to {top:.6g}")
     write_lines(run, targets, mesh, every, distances if targets.drawn else None, isolines=0)
     content = {"n_vertices": shape.file.n_vertices, "sources": sources, "levels": found}
     return Answer(shape, content, [(f"at {one['level']:g}", _described(one)) for one in found])
