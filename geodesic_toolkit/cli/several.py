@@ -77,7 +77,7 @@ def answer_each(
         return
     results: list[dict[str, Any]] = []
     for path, own in each.items():
-        about = f"{path}: "
+        about = f"{one_line(path)}: "
         try:
             content, lines = _answered(answer, path, own, about)
         except Exception as error:  # noqa: BLE001 - reported, and the rest are tried
@@ -86,7 +86,7 @@ def answer_each(
         else:
             results.append({**content, "status": 0, "error": None})
             if not json:
-                show("\n".join([f"{path}:", *lines, ""]))
+                show("\n".join([about.rstrip(), *lines, ""]))
     if json:
         show_json({"results": results})
     else:
@@ -127,6 +127,6 @@ def _show_table(results: Sequence[dict[str, Any]]) -> None:
     rows = [("INPUT", "STATUS", "")]
     for result in results:
         status, error = ("failed" if result["status"] else "done"), result["error"]
-        rows.append((result["input"], status, error["message"] if error else ""))
+        rows.append((one_line(result["input"]), status, error["message"] if error else ""))
     for line in aligned(rows):
         show(line)

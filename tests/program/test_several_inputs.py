@@ -155,6 +155,12 @@ def test_a_stream_may_be_one_of_several_inputs(shapes, tmp_path):
     fails(run("signed", "-", "-", "--curve", "line.txt", input=content), 2, "the same stream")
 
 
+def test_a_name_of_several_lines_stays_on_one(shapes, tmp_path):
+    (tmp_path / "two\nlines.ply").write_bytes((tmp_path / "last.ply").read_bytes())
+    done = run("distance", "first.ply", "two\nlines.ply", "--source", 0)
+    assert done.stdout.splitlines()[-1].split() == ["two", "lines.ply", "done"]
+
+
 def test_warnings_name_the_input_that_they_are_about(shapes):
     done = run("isolines", "first.ply", "last.ply", "--source", 0, "--level", 1.5, "--json")
     first, last = json.loads(done.stdout)["results"]
