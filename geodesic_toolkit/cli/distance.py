@@ -256,7 +256,7 @@ class Result:
     def warn_where_nothing_is_reached(self) -> None:
         """Warn if no distance but those of the sources is finite."""
         at, sources = self.question.at, self.question.sources
-        if at is None and self.reached == len(sources):
+        if at is None and self.reached == len(sources) < len(self.distances):
             self.run.warn(
                 "the sources are connected to no other vertex: every other distance is inf"
             )
