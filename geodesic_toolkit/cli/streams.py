@@ -15,7 +15,7 @@ from pathlib import Path
 from typing import Any
 
 from geodesic_toolkit.cli.output import quiet, renamed, to_stdout
-from geodesic_toolkit.errors import InvalidOptionError, ReadError
+from geodesic_toolkit.errors import InvalidOptionError, ReadError, WriteError
 
 __all__ = ["is_stream", "streams"]
 
@@ -120,6 +120,8 @@ def _received(folder: Path) -> Path:
     ------
     ReadError
         The format is not known.
+    WriteError
+        The folder of temporary files is full.
     """
     beginning = sys.stdin.buffer.read(LENGTH_OF_BEGINNING)
     text = beginning.removeprefix(codecs.BOM_UTF8)
@@ -131,9 +133,15 @@ def _received(folder: Path) -> Path:
             "file with the suffix of its format, and give that"
         )
     path = folder / f"stdin{suffix}"
-    with path.open("wb") as file:
-        file.write(beginning)
-        shutil.copyfileobj(sys.stdin.buffer, file)
+    try:
+        with path.open("wb") as file:
+            file.write(beginning)
+            shutil.copyfileobj(sys.stdin.buffer, file)
+    except OSError as error:
+        raise WriteError(
+            f"standard input cannot be stored in {folder.parent}: {error.strerror}; make room "
+            "there, or set TMPDIR to another folder"
+        ) from error
     return path
 
 

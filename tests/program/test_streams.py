@@ -124,6 +124,18 @@ def test_a_closed_stream_is_wrong_usage(sphere_file):
     assert "standard output, which is closed" in done.stderr
 
 
+def test_a_full_folder_of_temporary_files_is_an_error_that_names_it(tmp_path):
+    mesh = gt.testing.shapes.grid(200)
+    gt.write(tmp_path / "grid.ply", mesh, np.zeros(mesh.n_vertices))
+    limit = "import resource; resource.setrlimit(resource.RLIMIT_FSIZE, (1024, 1024))"
+    program = f"import runpy; {limit}; runpy.run_module('geodesic_toolkit', run_name='__main__')"
+    command = [sys.executable, "-c", program, "distance", "-", "--source", "0"]
+    with (tmp_path / "grid.ply").open("rb") as given:
+        done = subprocess.run(command, stdin=given, capture_output=True, text=True, check=False)
+    assert done.returncode == 2
+    assert done.stderr.startswith("error: standard input cannot be stored in ")
+
+
 def test_results_without_a_reader_are_not_an_error(tmp_path):
     for name in ("a.ply", "b.ply"):
         gt.write(tmp_path / name, gt.testing.shapes.grid(4), np.zeros(16))
