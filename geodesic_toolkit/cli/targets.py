@@ -79,8 +79,8 @@ class Targets:
                 if first != path:
                     raise InvalidOptionError(
                         f"{output} would be the output of {first} and of {path}; write "
-                        "{name} where the names of outputs differ, as in {name}.npy, and give "
-                        "inputs of one name apart"
+                        "{name} where the names of outputs differ, as in {name}.npy, and run "
+                        "inputs of the same name in commands of their own"
                     )
         return each
 
