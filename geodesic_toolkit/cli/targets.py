@@ -1,6 +1,6 @@
 """The files that a command writes: checked before the work, written after it."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -71,9 +71,10 @@ class Targets:
         if len(each) < len(inputs):
             twice = next(path for path in inputs if inputs.count(path) > 1)
             raise InvalidOptionError(f"{twice} is given several times")
+        taken = {path.resolve() for path in (*inputs, *used)}
         seen: dict[Path, Path] = {}
         for path, targets in each.items():
-            targets.check(*inputs, *used)
+            targets.check(taken)
             for output in targets.paths:
                 first = seen.setdefault(output.resolve(), path)
                 if first != path:
@@ -96,14 +97,19 @@ class Targets:
             parts=named(self.parts),
         )
 
-    def check(self, *inputs: Path) -> None:
+    def check(self, taken: Collection[Path] = ()) -> None:
         """Raise, before any work, if a file could not be written after it.
+
+        Parameters
+        ----------
+        taken : collection of Path
+            Resolved paths of files that no output may overwrite.
 
         Raises
         ------
         InvalidOptionError
             A suffix that does not fit, an unknown colour map, two outputs in one file, or an
-            output that would overwrite one of the `inputs`.
+            output that is `taken`.
         WriteError
             A folder that does not exist or is not writable.
         MissingDependencyError
@@ -112,11 +118,13 @@ class Targets:
         from geodesic_toolkit.io import check_output
         from geodesic_toolkit.io.writing import check_distance_output
 
-        seen = {path.resolve(): "the input" for path in inputs}
+        seen: set[Path] = set()
         for path in self.paths:
-            if path.resolve() in seen:
-                raise InvalidOptionError(f"{path} would overwrite {seen[path.resolve()]}")
-            seen[path.resolve()] = "another output"
+            file = path.resolve()
+            if file in taken or file in seen:
+                other = "the input" if file in taken else "another output"
+                raise InvalidOptionError(f"{path} would overwrite {other}")
+            seen.add(file)
         for path in self.tables:
             (self.check_table or check_distance_output)(path)
         for picture in (self.picture, self.parts):

@@ -1,6 +1,7 @@
 """Several inputs of one command: each has a status, and a failure does not end the rest."""
 
 import json
+from pathlib import Path
 from unittest.mock import patch
 
 import numpy as np
@@ -8,6 +9,7 @@ import pytest
 from command_line import fails, run
 
 import geodesic_toolkit as gt
+from geodesic_toolkit.cli.targets import Targets
 
 COMMANDS = {
     "distance": (["--source", 0], ".npy"),
@@ -130,6 +132,14 @@ def test_no_output_overwrites_another_input_or_a_file_of_an_option(shapes, tmp_p
     fails(run(*line, f"used{suffix}"), 2, f"used{suffix} would overwrite")
     line[-1] = f"used{suffix}"
     fails(run(*line, "--mask", f"used{suffix}"), 2, f"used{suffix} would overwrite")
+
+
+def test_the_paths_of_many_inputs_are_resolved_a_few_times_each(tmp_path):
+    paths = [tmp_path / f"{number}.ply" for number in range(100)]
+    targets = Targets(tables=(tmp_path / "{name}.npy",))
+    with patch.object(Path, "resolve", autospec=True, side_effect=Path.resolve) as resolve:
+        assert len(targets.of_each(paths)) == 100
+    assert resolve.call_count < 10 * len(paths)
 
 
 def test_pictures_of_several_inputs_have_names_of_their_own(shapes):
