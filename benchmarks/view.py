@@ -94,7 +94,7 @@ class Counter:
 
 
 class Times(dict):
-    """Time at which a click reaches the session, and when its answer is on the way, in ms of the system."""
+    """Times of the system, in ms, at which a click and its answer pass the session."""
 
     def __init__(self, view):
         self.answered = threading.Event()

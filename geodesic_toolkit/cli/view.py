@@ -21,7 +21,7 @@ from geodesic_toolkit.cli.arguments import (
 )
 from geodesic_toolkit.cli.output import show, show_json, versions
 from geodesic_toolkit.cli.run import running
-from geodesic_toolkit.cli.welding import check_weld, welded
+from geodesic_toolkit.cli.welding import welded
 
 __all__ = ["view"]
 
@@ -69,7 +69,6 @@ def view(
 
     sources = None if not source else parse_sources(source)
     check_time(None, time_factor)
-    check_weld(weld)
     check_plugins("auto", operator)
     with running() as run:
         with run.step("reading"):
