@@ -14,8 +14,10 @@ from geodesic_toolkit.core.words import a_kind_of
 from geodesic_toolkit.domains import Domain, positions_of
 from geodesic_toolkit.errors import InvalidOptionError, UnsupportedDomainError
 from geodesic_toolkit.geometry.welding import merged_positions, rounding_of
+from geodesic_toolkit.interop import names
 from geodesic_toolkit.interop.conversion import as_domain
 from geodesic_toolkit.interop.members import hemispheres, only_member
+from geodesic_toolkit.interop.names import check_name
 from geodesic_toolkit.interop.refusals import described
 
 __all__ = ["attach"]
@@ -69,7 +71,8 @@ def attach(
     object                    place of the values
     ========================= ==================================================================
     trimesh                   ``mesh.vertex_attributes[name]``; ``cloud.metadata[name]``
-    Open3D, tensor            ``mesh.vertex[name]``, ``cloud.point[name]``, on their device
+    Open3D, tensor            ``mesh.vertex[name]``, ``cloud.point[name]``, on their device, as a
+                              column (N, 1), which Open3D writes to files
     Open3D, legacy            the same, on a tensor geometry that is returned: legacy geometries
                               hold only colours and normals
     PyVista, meshio           ``mesh.point_data[name]``
@@ -88,7 +91,8 @@ def attach(
         One value per vertex: distances, or labels. For hemispheres of nilearn a mapping of "left"
         and "right" to one array each.
     name : str
-        Name of the values; values of that name are replaced.
+        Name of the values; values of that name are replaced. Names with a meaning in the library,
+        such as that of normals, are refused, and those of data that are not one number per vertex.
     domain : Domain or object, optional
         The shape on which the values were measured, if it is not `obj` itself. Its vertices have
         the positions of those of the object, in any order and number.
@@ -104,8 +108,9 @@ def attach(
     Raises
     ------
     InvalidOptionError
-        The number of values is not that of the vertices; the name is not one that can be given;
-        values that are not real numbers; positions of the object that the domain lacks.
+        The number of values is not that of the vertices; the name is one that the library uses
+        itself, or that of other data; values that are not real numbers; positions of the object
+        that the domain lacks.
     UnsupportedDomainError
         An object that is not listed, or holds several shapes.
 
@@ -250,15 +255,19 @@ def _point_data(obj: Any, name: str) -> Holder | None:
     """Find the point data of PyVista and meshio."""
     if not _has(obj, "points", "point_data"):
         return None
-    put = _putting(obj.point_data, name)
-    return Holder(len(obj.points), put, obj.points)
+    check_name(name, names.POINT_DATA, obj.point_data)
+    return Holder(len(obj.points), _putting(obj.point_data, name), obj.points)
 
 
 def _trimesh(obj: Any, name: str) -> Holder | None:
     """Find the attributes of a mesh, or the metadata of a cloud, of trimesh."""
     if not _has(obj, "vertices", "metadata") or _has(obj, "entities"):  # those are curves
         return None
-    table = obj.vertex_attributes if _has(obj, "vertex_attributes") else obj.metadata
+    if _has(obj, "vertex_attributes"):
+        table, fixed = obj.vertex_attributes, names.TRIMESH
+    else:
+        table, fixed = obj.metadata, names.TRIMESH_CLOUD
+    check_name(name, fixed, table)
     return Holder(len(obj.vertices), _putting(table, name), obj.vertices)
 
 
@@ -276,14 +285,13 @@ def _open3d_tensors(obj: Any, name: str) -> Holder | None:
     attributes = obj.vertex if _has(obj, "vertex", "triangle") else getattr(obj, "point", None)
     if attributes is None or not hasattr(attributes, "primary_key"):
         return None
-    if name == attributes.primary_key:
-        raise InvalidOptionError(f"name {name!r} is that of the positions; give another one")
+    check_name(name, names.OPEN3D, dict(attributes.items()))
     if attributes.primary_key not in attributes:
         raise UnsupportedDomainError(f"{described(obj)} has no vertices")
     positions = attributes[attributes.primary_key]
 
-    def put(values: Values) -> None:
-        attributes[name] = type(positions)(values, device=positions.device)
+    def put(values: Values) -> None:  # Open3D writes a column, (N, 1), to files, but not (N,)
+        attributes[name] = type(positions)(values[:, None], device=positions.device)
 
     return Holder(len(positions), put, positions.cpu().numpy())
 
@@ -309,6 +317,7 @@ def _anndata(obj: Any, name: str) -> Holder | None:
     """Find the table of observations of AnnData."""
     if not _has(obj, "obs", "obsm", "n_obs"):
         return None
+    check_name(name, {**names.TABLE, obj.obs.index.name: "the index"}, obj.obs)
     return Holder(obj.n_obs, _putting(obj.obs, name))
 
 
@@ -317,11 +326,23 @@ def _network(obj: Any, name: str) -> Holder | None:
     if not _has(obj, "nodes", "edges", "is_directed"):
         return None
 
+    check_name(name, {}, _other_attribute(obj, name))
+
     def put(values: Values) -> None:
         for node, value in zip(obj.nodes, values.tolist(), strict=True):
             obj.nodes[node][name] = value
 
     return Holder(len(obj.nodes), put)
+
+
+def _other_attribute(graph: Any, name: str) -> dict[str, Any]:
+    """Return the first attribute of that name, of a node of networkx, that is not a number."""
+    for _, data in graph.nodes(data=True):
+        if name in data and not isinstance(data[name], numbers.Real):
+            other = np.empty(1, dtype=object)
+            other[0] = data[name]
+            return {name: other}
+    return {}
 
 
 def _hemisphere(obj: Any, _: str) -> Holder | None:

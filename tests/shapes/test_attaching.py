@@ -72,7 +72,7 @@ def test_a_scene_of_trimesh_with_one_mesh():
     gt.attach(scene, FAR[::-1], "again", domain=turned)
     np.testing.assert_array_equal(scene.geometry[name].vertex_attributes["again"], FAR)
     scene.add_geometry(mesh.copy())
-    with pytest.raises(UnsupportedDomainError, match=r"holds 2 shapes; give one, scene.geometry"):
+    with pytest.raises(UnsupportedDomainError, match=r"holds 2 shapes; give one: scene.dump"):
         gt.attach(scene, FAR)
 
 
@@ -84,14 +84,12 @@ def test_open3d_tensors():
     mesh.vertex.positions = o3d.core.Tensor(VERTICES.astype(np.float32))
     mesh.triangle.indices = o3d.core.Tensor(FACES.astype(np.int32))
     assert gt.attach(mesh, FAR) is mesh
-    np.testing.assert_array_equal(mesh.vertex.distance.numpy(), FAR)
+    np.testing.assert_array_equal(mesh.vertex.distance.numpy(), FAR[:, None])
     cloud = o3d.t.geometry.PointCloud(o3d.core.Tensor(VERTICES))
     gt.attach(cloud, FAR)
-    np.testing.assert_array_equal(cloud.point.distance.numpy(), FAR)
+    np.testing.assert_array_equal(cloud.point.distance.numpy(), FAR[:, None])
     gt.attach(cloud, np.arange(42) > 3, "near")
     assert cloud.point.near.numpy().dtype == np.bool_
-    with pytest.raises(InvalidOptionError, match="'positions' is that of the positions"):
-        gt.attach(cloud, FAR, "positions")
 
 
 def test_legacy_geometries_of_open3d_come_back_as_tensors():
@@ -100,11 +98,11 @@ def test_legacy_geometries_of_open3d_come_back_as_tensors():
     mesh = o3d.geometry.TriangleMesh(points, o3d.utility.Vector3iVector(FACES))
     mesh.paint_uniform_color([0.1, 0.2, 0.3])
     held = gt.attach(mesh, FAR)
-    np.testing.assert_array_equal(held.vertex.distance.numpy(), FAR)
+    np.testing.assert_array_equal(held.vertex.distance.numpy(), FAR[:, None])
     np.testing.assert_array_equal(held.vertex.positions.numpy(), VERTICES)
     np.testing.assert_allclose(held.vertex.colors.numpy(), np.tile([0.1, 0.2, 0.3], (42, 1)))
     cloud = gt.attach(o3d.geometry.PointCloud(points), FAR)
-    np.testing.assert_array_equal(cloud.point.distance.numpy(), FAR)
+    np.testing.assert_array_equal(cloud.point.distance.numpy(), FAR[:, None])
 
 
 def test_pyvista():
@@ -120,7 +118,7 @@ def test_pyvista():
     assert gt.attach(blocks, FAR, "inside") is blocks
     np.testing.assert_array_equal(blocks[1].point_data["inside"], FAR)
     blocks.append(surface)
-    with pytest.raises(UnsupportedDomainError, match=r"holds 2 shapes; give one, blocks\[name\]"):
+    with pytest.raises(UnsupportedDomainError, match=r"holds 2 shapes; give one: blocks\["):
         gt.attach(blocks, FAR)
 
 
@@ -181,6 +179,98 @@ def test_networkx():
     network = nx.path_graph(["a", "b", "c"])
     gt.attach(network, gt.geodesic_distance(network, 2))
     assert dict(network.nodes(data="distance")) == {"a": 2.0, "b": 1.0, "c": 0.0}
+
+
+# -- names that an object has for other things -----------------------------------------------------
+
+
+def of_trimesh():
+    trimesh = pytest.importorskip("trimesh")
+    return trimesh.Trimesh(VERTICES, FACES, process=False)
+
+
+def cloud_of_trimesh():
+    return pytest.importorskip("trimesh").PointCloud(VERTICES, metadata={"title": "a sphere"})
+
+
+def of_open3d():
+    o3d = pytest.importorskip("open3d")
+    mesh = o3d.t.geometry.TriangleMesh(o3d.core.Tensor(VERTICES), o3d.core.Tensor(FACES))
+    mesh.vertex.uv = o3d.core.Tensor(VERTICES[:, :2].copy())
+    return mesh
+
+
+def cloud_of_open3d():
+    o3d = pytest.importorskip("open3d")
+    return o3d.t.geometry.PointCloud(o3d.core.Tensor(VERTICES))
+
+
+def legacy_of_open3d():
+    o3d = pytest.importorskip("open3d")
+    return o3d.geometry.PointCloud(o3d.utility.Vector3dVector(VERTICES))
+
+
+def of_pyvista():
+    cloud = pytest.importorskip("pyvista").PolyData(VERTICES)
+    cloud.point_data["uv"] = VERTICES[:, :2]
+    return cloud
+
+
+def of_meshio():
+    return pytest.importorskip("meshio").Mesh(VERTICES, [("triangle", FACES)])
+
+
+def of_networkx():
+    graph = pytest.importorskip("networkx").path_graph(42)
+    graph.nodes[3]["pos"] = (0.0, 1.0)
+    return graph
+
+
+@pytest.mark.parametrize(
+    ("make", "names"),
+    [
+        (of_trimesh, ("x", "vertex", "s")),
+        (cloud_of_trimesh, ("units", "name", "title")),
+        (of_open3d, ("positions", "normals", "colors", "texture_uvs", "indices", "uv")),
+        (cloud_of_open3d, ("positions", "normals", "colors", "opacity", "scale", "nx")),
+        (legacy_of_open3d, ("positions", "normals", "colors")),
+        (of_pyvista, ("Normals", "vtkGhostType", "uv")),
+        (of_meshio, ("gmsh:dim_tags",)),
+        (of_networkx, ("pos",)),
+    ],
+)
+def test_names_of_other_things_are_refused_and_the_offered_name_is_taken(make, names):
+    for name in names:
+        obj = make()
+        with pytest.raises(InvalidOptionError, match=f"^name '{name}' is that of ") as caught:
+            gt.attach(obj, FAR, name)
+        offered = str(caught.value).rpartition("such as ")[2].strip("'")
+        changed = gt.attach(obj, FAR, offered)
+        gt.attach(changed, 2 * FAR, offered)  # numbers are replaced
+        with pytest.raises(InvalidOptionError, match=f"^name '{name}' is that of "):
+            gt.attach(changed, FAR, name)  # nothing was lost
+        assert gt.as_domain(changed).n_vertices == 42
+
+
+def test_names_of_the_index_and_of_categories_in_a_table_are_refused():
+    class Observations(dict):
+        index = SimpleNamespace(name="cell")
+
+    obs = Observations(cluster=np.array(["B", "T"] * 21), depth=np.zeros(42))
+    table = SimpleNamespace(obs=obs, obsm={}, n_obs=42)
+    for name in ("cell", "_index", "cluster"):
+        with pytest.raises(InvalidOptionError, match=f"name '{name}' is that of "):
+            gt.attach(table, FAR, name)
+    np.testing.assert_array_equal(gt.attach(table, FAR, "depth").obs["depth"], FAR)
+
+
+def test_values_on_a_cloud_of_open3d_are_in_the_file_that_it_writes(tmp_path):
+    o3d = pytest.importorskip("open3d")
+    cloud = gt.attach(cloud_of_open3d(), FAR)
+    file = str(tmp_path / "cloud.ply")
+    assert o3d.t.io.write_point_cloud(file, cloud)
+    again = o3d.t.io.read_point_cloud(file)
+    np.testing.assert_array_equal(again.point.distance.numpy().ravel(), FAR)
 
 
 # -- infinite values, and other kinds of value -----------------------------------------------------
