@@ -81,7 +81,7 @@ def _has(obj: Any, names: tuple[str, ...]) -> bool:
 def _by_keys(obj: Mapping[Any, Any]) -> str:
     if "vertices" in obj and "faces" in obj:
         return '(d["vertices"], d["faces"])'
-    return f"(its keys are {_listed(list(obj))})"
+    return f"(its keys are {_listed([repr(key) for key in obj])})"
 
 
 def _table(obj: Any) -> np.ndarray[Any, Any] | None:
@@ -116,31 +116,26 @@ def _of_table(table: np.ndarray[Any, Any]) -> str:
 
 
 def several(
-    obj: Any, number: int, access: str, names: Sequence[Any], all_at_once: str | None = None
+    obj: Any, codes: Sequence[str], all_at_once: str | None = None
 ) -> UnsupportedDomainError:
     """Return the error for an object that holds several shapes, or no shape.
 
     Parameters
     ----------
     obj : object
-    number : int
-        Number of shapes that it holds.
-    access : str
-        Code that returns one of them.
-    names : sequence
-        Names of the shapes.
+    codes : sequence of str
+        Code that returns each shape that it holds.
     all_at_once : str, optional
         Code that returns all as one shape.
     """
-    if number == 0:
+    if not codes:
         return UnsupportedDomainError(f"{described(obj)} is not a shape: it is empty")
-    joined = f", or all as one shape: {all_at_once}" if all_at_once else ""
+    joined = f"; or all as one shape: {all_at_once}" if all_at_once else ""
     return UnsupportedDomainError(
-        f"{described(obj)} holds {number} shapes; give one, {access} (there are {_listed(names)})"
-        f"{joined}"
+        f"{described(obj)} holds {len(codes)} shapes; give one: {_listed(codes)}{joined}"
     )
 
 
-def _listed(names: Sequence[Any]) -> str:
+def _listed(names: Sequence[str]) -> str:
     more = ", ..." if len(names) > MAX_LISTED_NAMES else ""
-    return ", ".join(map(repr, names[:MAX_LISTED_NAMES])) + more
+    return ", ".join(names[:MAX_LISTED_NAMES]) + more

@@ -466,32 +466,66 @@ def test_a_scene_of_one_mesh_is_the_mesh_where_the_scene_puts_it():
     np.testing.assert_array_equal(ball.vertices, VERTICES)  # is left as it was
 
 
-def test_a_scene_of_several_meshes_is_refused_with_the_cure():
+def advice(refused):
+    """Return the codes that a message offers: for each shape, and for all as one."""
+    with pytest.raises(UnsupportedDomainError, match=r"holds \d+ shapes; give one: ") as caught:
+        gt.as_domain(refused)
+    each, _, joined = str(caught.value).partition("give one: ")[2].partition("; ")
+    codes = [code.partition(" (")[0] for code in each.split(", ")]
+    return codes, joined.removeprefix("or all as one shape: ")
+
+
+def placed_scene(trimesh, *shapes):
+    """Return a scene with each shape, and the first one once more, 5 beside it."""
+    scene = trimesh.Scene({f"shape {i}": shape for i, shape in enumerate(shapes)})
+    aside = trimesh.transformations.translation_matrix([5, 0, 0])
+    scene.graph.update("again", matrix=aside, geometry="shape 0")
+    return scene
+
+
+def test_a_scene_of_several_meshes_is_refused_with_code_for_each_and_for_the_whole():
     trimesh = pytest.importorskip("trimesh")
     ball = trimesh.Trimesh(VERTICES, FACES, process=False)
-    scene = trimesh.Scene({"ball": ball, "other": ball.copy()})
-    says = r"Scene holds 2 shapes; give one, scene.geometry\[name\] .*'ball', 'other'.*concatenate"
-    with pytest.raises(UnsupportedDomainError, match=says):
-        gt.as_domain(scene)
-    assert gt.as_domain(trimesh.util.concatenate(scene.dump())).n_vertices == 84
-    assert_sphere(gt.as_domain(scene.geometry["ball"]))
+    for scene, count in ((placed_scene(trimesh, ball), 2), (placed_scene(trimesh, ball, ball), 3)):
+        codes, joined = advice(scene)
+        shapes_ = [gt.as_domain(eval(code, {"scene": scene})) for code in codes]
+        assert [len(one.vertices) for one in shapes_] == count * [42]
+        np.testing.assert_allclose(shapes_[-1].vertices, VERTICES + np.array([5, 0, 0]))
+        whole = gt.as_domain(eval(joined, {"scene": scene}))
+        np.testing.assert_allclose(
+            whole.vertices, np.concatenate([one.vertices for one in shapes_]), atol=1e-15
+        )
     with pytest.raises(UnsupportedDomainError, match="Scene is not a shape: it is empty"):
         gt.as_domain(trimesh.Scene())
+
+
+def test_clouds_of_a_scene_are_joined_by_their_points_and_not_with_meshes():
+    trimesh = pytest.importorskip("trimesh")
+    ball, cloud = trimesh.Trimesh(VERTICES, FACES, process=False), trimesh.PointCloud(VERTICES)
+    scene = placed_scene(trimesh, cloud)
+    codes, joined = advice(scene)
+    assert len(codes) == 2
+    assert gt.as_domain(eval(joined, {"numpy": np, "scene": scene})).n_vertices == 84
+    codes, joined = advice(placed_scene(trimesh, cloud, ball))  # trimesh leaves the clouds out
+    assert len(codes) == 3
+    assert not joined
 
 
 def test_blocks_of_one_shape_are_the_shape_and_several_are_refused_with_the_cure():
     pv = pytest.importorskip("pyvista")
     surface = pv.PolyData.from_regular_faces(VERTICES, FACES)
-    assert_sphere(gt.as_domain(pv.MultiBlock([surface])))
-    assert_sphere(gt.as_domain(pv.MultiBlock([None, surface])))
-    blocks = pv.MultiBlock({"left": surface, "right": surface.translate([5, 0, 0])})
-    says = r"MultiBlock holds 2 shapes; give one, blocks\[name\] .*'left', 'right'.*blocks.combine"
-    with pytest.raises(UnsupportedDomainError, match=says):
-        gt.as_domain(blocks)
-    assert gt.as_domain(blocks.combine()).n_vertices == 84
-    assert_sphere(gt.as_domain(blocks["left"]))
-    with pytest.raises(UnsupportedDomainError, match="MultiBlock is not a shape: it is empty"):
-        gt.as_domain(pv.MultiBlock())
+    for inner in ([surface], [None, surface], [None, pv.MultiBlock([None, surface])]):
+        assert_sphere(gt.as_domain(pv.MultiBlock(inner)))
+    other = surface.translate([5, 0, 0])
+    pair = pv.MultiBlock({"left": surface, "right": other})
+    for blocks, count in ((pair, 2), (pv.MultiBlock({"both": pair, "third": surface}), 3)):
+        codes, joined = advice(blocks)
+        assert len(codes) == count
+        assert_sphere(gt.as_domain(eval(codes[0])))
+        assert gt.as_domain(eval(joined)).n_vertices == 42 * count
+    for empty in (pv.MultiBlock(), pv.MultiBlock([None, pv.MultiBlock()])):
+        with pytest.raises(UnsupportedDomainError, match="MultiBlock is not a shape: it is empty"):
+            gt.as_domain(empty)
 
 
 def test_structured_grids_are_refused_with_the_cure():
@@ -511,7 +545,7 @@ def test_a_pair_of_hemispheres_is_taken_where_it_is_one_and_else_the_message_say
     one, both = (SimpleNamespace(parts=dict.fromkeys(names, left)) for names in ("l", "lr"))
     assert_sphere(gt.as_domain(one))
     assert_sphere(gt.as_domain(SimpleNamespace(mesh=one, data=None)))  # as SurfaceImage does
-    says = r"holds 2 shapes; give one, mesh.parts\[name\] \(there are 'l', 'r'\)"
+    says = r"holds 2 shapes; give one: mesh.parts\['l'\], mesh.parts\['r'\]"
     with pytest.raises(UnsupportedDomainError, match=says):
         gt.as_domain(both)
 
