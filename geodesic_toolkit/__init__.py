@@ -77,8 +77,9 @@ if TYPE_CHECKING:
     from geodesic_toolkit.linear.cg import CG
     from geodesic_toolkit.linear.superlu import SuperLU
     from geodesic_toolkit.linear.supernodal import Supernodal
-    from geodesic_toolkit.registry.catalog import operators, readers, solvers
+    from geodesic_toolkit.registry.catalog import operators, readers, solvers, writers
     from geodesic_toolkit.registry.registry import PluginStatus, Registry
+    from geodesic_toolkit.registry.writer import Writer
     from geodesic_toolkit.solver.convenience import geodesic_distance
     from geodesic_toolkit.solver.diagnosis import Diagnosis
     from geodesic_toolkit.solver.queries import interpolate
@@ -135,6 +136,7 @@ __all__ = [
     "UniformLaplacian",
     "Variant",
     "VolumeDistance",
+    "Writer",
     "__version__",
     "area_above",
     "as_domain",
@@ -182,6 +184,7 @@ __all__ = [
     "write",
     "write_curves",
     "write_log_map",
+    "writers",
 ]
 
 _HOMES = {
@@ -231,6 +234,7 @@ _HOMES = {
     "UniformLaplacian": "laplacians.uniform",
     "Variant": "analysis.variants",
     "VolumeDistance": "analysis.volume",
+    "Writer": "registry.writer",
     "area_above": "analysis.curves.measures",
     "as_domain": "interop.conversion",
     "attach": "interop.attaching",
@@ -274,6 +278,7 @@ _HOMES = {
     "write": "io",
     "write_curves": "io",
     "write_log_map": "io",
+    "writers": "registry.catalog",
 }
 _SUBPACKAGES = ("errors", "testing", "viz")
 

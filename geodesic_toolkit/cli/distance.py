@@ -111,9 +111,9 @@ def distance(
         typer.Option(
             metavar="FILE",
             help="Write the distances to a .ply, .pcd, .las, .laz, .vtp, .vtk, .vtu, .gii, .npy, "
-            ".csv or .txt file, or to standard output as -.csv; may be given several times. With "
-            "several INPUTs it has {name}, which is replaced by the name of each without its "
-            "suffix. A .ply, .pcd, .las or .laz of the "
+            ".csv or .txt file, a plugin's format, or to standard output as -.csv; may be given "
+            "several times. With several INPUTs it has {name}, which is replaced by the name of "
+            "each without its suffix. A .ply, .pcd, .las or .laz of the "
             "format of INPUT, or of --at, keeps all other data of that file.",
         ),
     ] = None,
@@ -174,8 +174,8 @@ class Question:
         """Compute, write and draw the distances of one file."""
         with run.step("reading"):
             shape, masked, located = _shape(run, path, self)
-            targets.check_domain(shape.domain)
             points = _points(self.at, shape.domain)
+            targets.check_domain(shape.file, points)
         thinned = None
         if self.thin is not None:
             with run.step("thinning"):

@@ -13,7 +13,7 @@ __all__ = ["plugin_rows", "plugins"]
 
 
 def plugins(json: Json = False) -> None:
-    """List operators, solvers, readers and commands of plugins, including broken ones."""
+    """List operators, solvers, readers, writers and commands of plugins, including broken ones."""
     with running() as run, run.step("loading the plugins"):
         rows = plugin_rows()
     if json:
@@ -49,5 +49,5 @@ def plugin_rows() -> list[tuple[str, "PluginStatus"]]:
     from geodesic_toolkit.cli.extensions import commands
     from geodesic_toolkit.registry import catalog
 
-    registries = (catalog.operators, catalog.solvers, catalog.readers, commands)
+    registries = (catalog.operators, catalog.solvers, catalog.readers, catalog.writers, commands)
     return [(registry.kind, row) for registry in registries for row in registry.status()]

@@ -116,7 +116,7 @@ class Targets:
             A package for colour maps, or for a format, is not installed.
         """
         from geodesic_toolkit.io import check_output
-        from geodesic_toolkit.io.writing import check_distance_output
+        from geodesic_toolkit.io.outputs import check_distance_output
 
         seen: set[Path] = set()
         for path in self.paths:
@@ -137,17 +137,31 @@ class Targets:
 
             colour_table(self.cmap)
 
-    def check_domain(self, domain: "Domain") -> None:
-        """Raise an `InvalidOptionError` if a file needs positions and `domain` has none."""
-        from geodesic_toolkit.io.writing import WITH_SHAPE
+    def check_domain(self, domain: "Domain", asked: "Domain | None" = None) -> None:
+        """Raise if a file cannot hold the shape that it is to hold.
 
-        if not domain.has("positions"):
-            for path in self.paths:
-                if path.suffix.lower() in (*WITH_SHAPE, ".png", ".html"):
-                    raise InvalidOptionError(
-                        f"{path}: {a_kind_of(domain)} has no positions to draw or to write; "
-                        "use .npy, .csv or .txt"
-                    )
+        Parameters
+        ----------
+        domain : Domain
+            The shape of pictures, and of tables unless `asked` is given.
+        asked : Domain, optional
+            The points of the tables.
+
+        Raises
+        ------
+        InvalidOptionError
+            A format of another kind of domain, or one that needs positions.
+        MissingDependencyError
+            A format of this kind of domain needs a package that is not installed.
+        """
+        from geodesic_toolkit.io.outputs import check_domain_of_output
+
+        for path in self.tables:
+            check_domain_of_output(path, domain if asked is None else asked)
+        if self.drawn and not domain.has("positions"):
+            raise InvalidOptionError(
+                f"{self.paths[len(self.tables)]}: {a_kind_of(domain)} has no positions to draw"
+            )
 
     def load_graphics(self) -> None:
         """Import the graphics packages, so that a missing one is found before the work.

@@ -1,41 +1,30 @@
 """Write distances: shapes with a field for viewers, tables for other programs."""
 
 import os
-from contextlib import nullcontext
+from collections.abc import Iterator
+from contextlib import contextmanager, nullcontext
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from geodesic_toolkit.core.atomic import check_output, replacing
+from geodesic_toolkit.core.atomic import replacing
 from geodesic_toolkit.core.types import FloatArray
-from geodesic_toolkit.core.words import a_kind_of
 from geodesic_toolkit.domains import Domain, normals_of, polygons_of, positions_of
-from geodesic_toolkit.errors import InvalidOptionError
-from geodesic_toolkit.io.common import optional_package
+from geodesic_toolkit.errors import GeodesicError, InvalidOptionError, WriteError
+from geodesic_toolkit.io.outputs import check_distance_output, check_domain_of_output
 from geodesic_toolkit.io.readers.gifti import encode_gifti
-from geodesic_toolkit.io.readers.las import require_las, write_las
+from geodesic_toolkit.io.readers.las import write_las
 from geodesic_toolkit.io.readers.pcd import encode_pcd
 from geodesic_toolkit.io.readers.ply import encode_ply, encode_ply_like
-from geodesic_toolkit.io.readers.vtk_library import require_vtk, write_vtk
-from geodesic_toolkit.io.reading import check_file, named_errors
+from geodesic_toolkit.io.readers.vtk_library import write_vtk
+from geodesic_toolkit.io.reading import check_file, named_errors, one_line
 
-__all__ = ["WITH_SHAPE", "check_distance_output", "write"]
-
-WITH_SHAPE = (".ply", ".pcd", ".las", ".laz", ".vtp", ".vtk", ".vtu")
-"""Formats of a shape with numbers at its vertices."""
-
-DISTANCE_SUFFIXES = (*WITH_SHAPE, ".gii", ".npy", ".csv", ".txt")
+__all__ = ["write"]
 
 FAMILIES = ((".ply",), (".pcd",), (".las", ".laz"))
 """Suffixes of formats that keep the point attributes of a file of the same family."""
-
-SHAPE_ALONE = (".obj", ".off", ".stl", ".xyz", ".mesh")
-"""Common formats of shapes that cannot hold a field."""
-
-OTHER_GIFTI = (".surf.gii", ".label.gii")
-"""Names of GIFTI files whose suffix promises something else than a field."""
 
 GREY = (160, 160, 160)
 """Colour of vertices that no source reaches."""
@@ -70,6 +59,9 @@ def write(
     .txt             the distances alone, one per line, with all digits
     ================ ====================================================================
 
+    Plugins add formats of their kinds of domain by a :class:`Writer`: these come first for such a
+    domain.
+
     If a .ply, .pcd, .las or .laz is written `like` the file of the shape, the result is that file
     with the distance added: all other data are kept, such as colours, intensities, classes,
     normals, polygons, the coordinate system.
@@ -90,10 +82,12 @@ def write(
     Raises
     ------
     InvalidOptionError
-        An unknown suffix, a graph in a format of shapes, distances of another shape, missing points
-        in a .las file, or a `like` with another number of points.
+        An unknown suffix, a format that cannot hold this kind of domain, distances of another
+        shape, missing points in a .las file, or a `like` with another number of points.
     MissingDependencyError
         The format needs a package that is not installed.
+    PluginLoadError
+        The format is that of a plugin that does not load.
     ReadError
         The file `like` cannot be read.
     WriteError
@@ -116,13 +110,13 @@ def write(
     """
     file = check_distance_output(path)
     field = _checked(distances, domain)
+    writer = check_domain_of_output(file, domain)
+    if writer is not None:
+        with replacing(file) as temporary, _named_failures(file):
+            writer.write(temporary, domain, field)
+        return
     positions = positions_of(domain) if domain.has("positions") else None
     suffix = file.suffix.lower()
-    if suffix in WITH_SHAPE and positions is None:
-        raise InvalidOptionError(
-            f"{a_kind_of(domain)} has no positions to write to a {suffix} file; write .npy, "
-            ".csv or .txt"
-        )
     model = _model(file, like)
     shape = b""
     if suffix in {".ply", ".pcd"}:
@@ -152,38 +146,17 @@ def write(
                 write_vtk(temporary, domain, field)
 
 
-def check_distance_output(path: str | os.PathLike[str]) -> Path:
-    """Raise if distances cannot be written to `path`; call it before any work.
-
-    Raises
-    ------
-    InvalidOptionError
-        A suffix of an unknown format, or of one that cannot hold numbers at vertices.
-    WriteError
-        A directory, a device, a directory that does not exist, or no permission.
-    MissingDependencyError
-        The format needs a package that is not installed.
-    """
-    file = Path(path)
-    suffix = file.suffix.lower()
-    can = ", ".join(DISTANCE_SUFFIXES)
-    if suffix in SHAPE_ALONE:
-        raise InvalidOptionError(
-            f"{file}: {suffix} files hold a shape, but cannot hold distances; can be written: {can}"
-        )
-    if file.name.lower().endswith(OTHER_GIFTI):
-        raise InvalidOptionError(
-            f"{file}: distances are numbers, not a surface and not labels; call it .shape.gii or "
-            f".func.gii; can be written: {can}"
-        )
-    check_output(file, DISTANCE_SUFFIXES)
-    if suffix in {".vtp", ".vtk", ".vtu"}:
-        require_vtk(file)
-    elif suffix == ".gii":
-        optional_package("nibabel.gifti", "gii", "writing")
-    elif suffix in {".las", ".laz"}:
-        require_las(file)
-    return file
+@contextmanager
+def _named_failures(file: Path) -> Iterator[None]:
+    """Turn errors of the writer of a plugin into a `WriteError` that names the file."""
+    try:
+        yield
+    except (GeodesicError, MemoryError, OSError):  # `replacing` names the file in the last
+        raise
+    except Exception as error:  # a third party's code may raise anything
+        raise WriteError(
+            f"{file} cannot be written: {type(error).__name__}: {one_line(error)}"
+        ) from error
 
 
 def _model(file: Path, like: str | os.PathLike[str] | None) -> Path | None:

@@ -9,8 +9,9 @@ from geodesic_toolkit.laplacians.cotan import CotanLaplacian
 from geodesic_toolkit.linear.base import LinearSolver
 from geodesic_toolkit.linear.supernodal import Supernodal
 from geodesic_toolkit.registry.registry import Registry
+from geodesic_toolkit.registry.writer import Writer
 
-__all__ = ["operators", "readers", "resolve_operator", "resolve_solvers", "solvers"]
+__all__ = ["operators", "readers", "resolve_operator", "resolve_solvers", "solvers", "writers"]
 
 
 def _subclass_of(base: type) -> Any:
@@ -24,6 +25,10 @@ def _subclass_of(base: type) -> Any:
 
 def _is_callable(plugin: object) -> str | None:
     return None if callable(plugin) else f"{plugin!r} cannot be called"
+
+
+def _is_writer(plugin: object) -> str | None:
+    return None if isinstance(plugin, Writer) else f"{plugin!r} is not a Writer"
 
 
 operators: Registry[type[LaplaceOperator]] = Registry(
@@ -41,6 +46,9 @@ solvers: Registry[type[LinearSolver]] = Registry(
 
 readers: Registry[Any] = Registry("geodesic_toolkit.readers", "reader", _is_callable)
 """Functions from a path to a domain, by file suffix without its dot."""
+
+writers: Registry[Writer] = Registry("geodesic_toolkit.writers", "writer", _is_writer)
+"""Writers of distances by file suffix without its dot, for kinds of domain of plugins."""
 
 MIN_UNKNOWNS_OF_COMPACT_FACTOR = 20_000
 """Number of unknowns from which on factors are compact. A solve then takes 0.97 of the time at

@@ -8,7 +8,12 @@ import numpy as np
 import pytest
 
 import geodesic_toolkit as gt
-from geodesic_toolkit.errors import InvalidOptionError, MissingDependencyError, WriteError
+from geodesic_toolkit.errors import (
+    InvalidOptionError,
+    MissingDependencyError,
+    PluginLoadError,
+    WriteError,
+)
 from geodesic_toolkit.io import check_output, replacing, write
 from geodesic_toolkit.testing import shapes
 
@@ -206,6 +211,75 @@ def test_what_vtk_cannot_write_is_an_error_with_its_words(sphere, tmp_path, capf
 def test_a_csv_of_a_graph_has_no_positions(tmp_path):
     write(tmp_path / "d.csv", gt.Graph(2, [[0, 1]]), [0, 0.1])
     assert (tmp_path / "d.csv").read_text() == "vertex,distance\n0,0.0\n1,0.1\n"
+
+
+# -- writers of plugins ----------------------------------------------------------------------------
+
+
+class Row(gt.Domain):
+    """A kind of domain without positions: vertices in a row."""
+
+    def __init__(self, count):
+        self.count = count
+
+    @property
+    def n_vertices(self):
+        return self.count
+
+
+def write_row(path, domain, distances):
+    path.write_text(f"{domain.count}: {distances.tolist()}")
+
+
+def test_a_writer_writes_distances_on_its_kinds_of_domain_alone(sphere, register, tmp_path):
+    register(gt.writers, "row.txt", gt.Writer(write_row, (Row,)))
+    register(gt.writers, "row", gt.Writer(write_row, (Row,)))
+    for name in ("d.row", "d.row.txt"):
+        write(tmp_path / name, Row(2), [0, 1])
+        assert (tmp_path / name).read_text() == "2: [0.0, 1.0]"
+    write(tmp_path / "d.row.txt", gt.Graph(2, [[0, 1]]), [0, 1])  # in the format of the core
+    assert (tmp_path / "d.row.txt").read_text() == "0.0\n1.0\n"
+    says = r"d\.row: this format is for Row, not for a TriangleMesh; can be written: \.ply"
+    with pytest.raises(InvalidOptionError, match=says):
+        write(tmp_path / "d.row", sphere, np.zeros(42))
+    says = (
+        r"a Row has no positions to write to a \.ply file; can be written: \.row, \.row\.txt, \.gii"
+    )
+    with pytest.raises(InvalidOptionError, match=says):
+        write(tmp_path / "d.ply", Row(2), [0, 1])
+
+
+@pytest.mark.parametrize(
+    ("error", "says"),
+    [
+        (ValueError("of its\nown"), "d.row cannot be written: ValueError: of its own"),
+        (OSError(28, "No space left on device"), "d.row cannot be written: No space left"),
+    ],
+)
+def test_a_writer_that_fails_leaves_the_old_file_and_is_an_error_of_ours(
+    error, says, register, tmp_path
+):
+    def write_badly(path, domain, distances):
+        path.write_text("begun")
+        raise error
+
+    register(gt.writers, "row", gt.Writer(write_badly, (Row,)))
+    (tmp_path / "d.row").write_text("old")
+    with pytest.raises(WriteError, match=says):
+        write(tmp_path / "d.row", Row(2), [0, 1])
+    assert [file.read_text() for file in tmp_path.iterdir()] == ["old"]
+
+
+def test_a_package_that_a_writer_needs_is_found_before_the_file_is_touched(register, tmp_path):
+    register(gt.writers, "row", gt.Writer(write_row, (Row,), ("acme_formats",)))
+    with pytest.raises(MissingDependencyError, match=r"writing \.row files needs acme_formats"):
+        write(tmp_path / "d.row", Row(2), [0, 1])
+    assert not list(tmp_path.iterdir())
+
+
+def test_a_function_alone_is_not_a_writer():
+    with pytest.raises(PluginLoadError, match=r"write_row.* is not a Writer"):
+        gt.writers.register("row", write_row)
 
 
 # -- what cannot be written -----------------------------------------------------------------------

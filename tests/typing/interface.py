@@ -119,6 +119,8 @@ def parts(mesh: gt.TriangleMesh) -> None:
     for registry in (gt.operators, gt.solvers, gt.readers):
         known: gt.Registry[Any] = registry
         assert len(list(known)) > 0
+    writers: gt.Registry[gt.Writer] = gt.writers
+    assert "ply" not in writers  # a format of the core
     assert_type(gt.__version__, str)
 
 

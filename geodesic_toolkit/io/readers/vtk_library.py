@@ -13,7 +13,7 @@ from geodesic_toolkit.domains import Domain, graph_of, normals_of, polygons_of, 
 from geodesic_toolkit.errors import WriteError
 from geodesic_toolkit.io.common import optional_package
 
-__all__ = ["require_vtk", "write_vtk"]
+__all__ = ["require_vtk", "write_by", "write_vtk"]
 
 MESSAGE_LOCK = threading.Lock()
 """Lock for VTK's single output window, which is replaced while messages are captured."""
@@ -63,8 +63,19 @@ def write_vtk(path: Path, domain: Domain, field: FloatArray) -> None:
         writer.SetFileTypeToBinary()
         writer.SetFileVersion(42)  # programs older than 2020 cannot read the default, 5.1
     _fill(numpy_support, data, domain, field)
-    writer.SetFileName(str(path))
     writer.SetInputData(data)
+    write_by(writer, path)
+
+
+def write_by(writer: Any, path: Path) -> None:
+    """Let a writer of VTK write to a file.
+
+    Raises
+    ------
+    WriteError
+        With VTK's messages.
+    """
+    writer.SetFileName(str(path))
     if messages := _messages_of(writer.Write):
         raise WriteError(f"{path.name} cannot be written: {messages}")
 

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 import geodesic_toolkit as gt
-from geodesic_toolkit.errors import InvalidDomainError, InvalidOptionError, ReadError
-from geodesic_toolkit_volume import TetMesh, VoxelImage, write_solid
+from geodesic_toolkit.errors import InvalidOptionError, ReadError
+from geodesic_toolkit_volume import TetMesh, VoxelImage
 from geodesic_toolkit_volume.samples import box, subdivided
 
 VERTICES, CELLS = box((4, 3, 3), 0.5)
@@ -175,7 +175,7 @@ def test_cells_are_written_with_their_distances(tmp_path):
     meshio = pytest.importorskip("meshio")
     mesh, file = TetMesh(VERTICES, CELLS), tmp_path / "distance.vtu"
     distance = gt.GeodesicSolver(mesh).distance(0)
-    write_solid(file, mesh, distance)
+    gt.write(file, mesh, distance)
     np.testing.assert_array_equal(gt.read(file).cells, CELLS)
     np.testing.assert_array_equal(meshio.read(file).point_data["distance"], distance)
 
@@ -187,7 +187,7 @@ def test_images_are_written_with_their_distances_and_places(tmp_path, name):
     affine = np.array([[0, -2.0, 0, 5], [1.0, 0, 0, 6], [0, 0, 3.0, 7], [0, 0, 0, 1]])
     image, file = VoxelImage(BODY, affine=affine), tmp_path / name
     distance = gt.GeodesicSolver(image).distance(0)
-    write_solid(file, image, distance)
+    gt.write(file, image, distance)
     again = gt.read(file)
     np.testing.assert_array_equal(again.mask.ravel(), distance > 0)
     np.testing.assert_allclose(again.positions, image.positions)
@@ -199,13 +199,41 @@ def test_images_are_written_with_their_distances_and_places(tmp_path, name):
 
 def test_solids_in_formats_of_others_are_refused(tmp_path):
     mesh, image = TetMesh(VERTICES, CELLS), VoxelImage(BODY)
-    with pytest.raises(InvalidOptionError, match=r"a TetMesh can be written as \.vtu"):
-        write_solid(tmp_path / "distance.nii", mesh, np.zeros(mesh.n_vertices))
-    with pytest.raises(InvalidOptionError, match=r"as \.nii, \.nii\.gz, \.vti"):
-        write_solid(tmp_path / "distance.vtu", image, np.zeros(image.n_vertices))
-    with pytest.raises(InvalidDomainError, match="distances must have shape"):
-        write_solid(tmp_path / "distance.vti", image, [0.0])
+    says = r"this format is for VoxelImage, not for a TetMesh; can be written: \.ply, .*\.vtu"
+    for name in ("distance.nii", "distance.nii.gz", "distance.vti"):
+        with pytest.raises(InvalidOptionError, match=says):
+            gt.write(tmp_path / name, mesh, np.zeros(mesh.n_vertices))
+    with pytest.raises(InvalidOptionError, match=r"not for a Graph; .*: \.gii, \.npy"):
+        gt.write(tmp_path / "distance.nii", mesh.as_graph(), np.zeros(mesh.n_vertices))
+    with pytest.raises(InvalidOptionError, match=r"can be written: .*\.nii, \.nii\.gz, \.vti$"):
+        gt.write(tmp_path / "distance.foo", image, np.zeros(image.n_vertices))
+    with pytest.raises(InvalidOptionError, match="distances must be real numbers of shape"):
+        gt.write(tmp_path / "distance.vti", image, [0.0])
     assert not list(tmp_path.iterdir())
+
+
+def test_the_command_line_writes_the_formats_of_solids(tmp_path):
+    from typer.testing import CliRunner
+
+    from geodesic_toolkit.cli.program import app
+
+    pytest.importorskip("vtkmodules")
+    nibabel = pytest.importorskip("nibabel")
+    body, out = tmp_path / "body.nii.gz", tmp_path / "distance.vti"
+    nibabel.save(nibabel.Nifti1Image(BODY.astype(np.int16), np.eye(4)), body)
+    call = ["distance", str(body), "--source", "0", "--output"]
+    result = CliRunner().invoke(app, [*call, str(out)])
+    assert result.exit_code == 0, result.output
+    expected = gt.GeodesicSolver(VoxelImage(BODY)).distance(0)
+    np.testing.assert_array_equal(gt.read(out).mask.ravel(), expected > 0)
+    write_tetgen(tmp_path, 0)
+    call[1] = str(tmp_path / "solid.ele")
+    result = CliRunner().invoke(app, [*call, str(tmp_path / "d.nii")])
+    assert result.exit_code == 2
+    assert "this format is for VoxelImage, not for a TetMesh" in result.output
+    result = CliRunner().invoke(app, [*call, str(tmp_path / "d.vtu")])
+    assert result.exit_code == 0, result.output
+    np.testing.assert_array_equal(gt.read(tmp_path / "d.vtu").cells, CELLS)
 
 
 def test_the_command_line_measures_a_solid(tmp_path):

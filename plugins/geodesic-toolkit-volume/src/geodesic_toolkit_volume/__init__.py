@@ -3,6 +3,5 @@
 from geodesic_toolkit_volume.laplacians import TetLaplacian, VoxelLaplacian
 from geodesic_toolkit_volume.tet_mesh import TetMesh
 from geodesic_toolkit_volume.voxel_image import VoxelImage
-from geodesic_toolkit_volume.writers import write_solid
 
-__all__ = ["TetLaplacian", "TetMesh", "VoxelImage", "VoxelLaplacian", "write_solid"]
+__all__ = ["TetLaplacian", "TetMesh", "VoxelImage", "VoxelLaplacian"]
