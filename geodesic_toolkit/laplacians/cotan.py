@@ -39,6 +39,7 @@ from geodesic_toolkit.geometry.triangles import (
     mollified_lengths,
     proper_faces,
 )
+from geodesic_toolkit.geometry.widths import MIN_WIDTH, check_width, widest
 from geodesic_toolkit.laplacians.base import LaplaceOperator
 
 if TYPE_CHECKING:
@@ -53,9 +54,6 @@ Measured: sheared grids (0.13 and more) have errors of 7-60 % without flips; sca
 (bunny 0.09, armadillo 0.11, horse 0.13) lose at most 0.3 points; of those above, camelhead (0.15)
 has half the error with flips, and a CAD model (0.15) has 3 % instead of 15 %.
 """
-
-MIN_WIDTH_OF_MESH = 1e-75
-"""Minimum width of a mesh, so that fourth powers of lengths do not underflow."""
 
 MIN_OBTUSE_EXCESS = 1e-9
 """Value of `obtuse_excess` below which it is rounding."""
@@ -358,7 +356,7 @@ def _triangles_by_length(
     longest = float(lengths.max(initial=0.0))
     if longest == 0:
         return faces[:0], np.zeros((0, 3)), np.zeros(0), 0.0
-    _check_width(longest)
+    check_width(longest, "mesh")
     part = connected_by_faces(faces, surface.n_vertices)[faces[:, 0]]
     longer, added = mollified_lengths(lengths, part)
     return faces, *measured_by_lengths(longer), float(added.max())
@@ -381,24 +379,10 @@ def _mean_edges(domain: Domain, sums: TriangleSums, parts: IntArray) -> tuple[fl
 
 def _check_extent(mesh: TriangleMesh) -> None:
     """Raise if squares of the lengths in a mesh overflow or underflow."""
-    extent = _widest(mesh.vertices)
-    if not extent <= 1 / MIN_WIDTH_OF_MESH:  # also for NaN: unused vertices may have any value
-        extent = _widest(mesh.vertices[mesh.used])
-    _check_width(extent)
-
-
-def _check_width(extent: float) -> None:
-    if extent and not MIN_WIDTH_OF_MESH <= extent <= 1 / MIN_WIDTH_OF_MESH:
-        raise UnsupportedDomainError(
-            f"the mesh is {extent:.3g} wide: squares of such lengths are out of the range of "
-            "double precision; use another unit of length"
-        )
-
-
-def _widest(points: FloatArray) -> float:
-    with np.errstate(over="ignore", invalid="ignore"):
-        # NumPy takes twenty times as long for all columns at once.
-        return max(float(np.ptp(column)) for column in points.T)
+    extent = widest(mesh.vertices)
+    if not extent <= 1 / MIN_WIDTH:  # also for NaN: unused vertices may have any value
+        extent = widest(mesh.vertices[mesh.used])
+    check_width(extent, "mesh")
 
 
 def _are_too_obtuse(lengths: FloatArray, rims: IntArray) -> BoolArray:

@@ -387,3 +387,14 @@ def test_a_refine_that_is_neither_a_truth_value_nor_auto_is_refused(refine):
 def test_a_mesh_in_the_place_of_its_solver_is_refused_with_the_cure(asked):
     with pytest.raises(InvalidOptionError, match=r"needs a GeodesicSolver, not a TriangleMesh"):
         asked(MESH)
+
+
+@pytest.mark.parametrize("unit", [1e-320, 1e-110, 1e80, 1e150, 1e300])
+def test_clouds_out_of_the_range_of_floats_are_refused(unit):
+    points = gt.testing.shapes.icosphere(1).vertices
+    with pytest.raises(UnsupportedDomainError, match=r"the cloud is .* wide: .* another unit"):
+        gt.geodesic_distance(gt.PointCloud(unit * points), 0)
+    expected = gt.geodesic_distance(gt.PointCloud(points), 0)
+    for scale in (1e-70, 1e70):
+        distance = gt.geodesic_distance(gt.PointCloud(scale * points), 0)
+        np.testing.assert_allclose(distance / scale, expected, rtol=1e-12)

@@ -13,6 +13,7 @@ from geodesic_toolkit.domains import Domain, PointCloud
 from geodesic_toolkit.errors import InvalidOptionError
 from geodesic_toolkit.geometry.components import connected_by_faces
 from geodesic_toolkit.geometry.frames import Frames
+from geodesic_toolkit.geometry.widths import check_width, widest
 from geodesic_toolkit.laplacians.base import LaplaceOperator
 from geodesic_toolkit.laplacians.pointcloud.blades import NOISY_NEIGHBOURS
 from geodesic_toolkit.laplacians.pointcloud.crowds import Representatives, representatives, restored
@@ -167,7 +168,7 @@ class PointCloudLaplacian(LaplaceOperator):
         Raises
         ------
         UnsupportedDomainError
-            Another kind of domain.
+            Another kind of domain, or a width whose powers are out of the range of floats.
         InvalidOptionError
             An explicit k larger than the number of neighbours in the cloud.
         MissingDependencyError
@@ -180,6 +181,7 @@ class PointCloudLaplacian(LaplaceOperator):
         """
         self.check_domain(domain)
         assert isinstance(domain, PointCloud)  # for the type checker; check_domain has raised
+        check_width(widest(domain.points[domain.present]), "cloud")
         places = Places.of(domain)
         k = self._neighbours_of(places.count)
         stars, longest_line = self._stars_and_curves(places, domain, k)

@@ -8,7 +8,7 @@ import pytest
 
 import geodesic_toolkit as gt
 from geodesic_toolkit.errors import InvalidDomainError, InvalidOptionError, UnsupportedDomainError
-from geodesic_toolkit_volume import TetLaplacian, TetMesh
+from geodesic_toolkit_volume import TetLaplacian, TetMesh, VoxelImage
 from geodesic_toolkit_volume.samples import box
 
 CORNER = np.eye(4)[:, 1:]
@@ -181,7 +181,10 @@ def test_a_solver_that_was_pickled_gives_the_same():
         ),
         ((CORNER, [["a", "b", "c", "d"]]), "cells must"),
         ((CORNER, [[0], [1, 2]]), "cells cannot be read as an array"),
-        ((np.full((4, 3), np.nan), [[0, 1, 2, 3]]), "vertex 0 is not finite"),
+        (
+            (np.full((4, 3), np.nan), [[0, 1, 2, 3]]),
+            "vertex 0 is not finite: [nan, nan, nan]; cell 0 refers to it. Remove such cells",
+        ),
         ((CORNER, [[0, 1, 2, 3]], [0.0]), "cell 0 has the cost 0.0"),
         ((CORNER, [[0, 1, 2, 3]], [np.nan]), "cell 0 has the cost nan"),
         ((CORNER, [[0, 1, 2, -1]]), "cell 0 refers to vertex -1"),
@@ -213,3 +216,34 @@ def test_a_click_on_the_page_is_a_place_on_the_surface_and_distances_cross_the_s
     session.set_method(refine=False, time_factor=1.0)
     assert not session.refined
     assert session.measured[1] == pytest.approx(through, rel=0.2)
+
+
+def test_a_vertex_of_no_cell_may_be_nan_as_in_a_mesh():
+    vertices = np.vstack([CORNER, [[np.nan] * 3]])
+    solid = TetMesh(vertices, [[0, 1, 2, 3]])
+    solver = gt.GeodesicSolver(solid)
+    np.testing.assert_allclose(solver.distance(0), [0, 1, 1, 1, np.inf])
+    assert solver.query([[0.0, 0.0, 0.5]], 0) == pytest.approx(0.5)
+    cells = np.array([[0, 1, 2, 3], [0, 1, 2, 4]])
+    with pytest.raises(InvalidDomainError, match=r"vertex 4 is not finite.*cell 1 refers to it"):
+        TetMesh(vertices, cells)
+    kept = cells[np.isfinite(vertices[cells]).all(axis=(1, 2))]  # as the message says
+    assert len(TetMesh(vertices, kept).cells) == 1
+
+
+@pytest.mark.parametrize("unit", [1e-320, 1e-200, 1e-100, 1e100, 1e150, 1e300])
+@pytest.mark.parametrize("kind", ["tetrahedra", "voxels"])
+def test_lengths_and_costs_out_of_the_range_of_floats_are_refused(kind, unit):
+    def solid(unit, cost):
+        if kind == "tetrahedra":
+            return TetMesh(unit * np.array(CORNER, dtype=float), [[0, 1, 2, 3]], [cost])
+        body = np.ones((2, 2, 2), dtype=bool)
+        return VoxelImage(body, spacing=(unit,) * 3, costs=np.full((2, 2, 2), cost))
+
+    with pytest.raises(UnsupportedDomainError, match=r"the solid is .* wide: .* another unit"):
+        gt.GeodesicSolver(solid(unit, 1.0))
+    with pytest.raises(UnsupportedDomainError, match=r"cost .* another unit of costs"):
+        gt.GeodesicSolver(solid(1.0, unit))
+    for scale in (1e-60, 1e60):
+        farthest = gt.geodesic_distance(solid(scale, 2.0), 0)[1] / scale
+        assert farthest == pytest.approx(2)

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 import geodesic_toolkit as gt
 from geodesic_toolkit.errors import UnsupportedDomainError
 from geodesic_toolkit.geometry.frames import Frames
+from geodesic_toolkit_volume.checks import check_sizes
 from geodesic_toolkit_volume.marching import Integers
 from geodesic_toolkit_volume.tet_fronts import TetFronts
 from geodesic_toolkit_volume.tet_mesh import TetMesh
@@ -47,18 +48,19 @@ class TetLaplacian(gt.LaplaceOperator):
         Raises
         ------
         UnsupportedDomainError
-            Another kind of domain, or a solid without volume.
+            Another kind of domain, a solid without volume, or one whose width, in lengths or in
+            costs, has powers out of the range of floats.
         """
         self.check_domain(domain)
         assert isinstance(domain, TetMesh)  # for the type checker; check_domain has raised
+        check_sizes(domain.vertices[np.unique(domain.cells)], domain.costs)
         solid = domain.is_solid
         if not solid.any():
             raise UnsupportedDomainError(f"none of the {len(solid)} cells has a volume")
         cells, costs = domain.cells[solid], domain.costs[solid]
         corners = domain.vertices[cells]
         edges = corners[:, 1:] - corners[:, :1]
-        with np.errstate(over="ignore"):  # a discretization refuses what is not finite
-            volumes = np.abs(np.linalg.det(edges)) / 6 * costs**3
+        volumes = np.abs(np.linalg.det(edges)) / 6 * costs**3
         rest = np.linalg.inv(edges) / costs[:, None, None]
         coefficients = np.concatenate([-rest.sum(axis=2, keepdims=True), rest], axis=2)
         gradient = gt.ElementGradient(cells, coefficients, volumes, domain.n_vertices, copy=False)
@@ -105,10 +107,13 @@ class VoxelLaplacian(gt.LaplaceOperator):
         Raises
         ------
         UnsupportedDomainError
-            Another kind of domain, or an image in which no voxels are neighbours.
+            Another kind of domain, an image in which no voxels are neighbours, or voxels whose
+            sides, in lengths or in costs, have powers out of the range of floats.
         """
         self.check_domain(domain)
         assert isinstance(domain, VoxelImage)  # for the type checker; check_domain has raised
+        own = np.ones(1) if domain.costs is None else domain.costs[domain.mask]
+        check_sizes(np.diag(domain.spacing), own)
         edges, axes = domain.edges
         if not len(edges):
             raise UnsupportedDomainError("no two voxels of the body are neighbours along an axis")

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 import geodesic_toolkit as gt
-from geodesic_toolkit.domains.base import as_floats, as_indices, check_indices
+from geodesic_toolkit.domains.base import as_floats, as_indices, check_indices, first_bad_row
 from geodesic_toolkit.errors import InvalidDomainError, InvalidOptionError
 from geodesic_toolkit.sources.ground import Ground
 from geodesic_toolkit_volume.checks import costs_of
@@ -37,7 +37,7 @@ class TetMesh(gt.Domain):
     Parameters
     ----------
     vertices : array-like of shape (N, 3)
-        Positions.
+        Positions. Vertices without cells may be NaN or infinite.
     cells : array-like of shape (C, 4)
         Four vertex indices a tetrahedron, from 0, in any orientation.
     costs : array-like of shape (C,), optional
@@ -53,8 +53,8 @@ class TetMesh(gt.Domain):
     Raises
     ------
     InvalidDomainError
-        Wrong shapes, positions that are not finite, a cell that refers to a vertex that is not
-        there, costs that are not positive and finite. The message names the first offender.
+        Wrong shapes, a cell that refers to a vertex that is not there or is not finite, costs that
+        are not positive and finite. The message names the first offender.
 
     Examples
     --------
@@ -76,11 +76,14 @@ class TetMesh(gt.Domain):
         corners = as_indices(cells, "cells", "cell", (None, 4))
         if not len(places):
             raise InvalidDomainError("there are no vertices")
-        finite = np.isfinite(places).all(axis=1)
-        if not finite.all():
-            bad = int(finite.argmin())
-            raise InvalidDomainError(f"vertex {bad} is not finite: {places[bad].tolist()}")
         check_indices(corners, len(places), "cell")
+        cell = first_bad_row(np.isfinite(places).all(axis=1)[corners])
+        if cell is not None:
+            bad = next(vertex for vertex in corners[cell] if not np.isfinite(places[vertex]).all())
+            raise InvalidDomainError(
+                f"vertex {bad} is not finite: {places[bad].tolist()}; cell {cell} refers to it. "
+                "Remove such cells: cells[numpy.isfinite(vertices[cells]).all(axis=(1, 2))]"
+            )
         self._set(vertices=places, cells=corners, costs=costs_of(costs, (len(corners),), "cell"))
 
     @property

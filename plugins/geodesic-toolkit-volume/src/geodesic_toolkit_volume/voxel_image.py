@@ -232,6 +232,8 @@ def _sides(affine: Floats) -> tuple[float, ...]:
     axes = affine[:3, :3]
     with np.errstate(over="ignore"):
         sides = np.linalg.norm(axes, axis=0)
+    if not (np.isfinite(sides).all() and (sides > 0).all()):  # squares over- or underflow
+        sides = np.abs(axes).max(axis=0)
     if not (np.isfinite(affine).all() and np.isfinite(sides).all() and (sides > 0).all()):
         raise InvalidDomainError(
             f"the sides of a voxel are {sides.tolist()}; they must be positive and finite"
