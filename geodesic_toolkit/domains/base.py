@@ -21,7 +21,15 @@ if TYPE_CHECKING:
     from geodesic_toolkit.domains.graph import Graph
     from geodesic_toolkit.domains.located import Located
 
-__all__ = ["Domain", "as_floats", "as_indices", "check_corners", "check_indices", "first_bad_row"]
+__all__ = [
+    "Domain",
+    "as_floats",
+    "as_indices",
+    "as_table_of_floats",
+    "check_corners",
+    "check_indices",
+    "first_bad_row",
+]
 
 
 class Domain(FrozenArrays, abc.ABC):
@@ -334,6 +342,8 @@ def _as_array(values: ArrayLike, name: str) -> np.ndarray[Any, Any]:
     except (ValueError, TypeError) as error:  # ragged lists, inconvertible objects
         reason = _raggedness(values) or str(error)
         raise InvalidDomainError(f"{name} cannot be read as an array: {reason}") from error
+    if array.ndim == 0 and array.dtype.kind in "OUS":  # anything but an array
+        raise InvalidDomainError(f"{name} must be an array of numbers, not {a_kind_of(values)}")
     if array.dtype.kind not in "iuf":
         raise InvalidDomainError(
             f"{name} must hold real numbers, not dtype {array.dtype}; convert them first"
@@ -363,6 +373,18 @@ def as_floats(values: ArrayLike, name: str, shape: tuple[int | None, ...]) -> Fl
     _check_shape(array, name, shape)
     with np.errstate(over="ignore", invalid="ignore"):
         return copied(array, np.float64)
+
+
+def as_table_of_floats(values: ArrayLike, name: str) -> FloatArray:
+    """Return a fresh float64 copy of a table (N, D) with any number of columns; see `as_floats`."""
+    shape = _as_array(values, name).shape
+    if len(shape) == 1 and shape[0]:
+        raise InvalidDomainError(
+            f"{name} must have shape (N, D), not {shape}; for one coordinate each: {name}[:, None]"
+        )
+    if len(shape) != 2:
+        raise InvalidDomainError(f"{name} must have shape (N, D), not {shape}")
+    return as_floats(values, name, shape)
 
 
 def as_indices(values: ArrayLike, name: str, row: str, shape: tuple[int | None, ...]) -> IntArray:

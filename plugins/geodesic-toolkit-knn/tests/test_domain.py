@@ -5,7 +5,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from scipy.sparse import csr_array
+from scipy.sparse import coo_array, csr_array
 from sklearn.neighbors import kneighbors_graph
 
 import geodesic_toolkit as gt
@@ -24,8 +24,15 @@ POINTS = RNG.normal(size=(200, 2)) @ RNG.normal(size=(2, 6))
 @pytest.mark.parametrize(
     ("points", "message"),
     [
-        (np.zeros(4), "shape"),
-        (np.zeros((0, 3)), "shape"),
+        (np.zeros(4), r"shape \(N, D\), not \(4,\); for one coordinate each: points\[:, None\]"),
+        (np.zeros((0, 3)), r"shape \(N, D\), not \(0, 3\): there are no samples"),
+        (np.zeros((3, 0)), r"shape \(N, D\), not \(3, 0\): there are no coordinates"),
+        ([], r"shape \(N, D\), not \(0,\)"),
+        (np.zeros((2, 2, 2)), r"shape \(N, D\), not \(2, 2, 2\)"),
+        (None, "points must be an array of numbers, not a NoneType"),
+        ("samples.csv", "points must be an array of numbers, not a str"),
+        (gt.PointCloud([[0, 0, 0]]), "points must be an array of numbers, not a PointCloud"),
+        (POINTS.astype(object), "real numbers, not dtype object; convert them"),
         ([[0.0, 1.0], [0.0]], "row 1 has 1 entries"),
         ([["a", "b"]], "real numbers"),
         (POINTS + 1j, "real numbers"),
@@ -225,3 +232,8 @@ def test_connections_are_not_affinities():
     ring = csr_array(np.roll(np.eye(5), 1, axis=1) + np.roll(np.eye(5), -1, axis=1))
     with pytest.raises(InvalidDomainError, match="matrix of connections"):
         KNNGraph.from_affinities(ring)
+
+
+def test_affinities_of_one_axis_are_refused():
+    with pytest.raises(InvalidDomainError, match=r"a square matrix .* of shape \(3,\)"):
+        KNNGraph.from_affinities(coo_array(np.ones(3)))

@@ -270,7 +270,11 @@ class KNNGraph(gt.Domain):
                 f"affinities are a sparse matrix of SciPy's, not {type(affinities).__name__}"
             )
         matrix = csr_array(affinities)
-        if matrix.shape[0] != matrix.shape[1] or matrix.dtype.kind not in "iufb":
+        if (
+            len(matrix.shape) != 2
+            or matrix.shape[0] != matrix.shape[1]
+            or matrix.dtype.kind not in "iufb"
+        ):
             raise InvalidDomainError(
                 "affinities are a square matrix of real numbers, not "
                 f"{matrix.dtype} of shape {matrix.shape}"

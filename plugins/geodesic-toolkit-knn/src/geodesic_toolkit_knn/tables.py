@@ -5,7 +5,7 @@ from typing import TypeAlias
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from geodesic_toolkit.domains.base import as_floats
+from geodesic_toolkit.domains.base import as_table_of_floats
 from geodesic_toolkit.errors import InvalidDomainError
 
 __all__ = ["FloatArray", "IntArray", "as_table"]
@@ -32,9 +32,12 @@ def as_table(points: ArrayLike) -> FloatArray:
             "sklearn.decomposition.TruncatedSVD (neighbours in thousands of columns are nearly "
             "arbitrary)"
         )
-    table = as_floats(points, "points", (None, None))
+    table = as_table_of_floats(points, "points")
     if 0 in table.shape:
-        raise InvalidDomainError(f"points must have shape (N, D), not {table.shape}")
+        raise InvalidDomainError(
+            f"points must have shape (N, D), not {table.shape}: there are no "
+            f"{'coordinates' if len(table) else 'samples'}"
+        )
     missing = np.isnan(table).all(axis=1)
     if missing.all():
         raise InvalidDomainError("all samples are missing: every coordinate is NaN")
