@@ -1,8 +1,11 @@
 """Location of sources on the shape of a solver."""
 
 import threading
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
+from collections.abc import Set as AbstractSet
 from typing import TYPE_CHECKING, Any
+
+import numpy as np
 
 from geodesic_toolkit.core.checks import check_nothing_masked
 from geodesic_toolkit.core.types import BoolArray, IntArray
@@ -108,7 +111,8 @@ class SourceLocator:
         InvalidSourceError
             As for :meth:`distances`; the message names the set.
         """
-        if isinstance(source_sets, str | bytes) or not isinstance(source_sets, Iterable):
+        unordered = isinstance(source_sets, str | bytes | Mapping | AbstractSet)
+        if unordered or not isinstance(source_sets, Iterable) or _is_scalar(source_sets):
             raise InvalidSourceError(
                 f"source sets must be a sequence of sets, not {source_sets!r}; "
                 "for one set use distance"
@@ -154,3 +158,7 @@ class SourceLocator:
     def __setstate__(self, state: dict[str, Any]) -> None:
         self.__dict__.update(state)
         self._forget()
+
+
+def _is_scalar(values: object) -> bool:
+    return isinstance(values, np.ndarray) and values.ndim == 0

@@ -11,10 +11,17 @@ from numpy.typing import ArrayLike
 from geodesic_toolkit.core.checks import check_nothing_masked
 from geodesic_toolkit.core.frozen import freeze
 from geodesic_toolkit.core.types import FloatArray
+from geodesic_toolkit.core.words import a_kind_of
 from geodesic_toolkit.errors import InvalidSourceError
 from geodesic_toolkit.sources.surface_point import SurfacePoint
 
-__all__ = ["Curve", "OffsetSources"]
+__all__ = ["Curve", "OffsetSources", "check_one_kind"]
+
+LONGEST_PLACE = 60
+"""Number of characters of a place in a message."""
+
+SURFACE_POINT, A_LIST = "a SurfacePoint", "a list"
+"""Kinds of places."""
 
 
 @final
@@ -135,3 +142,49 @@ def _check_finite(values: FloatArray, name: str) -> None:
     if not finite.all():
         bad = int(finite.argmin())
         raise InvalidSourceError(f"{name} {bad} is not finite: {values[bad].tolist()}")
+
+
+def check_one_kind(sources: Any, name: str) -> None:
+    """Raise an `InvalidSourceError` for a sequence of places of several kinds.
+
+    Parameters
+    ----------
+    sources : object
+        Anything but a sequence has one kind.
+    name : str
+        Name of the sources in messages.
+    """
+    if not isinstance(sources, list | tuple) and not (
+        isinstance(sources, np.ndarray) and sources.ndim == 1
+    ):
+        return
+    kinds = [_kind_of_place(place) for place in sources]
+    other = next((position for position, kind in enumerate(kinds) if kind != kinds[0]), None)
+    if other is None:
+        return
+    cure = "give places of one kind: for a vertex in a list of points, its position, vertices[i]"
+    if SURFACE_POINT in kinds:
+        cure += "; for a SurfacePoint, weights @ vertices[faces[face]]"
+    if A_LIST in kinds:
+        cure = "several sets are a list of lists, for distances; one set is a list of vertices"
+    raise InvalidSourceError(
+        f"{name} mix kinds of places: at position 0 {kinds[0]}, {_short(sources[0])}, and at "
+        f"position {other} {kinds[other]}, {_short(sources[other])}; {cure}"
+    )
+
+
+def _kind_of_place(place: object) -> str:
+    """Return the kind of one place of a sequence: a vertex, a point in space, a SurfacePoint."""
+    if isinstance(place, int | np.integer):
+        return "a vertex"
+    if isinstance(place, SurfacePoint):
+        return SURFACE_POINT
+    if isinstance(place, list | tuple | np.ndarray):
+        floats = len(place) == 3 and any(isinstance(x, float | np.floating) for x in place)
+        return "a point in space" if floats else A_LIST
+    return a_kind_of(place)
+
+
+def _short(place: object) -> str:
+    text = repr(place)
+    return text if len(text) <= LONGEST_PLACE else f"{text[:LONGEST_PLACE]} ..."

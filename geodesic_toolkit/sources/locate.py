@@ -15,7 +15,7 @@ from geodesic_toolkit.errors import FarSourceWarning, InvalidSourceError
 from geodesic_toolkit.geometry.triangles import face_edge_lengths
 from geodesic_toolkit.geometry.welding import boundary_edges
 from geodesic_toolkit.sources.ground import Ground, lies_in_triangles
-from geodesic_toolkit.sources.kinds import Curve, OffsetSources
+from geodesic_toolkit.sources.kinds import Curve, OffsetSources, check_one_kind
 from geodesic_toolkit.sources.laid import CurveSamples, LaidCurve
 from geodesic_toolkit.sources.points import ADVICE_ON_MASKED_SOURCES, SourcePoints, as_vertices
 from geodesic_toolkit.sources.surface_point import SurfacePoint
@@ -88,7 +88,10 @@ def locate_sources(
     try:
         array = np.asarray(sources)
     except (ValueError, TypeError) as error:
+        check_one_kind(sources, name)
         raise InvalidSourceError(f"{name} cannot be read: {error}") from error
+    if array.dtype.kind == "O":
+        check_one_kind(sources, name)
     if array.dtype.kind == "f" and array.size:
         _check_one_meaning(array, domain, name)
         points = _as_points(array, name)
@@ -124,6 +127,7 @@ def _as_located(domain: Domain, sources: Any, name: str) -> Located | None:
 
 
 def _located(domain: Domain, points: Sequence[Any], name: str) -> Located:
+    check_one_kind(points, name)
     if not domain.has("triangles"):
         raise InvalidSourceError(
             f"{name}: a SurfacePoint needs a TriangleMesh, or another kind of domain that has "
@@ -131,11 +135,6 @@ def _located(domain: Domain, points: Sequence[Any], name: str) -> Located:
         )
     triangles = triangles_of(domain)
     for position, point in enumerate(points):
-        if not isinstance(point, SurfacePoint):
-            raise InvalidSourceError(
-                f"{name}: expected a SurfacePoint at position {position}, got {point!r}; do not "
-                "mix kinds of source"
-            )
         if not 0 <= point.face < len(triangles):
             raise InvalidSourceError(
                 f"{name}: point {position} lies on face {point.face}; there are {len(triangles)}"

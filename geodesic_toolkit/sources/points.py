@@ -297,9 +297,14 @@ def as_vertices(sources: Any, n_vertices: int, name: str = "sources") -> IntArra
     # NumPy has no integers beyond 64 bits, and keeps those of Python.
     whole = array.dtype.kind in "iu" or all(type(one) is int for one in array.flat)
     if not whole or array.ndim != 1:
+        got = f"{array.dtype} of shape {np.shape(sources)}"
+        if array.dtype.kind in "OUS":
+            others = (place for place in array.flat if not isinstance(place, int | np.integer))
+            where = "" if np.ndim(sources) == 0 else ", in a list"
+            got = f"{next(others, sources)!r:.60}{where}"
         raise InvalidSourceError(
             f"{name} must be vertex indices, one integer or a one-dimensional array of integers, "
-            f"not {array.dtype} of shape {np.shape(sources)}"
+            f"not {got}"
         )
     outside = (array < 0) | (array >= n_vertices)
     if outside.any():

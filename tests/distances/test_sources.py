@@ -242,3 +242,61 @@ def test_floats_that_cannot_be_three_vertices_are_a_point(point):
 def test_floats_as_sources_of_a_graph_get_an_error_about_positions():
     with pytest.raises(InvalidSourceError, match="a Graph has no positions; give vertex indices"):
         gt.geodesic_distance(gt.Graph(11, [[k, k + 1] for k in range(10)]), [5.0, 7.0, 9.0])
+
+
+# -- places of several kinds -----------------------------------------------------------------------
+
+POINT_ON_FACE = gt.SurfacePoint(0, [0.2, 0.3, 0.5])
+
+
+@pytest.mark.parametrize(
+    ("places", "first", "second"),
+    [
+        ([[0, 1], 2], "0 a list, [0, 1]", "1 a vertex, 2; several sets are a list of lists"),
+        ([0, POINT_ON_FACE], "0 a vertex, 0", "1 a SurfacePoint"),
+        ([POINT_ON_FACE, POINT_ON_FACE, 4], "0 a SurfacePoint", "2 a vertex, 4"),
+        (np.array([0, POINT_ON_FACE]), "0 a vertex, 0", "1 a SurfacePoint"),
+        ([3, [0.0, 0.0, 1.0]], "0 a vertex, 3", "1 a point in space, [0.0, 0.0, 1.0]; give"),
+        ([0, 1, None], "0 a vertex, 0", "2 a NoneType, None"),
+    ],
+)
+def test_a_mixture_of_places_is_refused_with_the_first_that_differs(places, first, second):
+    sphere = shapes.icosphere(1)
+    solver = gt.GeodesicSolver(sphere)
+    asks = [
+        lambda: solver.distance(places),
+        lambda: solver.distances([[5], places]),
+        lambda: gt.geodesic_path(solver, places, 7),
+        lambda: gt.geodesic_path(solver, 7, places),
+        lambda: gt.geodesic_path(solver, 7, 9, via=places),
+        lambda: gt.geodesic_loop(solver, places),
+    ]
+    for ask in asks:
+        with pytest.raises(InvalidSourceError, match="mix kinds of places: at position") as caught:
+            ask()
+        assert f"position {first}" in str(caught.value)
+        assert f"position {second}" in str(caught.value)
+
+
+def test_the_advice_on_a_mixture_gives_the_sources_that_were_meant():
+    sphere = shapes.icosphere(1)
+    face, weights = POINT_ON_FACE.face, np.array(POINT_ON_FACE.barycentric)
+    points = [sphere.vertices[3], weights @ sphere.vertices[sphere.faces[face]]]
+    solver = gt.GeodesicSolver(sphere)
+    apart = np.minimum(solver.distance(3), solver.distance(POINT_ON_FACE))
+    np.testing.assert_allclose(solver.distance(points), apart, atol=0.02)
+
+
+@pytest.mark.parametrize("sets", [np.array(4), {0: 1}, {0, 1}, "01", 3, None])
+def test_sets_of_sources_are_a_sequence(sets):
+    with pytest.raises(InvalidSourceError, match="source sets must be a sequence of sets, not"):
+        gt.GeodesicSolver(shapes.icosphere(1)).distances(sets)
+
+
+@pytest.mark.parametrize(
+    ("sources", "message"),
+    [(None, "not None"), ({}, "not {}"), ([[0, "a"]], "not .*, in a list"), ([None], "None, in a")],
+)
+def test_what_is_not_a_source_is_named(sources, message):
+    with pytest.raises(InvalidSourceError, match=message):
+        gt.geodesic_distance(shapes.icosphere(1), sources)
