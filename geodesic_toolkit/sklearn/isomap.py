@@ -116,6 +116,7 @@ class GeodesicIsomap(ClassNamePrefixFeaturesOutMixin, TransformerMixin, OnSample
             The graph of neighbours has several components; the shortest possible edges connect
             them.
         """
+        check_count(self.n_components, "n_components")
         self._fit_samples(X)
         self.landmarks_, self.distances_ = landmark_distances(self.solver_, self.landmarks, "mean")
         unreachable = np.flatnonzero(~np.isfinite(self.distances_).all(axis=0))
@@ -155,7 +156,9 @@ class GeodesicIsomap(ClassNamePrefixFeaturesOutMixin, TransformerMixin, OnSample
         """Scale the landmarks classically: set the map from squared distances to places."""
         squared = self.distances_[:, self.landmarks_] ** 2
         squared = (squared + squared.T) / 2
-        count = check_count(self.n_components, "components", len(squared))
+        count = check_count(
+            self.n_components, "n_components", len(squared), f"there are {len(squared)} landmarks"
+        )
         mean = squared.mean(axis=0)
         products = (mean[:, None] + mean[None, :] - squared - mean.mean()) / 2
         last = len(products) - 1

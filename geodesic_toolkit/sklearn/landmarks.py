@@ -47,6 +47,8 @@ class GeodesicDistances(ClassNamePrefixFeaturesOutMixin, TransformerMixin, OnSam
         samples are; 12 by default, or all others where there are fewer.
     metric : str
         Metric of the neighbours in the space of the features, a name of scikit-learn's.
+        With "precomputed" the table holds the distances between all samples, (N, N), and those of
+        new samples from them, (M, N).
     operator : str, class or instance
         Laplace operator. "auto" and operators of graphs measure across the graph of neighbours.
         Others make the kind of domain that they take of the samples: "pointcloud" in space, "knn"
@@ -173,11 +175,11 @@ def landmark_distances(
 ) -> tuple[IntArray, FloatArray]:
     """Return landmarks of a solver's domain (L,), and the distances from them, (L, N)."""
     n_samples = solver.domain.n_vertices
+    if landmarks is None or (isinstance(landmarks, str) and landmarks not in ("auto", "all")):
+        raise InvalidOptionError(
+            f'landmarks must be "auto", "all", a number or an array, not {landmarks!r}'
+        )
     if isinstance(landmarks, str):
-        if landmarks not in ("auto", "all"):
-            raise InvalidOptionError(
-                f'landmarks must be "auto", "all", a number or an array, not {landmarks!r}'
-            )
         if landmarks == "all" or n_samples <= DEFAULT_LANDMARKS:
             everyone = np.arange(n_samples)
             return everyone, np.asarray(distance_matrix(solver, symmetrize=symmetrize))
@@ -185,6 +187,6 @@ def landmark_distances(
     if np.ndim(landmarks) > 0:
         chosen = as_vertices(landmarks, n_samples, "landmarks")
         return chosen, solver.distances(chosen)
-    count = check_count(landmarks, "landmarks", n_samples)
+    count = check_count(landmarks, "landmarks", n_samples, f"there are {n_samples} samples")
     found = list(farthest_points(solver, count))
     return np.array([vertex for vertex, _, _ in found]), np.array([row for _, row, _ in found])

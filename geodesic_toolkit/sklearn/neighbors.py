@@ -3,7 +3,7 @@
 import math
 import numbers
 from collections.abc import Iterator
-from typing import Any, Literal, Self, TypeAlias
+from typing import Any, ClassVar, Literal, Self, TypeAlias
 
 import numpy as np
 from scipy.sparse import csr_matrix
@@ -77,6 +77,8 @@ class GeodesicNeighbors(ClassNamePrefixFeaturesOutMixin, TransformerMixin, OnSam
            [38, 37]])
     """
 
+    option_of_graph: ClassVar[str] = "graph_neighbors"
+
     def __init__(
         self,
         n_neighbors: int = 5,
@@ -94,9 +96,6 @@ class GeodesicNeighbors(ClassNamePrefixFeaturesOutMixin, TransformerMixin, OnSam
         self.mode = mode
         self.symmetrize = symmetrize
         self.graph_neighbors = graph_neighbors
-
-    def _neighbors_of_graph(self) -> int | None:
-        return self.graph_neighbors
 
     def fit(self, X: Any, y: object = None) -> Self:  # noqa: ARG002, N803 - scikit-learn's names
         """Make the solver of the samples.
@@ -121,6 +120,7 @@ class GeodesicNeighbors(ClassNamePrefixFeaturesOutMixin, TransformerMixin, OnSam
         ValueError
             A table that is not one of finite numbers, or that has one row.
         """
+        check_count(self.n_neighbors, "n_neighbors")
         _check_mode(self.mode)
         check_symmetrize(self.symmetrize)
         if self.radius is not None:
@@ -270,9 +270,15 @@ class GeodesicNeighbors(ClassNamePrefixFeaturesOutMixin, TransformerMixin, OnSam
     def _transformed(self, sets: Any) -> Any:
         if self.radius is not None:
             return self._graph(*self._within(sets, False, None, True), self.mode)
-        count = check_count(self.n_neighbors, "neighbors", self.n_samples_fit_)
-        count += self.mode == "distance"  # beside itself
+        itself = self.mode == "distance"  # beside its neighbours
+        count = self._checked_count(self.n_neighbors, itself) + itself
         return self._graph(*self._nearest(sets, False, count), self.mode)
+
+    def _checked_count(self, count: object, others: bool) -> int:
+        """Return a number of neighbours, among all samples or all `others`."""
+        most = self.n_samples_fit_ - others
+        why = f"there are {most} {'other ' if others else ''}samples"
+        return check_count(count, "n_neighbors", most, why)
 
     def _sets(self, X: Any) -> tuple[Any, bool]:  # noqa: N803
         """Return the sources of each sample, and True if a sample is not its own neighbour."""
@@ -297,7 +303,7 @@ class GeodesicNeighbors(ClassNamePrefixFeaturesOutMixin, TransformerMixin, OnSam
         self, sets: Any, own: bool, n_neighbors: int | None
     ) -> tuple[FloatArray, IntArray]:
         count = self.n_neighbors if n_neighbors is None else n_neighbors
-        count = check_count(count, "neighbors", self.n_samples_fit_ - own)
+        count = self._checked_count(count, own)
         distances = np.empty((len(sets), count))
         indices = np.empty((len(sets), count), dtype=np.int64)
         begin = 0

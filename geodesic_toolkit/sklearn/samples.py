@@ -1,6 +1,8 @@
 """Samples as a domain, and the distances of further samples by their neighbours."""
 
-from typing import Any, Self
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import Any, ClassVar, Self
 
 import numpy as np
 from sklearn.base import BaseEstimator
@@ -12,10 +14,12 @@ from geodesic_toolkit.core.types import BoolArray, FloatArray, IntArray
 from geodesic_toolkit.core.words import a_kind_of
 from geodesic_toolkit.domains import Domain, Graph
 from geodesic_toolkit.errors import (
+    GeodesicError,
     InvalidDomainError,
     InvalidOptionError,
     UnsupportedDomainError,
 )
+from geodesic_toolkit.geometry.widths import check_width
 from geodesic_toolkit.interop.conversion import graph_of_lengths
 from geodesic_toolkit.registry.catalog import operators
 from geodesic_toolkit.solver.solver import GeodesicSolver
@@ -40,7 +44,14 @@ class OnSamples(BaseEstimator):
     """The options of all estimators here, and the solver that they make.
 
     The parameters are documented by each estimator.
+
+    Attributes
+    ----------
+    option_of_graph : str
+        Name of the option that says how many neighbours a sample has in the graph.
     """
+
+    option_of_graph: ClassVar[str] = "n_neighbors"
 
     def __init__(
         self,
@@ -55,10 +66,6 @@ class OnSamples(BaseEstimator):
         self.operator = operator
         self.refine = refine
 
-    def _neighbors_of_graph(self) -> int | None:
-        """Return the option that says how many neighbours a sample has in the graph."""
-        return self.n_neighbors
-
     def _fit_samples(self, X: Any) -> Self:  # noqa: N803 - scikit-learn's name
         """Set `domain_`, `solver_`, `nearest_` and `n_neighbors_` of a table or a domain."""
         if isinstance(X, Domain):
@@ -67,18 +74,45 @@ class OnSamples(BaseEstimator):
         else:
             table = validate_data(self, X, dtype=np.float64, ensure_min_samples=2)
             self.n_neighbors_ = self._checked_neighbors(len(table))
-            self.nearest_ = NearestNeighbors(n_neighbors=self.n_neighbors_, metric=self.metric)
-            self.nearest_.fit(table)
-            self._table = table
-            self.domain_ = self._domain_of(table)
+            self._check_table(table)
+            with self._named_metric():
+                self.nearest_ = NearestNeighbors(n_neighbors=self.n_neighbors_, metric=self.metric)
+                self.nearest_.fit(table)
+                self._table = table
+                self.domain_ = self._domain_of(table)
         self.solver_ = GeodesicSolver(self.domain_, operator=self.operator, refine=self.refine)
         return self
 
     def _checked_neighbors(self, n_samples: int) -> int:
-        given = self._neighbors_of_graph()
+        given = getattr(self, self.option_of_graph)
         if given is None:
             return min(DEFAULT_NEIGHBORS, n_samples - 1)
-        return check_count(given, "neighbors of the graph", n_samples - 1)
+        why = f"each of the {n_samples} samples has {n_samples - 1} others"
+        return check_count(given, self.option_of_graph, n_samples - 1, why)
+
+    def _check_table(self, table: FloatArray) -> None:
+        """Raise unless a table can have the distances of the metric."""
+        if self.metric != "precomputed":
+            with np.errstate(over="ignore"):
+                check_width(float(np.ptp(table, axis=0).max()), "table of samples")
+        elif table.shape[0] != table.shape[1]:
+            raise InvalidOptionError(
+                'metric="precomputed" is for a square table of distances between all samples, not '
+                f"one of shape {table.shape}; give samples with another metric, or a graph of "
+                "known distances, geodesic_toolkit.as_domain(matrix)"
+            )
+
+    @contextmanager
+    def _named_metric(self) -> Iterator[None]:
+        """Name the option in errors of scikit-learn's about the metric."""
+        try:
+            yield
+        except GeodesicError:
+            raise
+        except (ValueError, TypeError) as error:
+            raise InvalidOptionError(
+                f"metric={self.metric!r} does not measure these samples: {error}"
+            ) from error
 
     def _domain_of(self, table: FloatArray) -> Domain:
         """Return the graph of neighbours, or the kind of domain that the operator asks for."""
@@ -107,7 +141,7 @@ class OnSamples(BaseEstimator):
         first of its kind.
         """
         _, first, kind = np.unique(table, axis=0, return_index=True, return_inverse=True)
-        if len(first) == len(table):
+        if len(first) == len(table) or self.metric == "precomputed":  # rows are not places
             return graph_of_lengths(self.nearest_.kneighbors_graph(mode="distance"))
         if len(first) == 1:
             raise InvalidDomainError("all samples are equal: there is no distance between them")
@@ -166,12 +200,29 @@ class OnSamples(BaseEstimator):
         return continued
 
 
-def check_count(value: object, what: str, most: int) -> int:
-    """Return a number of samples; raise an `InvalidOptionError` unless it is 1 to `most`."""
+def check_count(value: object, name: str, most: int | None = None, why: str = "") -> int:
+    """Return a positive number that an option gives.
+
+    Parameters
+    ----------
+    value : object
+    name : str
+        The option.
+    most : int, optional
+        Its largest value.
+    why : str
+        What the largest value follows from: "there are 40 samples".
+
+    Raises
+    ------
+    InvalidOptionError
+    """
     if isinstance(value, bool) or not isinstance(value, int | np.integer):
-        raise InvalidOptionError(f"the number of {what} must be an integer, not {value!r}")
-    if not 1 <= value <= most:
-        raise InvalidOptionError(f"the number of {what} must be between 1 and {most}, not {value}")
+        raise InvalidOptionError(f"{name} must be an integer, not {value!r}")
+    if value < 1:
+        raise InvalidOptionError(f"{name} must be 1 or more, not {value}")
+    if most is not None and value > most:
+        raise InvalidOptionError(f"{name} must be {most} or less, not {value}: {why}")
     return int(value)
 
 

@@ -1,6 +1,7 @@
 """Estimators: distances, neighbours and embeddings that are right, also of new samples."""
 
 import pickle
+import re
 
 import numpy as np
 import pytest
@@ -152,20 +153,20 @@ def test_other_metrics_and_identical_samples(rolls):
 @pytest.mark.parametrize(
     ("options", "kind", "message"),
     [
-        ({"landmarks": 0}, InvalidOptionError, "landmarks must be between 1 and 144, not 0"),
-        ({"landmarks": 145}, InvalidOptionError, "landmarks must be between 1 and 144, not 145"),
+        ({"landmarks": 0}, InvalidOptionError, "landmarks must be 1 or more, not 0"),
+        (
+            {"landmarks": 145},
+            InvalidOptionError,
+            "landmarks must be 144 or less, not 145: there are 144 samples",
+        ),
         ({"landmarks": 2.5}, InvalidOptionError, "landmarks must be an integer, not 2.5"),
         ({"landmarks": True}, InvalidOptionError, "landmarks must be an integer, not True"),
         ({"landmarks": "some"}, InvalidOptionError, 'must be "auto", "all", .* not \'some\''),
         ({"landmarks": [144]}, InvalidSourceError, "landmarks: vertex 144 does not exist"),
         ({"fill": "inf"}, InvalidOptionError, "fill must be a number or None, not 'inf'"),
         ({"symmetrize": "median"}, InvalidOptionError, "median"),
-        (
-            {"n_neighbors": 144},
-            InvalidOptionError,
-            "neighbors of the graph must be .* 143, not 144",
-        ),
-        ({"n_neighbors": "5"}, InvalidOptionError, "graph must be an integer, not '5'"),
+        ({"n_neighbors": 144}, InvalidOptionError, "n_neighbors must be 143 or less, not 144"),
+        ({"n_neighbors": "5"}, InvalidOptionError, "n_neighbors must be an integer, not '5'"),
         ({"metric": "no"}, ValueError, "metric"),
     ],
 )
@@ -277,7 +278,7 @@ def test_samples_that_nothing_connects_are_not_neighbours():
         (lambda: GeodesicNeighbors(radius=-1).fit(GRID), "finite and not negative, not -1"),
         (lambda: GeodesicNeighbors(radius="1").fit(GRID), "radius must be a distance, not '1'"),
         (lambda: GeodesicNeighbors().fit(GRID).radius_neighbors(), "be a distance, not None"),
-        (lambda: GeodesicNeighbors().fit(GRID).kneighbors(n_neighbors=144), "1 and 143, not 144"),
+        (lambda: GeodesicNeighbors().fit(GRID).kneighbors(n_neighbors=144), "143 or less, not 144"),
         (lambda: GeodesicNeighbors(n_neighbors=0).fit(GRID).transform(GRID), "1 and 144, not 0"),
         (lambda: GeodesicNeighbors().fit(GRID).kneighbors_graph(mode="d"), "mode must be"),
     ],
@@ -308,7 +309,9 @@ def test_components_beyond_the_dimension_of_the_samples_are_zero():
     found = GeodesicIsomap(n_components=3, n_neighbors=2).fit(line)
     np.testing.assert_allclose(np.ptp(found.embedding_[:, 0]), 1)
     np.testing.assert_allclose(found.embedding_[:, 1:], 0, atol=1e-6)
-    with pytest.raises(InvalidOptionError, match="components must be between 1 and 3, not 4"):
+    with pytest.raises(
+        InvalidOptionError, match="n_components must be 3 or less, not 4: there are 3 landm"
+    ):
         GeodesicIsomap(n_components=4, landmarks=3).fit(GRID)
 
 
@@ -409,3 +412,57 @@ def test_a_shape_is_not_a_new_sample():
     samples = make_swiss_roll(50, random_state=0)[0]
     with pytest.raises(InvalidOptionError, match="fitted on a table"):
         GeodesicDistances().fit(samples).transform(gt.testing.shapes.icosphere(1))
+
+
+# -- options by their names ------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("estimator", "message"),
+    [
+        (GeodesicNeighbors(n_neighbors=0), "n_neighbors must be 1 or more, not 0"),
+        (GeodesicNeighbors(n_neighbors=2.5), "n_neighbors must be an integer, not 2.5"),
+        (GeodesicNeighbors(n_neighbors=None), "n_neighbors must be an integer, not None"),
+        (
+            GeodesicNeighbors(graph_neighbors=9),
+            "graph_neighbors must be 8 or less, not 9: each of the 9 samples has 8 others",
+        ),
+        (GeodesicDistances(n_neighbors=9), "n_neighbors must be 8 or less, not 9: each of the 9"),
+        (GeodesicDistances(landmarks=10), "landmarks must be 9 or less, not 10: there are 9 sam"),
+        (GeodesicDistances(landmarks=None), 'landmarks must be "auto", "all", a number or an ar'),
+        (GeodesicIsomap(n_components=True), "n_components must be an integer, not True"),
+        (GeodesicIsomap(n_components=0), "n_components must be 1 or more, not 0"),
+        (GeodesicDistances(metric="kilometres"), "metric='kilometres' does not measure these sam"),
+        (GeodesicIsomap(metric="haversine"), "metric='haversine' does not measure these samples"),
+        (GeodesicNeighbors(metric="precomputed"), "is for a square table of distances between all"),
+    ],
+)
+def test_fit_names_the_option_that_is_wrong_and_its_bound(estimator, message):
+    table = np.random.default_rng(0).random((9, 3))
+    with pytest.raises(InvalidOptionError, match=re.escape(message)):
+        estimator.fit(table)
+
+
+def test_neighbours_that_are_too_many_are_named_as_they_were_given():
+    model = GeodesicNeighbors(n_neighbors=9).fit(np.random.default_rng(0).random((9, 3)))
+    with pytest.raises(InvalidOptionError, match="n_neighbors must be 8 or less, not 9: there are"):
+        model.transform(np.zeros((1, 3)))
+    with pytest.raises(InvalidOptionError, match="8 or less, not 10: there are 8 other samples"):
+        model.kneighbors(n_neighbors=10)
+
+
+def test_known_distances_are_those_of_their_samples_though_two_rows_are_equal():
+    table = np.random.default_rng(0).random((30, 2))
+    table[7] = table[3]
+    known = np.linalg.norm(table[:, None] - table, axis=2)
+    own = GeodesicDistances(n_neighbors=29, refine=True).fit_transform(table)
+    given = GeodesicDistances(n_neighbors=29, refine=True, metric="precomputed")
+    np.testing.assert_allclose(given.fit_transform(known), own, atol=1e-12)
+    np.testing.assert_allclose(given.transform(known[:4]), own[:4], atol=1e-12)
+
+
+def test_tables_out_of_the_range_of_floats_are_refused():
+    table = np.random.default_rng(0).random((30, 2))
+    for unit in (1e-200, 1e200, 1e308):
+        with pytest.raises(UnsupportedDomainError, match=r"the table of samples is .* wide"):
+            GeodesicDistances().fit(unit * table)
