@@ -140,13 +140,25 @@ def test_masked_faces_keep_their_numbers():
         assert not solver.mask[square.faces[site.face]].any()
 
 
+EVEN = np.ones(PLATE.domain.n_vertices)
+
+
 @pytest.mark.parametrize(
     ("sites", "options", "message"),
     [
-        ([0, 1], {"steps": -1}, "must not be negative"),
-        ([0, 1], {"density": [1.0]}, "density"),
-        ([0, 1], {"density": ["a"]}, "density must be numbers"),
-        ([0, 1], {"rng": np.random.default_rng(0)}, "how many"),
+        ([0, 1], {"steps": -1}, "steps must be an integer that is not negative, not -1"),
+        ([0, 1], {"steps": 2.5}, "steps must be an integer that is not negative, not 2.5"),
+        ([0, 1], {"tolerance": "a"}, "tolerance must be a number of 0 or more, not 'a'"),
+        ([0, 1], {"tolerance": np.nan}, "tolerance must be a number of 0 or more, not nan"),
+        ([0, 1], {"density": [1.0]}, "density must hold one real number for each of the"),
+        ([0, 1], {"density": ["a"]}, "density must hold one real number for each of the"),
+        ([0, 1], {"density": 1j * EVEN}, "density must hold one real number.*not complex128"),
+        ([0, 1], {"density": 0 * EVEN}, "density is 0 at all vertices that have an area"),
+        ([0, 1], {"density": -EVEN}, "density is -1.0 at vertex 0; it must be finite and not neg"),
+        ([0, 1], {"density": np.where(EVEN.cumsum() == 4, np.nan, 1)}, "nan at vertex 3; it must"),
+        ([0, 1], {"density": 1e300 * EVEN}, r"give density / density.max\(\)"),
+        ([0, 1], {"density": 1e-320 * EVEN}, r"give density / density.max\(\)"),
+        ([0, 1], {"rng": np.random.default_rng(0)}, "number of sites to draw, as rng is given"),
         (0, {"rng": np.random.default_rng(0)}, "between 1"),
     ],
 )

@@ -48,7 +48,7 @@ def as_faces(domain: Any, what: str) -> TriangleMesh | MeasuredFaces:
     return found if isinstance(found, MeasuredFaces) else as_mesh(found, what)
 
 
-def as_field(values: ArrayLike, n_vertices: int) -> FloatArray:
+def as_field(values: ArrayLike, n_vertices: int, name: str = "values") -> FloatArray:
     """Return values as an array of shape (N,), not finite at vertices without a value.
 
     Raises
@@ -56,14 +56,14 @@ def as_field(values: ArrayLike, n_vertices: int) -> FloatArray:
     InvalidOptionError
         Not one real number for each vertex.
     """
-    check_nothing_masked(values, "values", InvalidOptionError, "{}.filled(numpy.inf)")
+    check_nothing_masked(values, name, InvalidOptionError, "{}.filled(numpy.inf)")
     try:
         field = np.asarray(values)
     except (TypeError, ValueError) as error:
-        raise InvalidOptionError(f"values cannot be read as an array: {error}") from error
+        raise InvalidOptionError(f"{name} cannot be read as an array: {error}") from error
     if field.dtype.kind not in "iufb" or field.shape != (n_vertices,):
         raise InvalidOptionError(
-            f"values must hold one real number for each of the {n_vertices} vertices, not "
+            f"{name} must hold one real number for each of the {n_vertices} vertices, not "
             f"{field.dtype} of shape {field.shape}"
         )
     return np.asarray(field, dtype=np.float64)

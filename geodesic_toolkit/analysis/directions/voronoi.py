@@ -1,11 +1,13 @@
 """Centroidal Voronoi cells: sites spread evenly over a surface."""
 
 from dataclasses import dataclass
+from numbers import Real
 from typing import Any, cast, final
 
 import numpy as np
 from numpy.typing import ArrayLike
 
+from geodesic_toolkit.analysis.curves.cuts import as_field
 from geodesic_toolkit.analysis.directions.steps import Stepper
 from geodesic_toolkit.analysis.directions.traced import Traced, trace
 from geodesic_toolkit.core.frozen import FrozenArrays, freeze
@@ -19,6 +21,9 @@ from geodesic_toolkit.sources.points import SourcePoints
 from geodesic_toolkit.sources.surface_point import SurfacePoint
 
 __all__ = ["CentroidalVoronoi", "centroidal_voronoi"]
+
+MAX_DENSITY = 1e100
+"""Maximum of a density, and the inverse of its minimum, whose products are finite."""
 
 
 @final
@@ -112,9 +117,12 @@ def centroidal_voronoi(
         raise UnsupportedDomainError(
             f"sites move over the faces of a mesh, and not over {a_kind_of(mesh)}"
         )
-    if not (steps >= 0 and tolerance >= 0):
-        raise InvalidOptionError(f"steps {steps} and tolerance {tolerance} must not be negative")
-    mass = solver.method.metric.mass * _density(density, mesh.n_vertices)
+    if isinstance(steps, bool) or not isinstance(steps, int | np.integer) or steps < 0:
+        raise InvalidOptionError(f"steps must be an integer that is not negative, not {steps!r}")
+    if isinstance(tolerance, bool) or not isinstance(tolerance, Real) or not tolerance >= 0:
+        raise InvalidOptionError(f"tolerance must be a number of 0 or more, not {tolerance!r}")
+    areas = solver.method.metric.mass
+    mass = areas * _density(density, areas)
     places = _first_sites(solver, sites, mass, rng)
     stepper = Stepper.of(mesh)
     numbers, weights = stepper.inside(places)
@@ -140,16 +148,26 @@ def centroidal_voronoi(
     )
 
 
-def _density(values: ArrayLike | None, count: int) -> FloatArray:
+def _density(values: ArrayLike | None, mass: FloatArray) -> FloatArray:
+    """Return the checked density at the vertices, which have these areas."""
     if values is None:
-        return np.ones(count)
-    try:
-        density = np.asarray(values, dtype=np.float64)
-    except (TypeError, ValueError) as error:
-        raise InvalidOptionError(f"density must be numbers: {error}") from error
-    if density.shape != (count,) or not (np.isfinite(density) & (density >= 0)).all():
+        return np.ones(len(mass))
+    density = as_field(values, len(mass), "density")
+    bad = np.flatnonzero(~(np.isfinite(density) & (density >= 0)))
+    if len(bad):
         raise InvalidOptionError(
-            f"density must be a finite number for each of {count} vertices, not negative"
+            f"density is {density[bad[0]]} at vertex {bad[0]}; it must be finite and not negative"
+        )
+    largest = density.max()
+    if largest > 0 and not 1 / MAX_DENSITY <= largest <= MAX_DENSITY:
+        raise InvalidOptionError(
+            f"density is up to {largest:.3g}, whose products floats do not have; only its "
+            "proportions matter: give density / density.max()"
+        )
+    if not (density * mass > 0).any():
+        raise InvalidOptionError(
+            "density is 0 at all vertices that have an area: cells without weight have no centre; "
+            "give a positive number at some vertex, or leave density out"
         )
     return density
 
@@ -160,10 +178,14 @@ def _first_sites(
     if rng is not None:
         candidates = int((mass > 0).sum())
         if isinstance(sites, bool) or not isinstance(sites, int | np.integer):
-            raise InvalidOptionError(f"sites: with rng, how many of them, not {sites!r}")
+            raise InvalidOptionError(
+                f"sites must be the number of sites to draw, as rng is given, not {sites!r}; "
+                "without rng they are places"
+            )
         if not 1 <= sites <= candidates:
             raise InvalidOptionError(
-                f"sites: between 1 and the {candidates} vertices that have weight, not {sites}"
+                f"sites must be between 1 and {candidates}, the number of vertices that have an "
+                f"area and a density, not {sites}"
             )
         sites = rng.choice(len(mass), int(sites), replace=False, p=mass / mass.sum())
     elif isinstance(sites, int | np.integer):
