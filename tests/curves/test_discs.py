@@ -104,6 +104,51 @@ def test_a_disc_of_less_than_an_edge_is_one():
     assert 0 < disc.area <= np.pi * 0.005**2
 
 
+@pytest.mark.parametrize("radius", [1e-6, 0.005, 0.012])
+@pytest.mark.parametrize(
+    ("source", "share"),
+    [(60, 1.0), (0, 0.25), (5, 0.5), ([0.52, 0.54, 0.0], 1.0), ([0.55, 0.5, 0.0], 1.0)],
+)
+def test_a_disc_within_the_faces_about_its_source_is_round(source, share, radius):
+    """On a grid of edges of 0.1: in the middle, in a corner, on a side, in a face, on an edge."""
+    square = gt.GeodesicSolver(shapes.grid(11))
+    disc = gt.geodesic_disc(square, source, radius)
+    assert disc.area == pytest.approx(share * np.pi * radius**2, rel=0.002)
+    assert disc.is_disc
+    np.testing.assert_allclose(disc.carry(square.domain.vertices), disc.mesh.vertices, atol=1e-15)
+    centre = square.domain.vertices[source] if isinstance(source, int) else np.array(source)
+    apart = np.linalg.norm(disc.mesh.vertices - centre, axis=1)
+    np.testing.assert_allclose(disc.distance, apart, atol=1e-9)
+
+
+@pytest.mark.parametrize("radius", [0.08, 0.1, 0.12])
+def test_a_circle_that_leaves_these_faces_loses_little(radius):
+    disc = gt.geodesic_disc(gt.GeodesicSolver(shapes.grid(11)), 60, radius)
+    assert 0.9 * np.pi * radius**2 < disc.area < np.pi * radius**2
+    assert disc.is_disc
+
+
+def test_round_discs_of_neighbouring_sources_overlap():
+    square = gt.GeodesicSolver(shapes.grid(11))
+    both = gt.geodesic_disc(square, [60, 61], 0.08)  # 0.1 apart
+    half = np.arccos(0.05 / 0.08)
+    lens = 2 * 0.08**2 * (half - np.sin(half) * np.cos(half))
+    assert both.area == pytest.approx(2 * np.pi * 0.08**2 - lens, rel=0.03)
+    assert both.is_disc
+
+
+def test_faces_about_a_source_are_not_split_for_a_circle_that_is_far():
+    disc = gt.geodesic_disc(SPHERE, 0, 1.0)
+    inside = disc.origin >= 0
+    assert (np.abs(disc.distance[~inside] - 1.0) == 0).all()
+
+
+@pytest.mark.parametrize("radius", [1e-12, 1e-300])
+def test_a_radius_that_edges_do_not_resolve_is_refused(radius):
+    with pytest.raises(InvalidOptionError, match="less than 1e-09 of the edges about the source"):
+        gt.geodesic_disc(SPHERE, 0, radius)
+
+
 def test_a_disc_stays_out_of_what_is_not_reached():
     two = shapes.disjoint_union(shapes.icosphere(2), shapes.icosphere(2))
     disc = gt.geodesic_disc(gt.GeodesicSolver(two), 0, 100.0)
