@@ -9,6 +9,7 @@ from numpy.typing import ArrayLike
 
 from geodesic_toolkit import _native
 from geodesic_toolkit.analysis.paths.path import GeodesicPath
+from geodesic_toolkit.core.checks import real_numbers
 from geodesic_toolkit.core.frozen import FrozenArrays, freeze
 from geodesic_toolkit.core.types import FloatArray, IntArray
 from geodesic_toolkit.core.words import a_kind_of
@@ -278,10 +279,7 @@ class _Ground:
 
 def _vectors(values: ArrayLike, spacing: float) -> FloatArray:
     """Return tangent vectors as an array of shape (Q, 3), checked."""
-    try:
-        table = np.atleast_2d(np.asarray(values, dtype=np.float64))
-    except (TypeError, ValueError) as error:
-        raise InvalidOptionError(f"vectors must be numbers: {error}") from error
+    table = np.atleast_2d(real_numbers(values, "vectors"))
     if table.ndim != 2 or table.shape[1] != 3:
         raise InvalidOptionError(f"vectors must have shape (Q, 3) or (3,), not {table.shape}")
     sizes = np.linalg.norm(table, axis=1)

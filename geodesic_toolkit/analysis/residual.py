@@ -9,6 +9,7 @@ paths of equal length meet.
 import numpy as np
 from numpy.typing import ArrayLike
 
+from geodesic_toolkit.core.checks import real_numbers
 from geodesic_toolkit.core.types import FloatArray, IntArray
 from geodesic_toolkit.discretization.edge_gradient import EdgeGradient
 from geodesic_toolkit.discretization.element_gradient import ElementGradient
@@ -94,7 +95,7 @@ def _measured(solver: GeodesicSolver, distance: ArrayLike) -> tuple[FloatArray, 
     """Return the residual and the measure of each element or edge."""
     check_solver(solver, "a residual")
     gradient = solver.method.metric.on_surface
-    values = np.asarray(distance, dtype=np.float64)
+    values = real_numbers(distance, "distance")
     if values.shape != (gradient.n_vertices,):
         raise InvalidOptionError(
             f"distance must have shape ({gradient.n_vertices},), one number per vertex, "

@@ -6,6 +6,7 @@ from typing import final
 import numpy as np
 from numpy.typing import ArrayLike
 
+from geodesic_toolkit.core.checks import real_numbers
 from geodesic_toolkit.core.frozen import FrozenArrays, freeze
 from geodesic_toolkit.core.types import FloatArray
 from geodesic_toolkit.errors import InvalidOptionError
@@ -108,10 +109,7 @@ def tangent_frames(solver: GeodesicSolver) -> TangentFrames:
 
 
 def _table(values: ArrayLike, shape: tuple[int, ...], name: str) -> FloatArray:
-    try:
-        table = np.asarray(values, dtype=np.float64)
-    except (TypeError, ValueError) as error:
-        raise InvalidOptionError(f"{name} must be numbers: {error}") from error
+    table = real_numbers(values, name)
     if table.shape != shape:
         raise InvalidOptionError(f"{name} must have shape {shape}, not {table.shape}")
     return table

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any, final
 import numpy as np
 from numpy.typing import ArrayLike
 
+from geodesic_toolkit.core.checks import real_numbers
 from geodesic_toolkit.core.types import FloatArray, IntArray
 from geodesic_toolkit.core.words import a_kind_of
 from geodesic_toolkit.domains import PointCloud
@@ -124,7 +125,7 @@ class Thinned:
         InvalidSourceError
             As for :meth:`GeodesicSolver.distance`.
         """
-        values = np.asarray(distance, dtype=np.float64)
+        values = real_numbers(distance, "distance")
         if values.ndim not in {1, 2} or values.shape[-1] != self.cloud.n_vertices:
             raise InvalidOptionError(
                 f"distance must have shape ({self.cloud.n_vertices},), one number for each point "

@@ -7,9 +7,9 @@ import numpy as np
 
 from geodesic_toolkit.core.frozen import freeze
 from geodesic_toolkit.core.types import FloatArray, IntArray
-from geodesic_toolkit.errors import InvalidDiscretizationError
+from geodesic_toolkit.errors import InvalidDiscretizationError, InvalidOptionError
 
-__all__ = ["check_finite", "check_nothing_masked", "check_range", "coerce"]
+__all__ = ["check_finite", "check_nothing_masked", "check_range", "coerce", "real_numbers"]
 
 
 def check_nothing_masked(values: Any, name: str, error: type[Exception], cure: str) -> None:
@@ -37,6 +37,33 @@ def check_nothing_masked(values: Any, name: str, error: type[Exception], cure: s
             f"{name} is a masked array, and entry {first} is masked, as {int(masked.sum())} of "
             f"{masked.size} are; give an array without a mask: {cure.format(name)}"
         )
+
+
+def real_numbers(values: Any, name: str) -> FloatArray:
+    """Return what a user gave as an array of float64; copied only if it is none.
+
+    Text, dates and complex numbers, which NumPy would convert, are refused.
+
+    Parameters
+    ----------
+    values : array-like
+        Numbers or booleans, of any shape; NaN and ``inf`` are kept.
+    name : str
+        The name in messages.
+
+    Raises
+    ------
+    InvalidOptionError
+    """
+    check_nothing_masked(values, name, InvalidOptionError, "{}.filled(numpy.inf)")
+    try:
+        array = np.asarray(values)
+    except (TypeError, ValueError) as error:  # rows of different lengths
+        raise InvalidOptionError(f"{name} cannot be read as an array: {error}") from error
+    if array.dtype.kind not in "iufb":
+        given = f"numbers of {array.dtype}" if array.dtype.kind == "c" else f"{array.dtype}"
+        raise InvalidOptionError(f"{name} must hold real numbers, not {given}")
+    return np.asarray(array, dtype=np.float64)
 
 
 def coerce(data: object, *, copy: bool, **dtypes: type[np.generic]) -> None:

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from geodesic_toolkit.core.atomic import replacing
+from geodesic_toolkit.core.checks import real_numbers
 from geodesic_toolkit.core.types import FloatArray
 from geodesic_toolkit.domains import Domain, normals_of, polygons_of, positions_of
 from geodesic_toolkit.errors import GeodesicError, InvalidOptionError, WriteError
@@ -172,13 +173,13 @@ def _model(file: Path, like: str | os.PathLike[str] | None) -> Path | None:
 
 
 def _checked(distances: ArrayLike, domain: Domain) -> FloatArray:
-    field = np.asarray(distances)
-    if field.shape != (domain.n_vertices,) or field.dtype.kind not in "iuf":
+    field = real_numbers(distances, "distances")
+    if field.shape != (domain.n_vertices,):
         raise InvalidOptionError(
-            f"distances must be real numbers of shape ({domain.n_vertices},), "
-            f"not {field.dtype} of shape {field.shape}"
+            f"distances must be real numbers of shape ({domain.n_vertices},), one per vertex, not "
+            f"of shape {field.shape}"
         )
-    return field.astype(np.float64)
+    return field
 
 
 def _write_csv(path: Path, positions: FloatArray | None, field: FloatArray) -> None:

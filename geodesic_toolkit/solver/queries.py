@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from geodesic_toolkit.core.checks import check_nothing_masked
+from geodesic_toolkit.core.checks import check_nothing_masked, real_numbers
 from geodesic_toolkit.core.types import BoolArray, FloatArray, IntArray
 from geodesic_toolkit.discretization.data import Discretization
 from geodesic_toolkit.discretization.element_gradient import ElementGradient
@@ -207,12 +207,16 @@ class Surface:
         """
         queries = as_points(points)
         check_reach(reach)
-        check_nothing_masked(distance, "distance", InvalidOptionError, "{}.filled(numpy.inf)")
-        values = np.asarray(distance, dtype=np.float64)
+        values = real_numbers(distance, "distance")
         if values.shape != (len(self._positions),):
             raise InvalidOptionError(
                 f"distance must have shape ({len(self._positions)},), one number per vertex, "
                 f"not {values.shape}"
+            )
+        if np.isnan(values).any():
+            bad = int(np.isnan(values).argmax())
+            raise InvalidOptionError(
+                f"distance is nan at vertex {bad}; where there is no distance it is inf"
             )
         kinks = self._kinks(sources)
         result = np.full(len(queries), np.inf)

@@ -4,6 +4,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from geodesic_toolkit.analysis.thinning import thin
+from geodesic_toolkit.core.checks import real_numbers
 from geodesic_toolkit.core.types import BoolArray, FloatArray
 from geodesic_toolkit.domains import PointCloud
 from geodesic_toolkit.errors import InvalidOptionError
@@ -35,10 +36,7 @@ def spread_arrows(
     InvalidOptionError
         Vectors of another shape.
     """
-    try:
-        table = np.asarray(vectors, dtype=np.float64)
-    except (TypeError, ValueError) as error:
-        raise InvalidOptionError(f"arrows cannot be read: {error}") from error
+    table = real_numbers(vectors, "arrows")
     if table.shape != points.shape:
         raise InvalidOptionError(
             f"arrows must have shape {points.shape}, one vector per vertex, not {table.shape}"

@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
+from geodesic_toolkit.core.checks import real_numbers
 from geodesic_toolkit.core.types import BoolArray, FloatArray, IntArray
 from geodesic_toolkit.core.words import a_kind_of
 from geodesic_toolkit.domains import Domain, graph_of, positions_of, triangles_of
@@ -213,10 +214,7 @@ def _check_checkers(checkers: Checkers | None, domain: Domain) -> None:
 
 def _positions(domain: Domain, positions: ArrayLike | None) -> FloatArray:
     if positions is not None:
-        try:
-            given = np.asarray(positions, dtype=np.float64)
-        except (TypeError, ValueError) as error:
-            raise InvalidOptionError(f"positions cannot be read: {error}") from error
+        given = real_numbers(positions, "positions")
         if given.shape == (domain.n_vertices, 2):
             given = np.column_stack([given, np.zeros(len(given))])
         if given.shape != (domain.n_vertices, 3) or not np.isfinite(given).any(axis=0).all():
@@ -236,10 +234,7 @@ def _positions(domain: Domain, positions: ArrayLike | None) -> FloatArray:
 
 
 def _field(domain: Domain, values: ArrayLike) -> FloatArray:
-    try:
-        field = np.array(values, dtype=np.float64)
-    except (TypeError, ValueError) as error:
-        raise InvalidOptionError(f"the distance cannot be read as numbers: {error}") from error
+    field = real_numbers(values, "distance").copy()
     if field.shape != (domain.n_vertices,):
         raise InvalidOptionError(
             f"the distance must have shape ({domain.n_vertices},), one number per vertex, "

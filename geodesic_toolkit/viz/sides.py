@@ -5,8 +5,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
+from geodesic_toolkit.core.checks import real_numbers
 from geodesic_toolkit.core.optional import require
-from geodesic_toolkit.errors import InvalidOptionError
 
 __all__ = ["two_sided"]
 
@@ -44,10 +44,7 @@ def two_sided(values: ArrayLike) -> dict[str, Any]:
 
     ``gt.viz.plot(mesh, signed, curves=curve, **gt.viz.two_sided(signed))`` draws it.
     """
-    try:
-        sizes = np.abs(np.asarray(values, dtype=np.float64))
-    except (TypeError, ValueError) as error:
-        raise InvalidOptionError(f"the values cannot be read as numbers: {error}") from error
+    sizes = np.abs(real_numbers(values, "values"))
     largest = float(sizes[np.isfinite(sizes)].max(initial=0.0)) or 1.0
     colormaps = require("matplotlib", "viz", "Colour maps need").colormaps
     colors = require("matplotlib.colors", "viz", "Colour maps need")

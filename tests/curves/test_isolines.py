@@ -203,7 +203,7 @@ def test_the_distance_from_an_isoline_is_the_difference_of_distances():
         (np.zeros(3), 0.0, "one real number for each of the 81"),
         (np.zeros((81, 1)), 0.0, "one real number"),
         (np.zeros(81, dtype=complex), 0.0, "complex"),
-        (["a"] * 81, 0.0, "one real number"),
+        (["a"] * 81, 0.0, "must hold real numbers"),
         (np.zeros(81), np.nan, "finite"),
         (np.zeros(81), [0.0, np.inf], "finite"),
         (np.zeros(81), "high", "a level is a number"),

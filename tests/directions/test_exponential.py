@@ -129,7 +129,7 @@ def test_lines_end_where_more_than_two_faces_meet():
         ([[np.nan, 0, 0]], "vector 0 is .*not finite"),
         ([[1.0, 0, 0], [1e9, 0, 0]], "vector 1 is .*longer than 1e.06 mean edges"),
         ([[1.0, 0]], r"shape \(Q, 3\)"),
-        ("abc", "must be numbers"),
+        ("abc", "must hold real numbers"),
     ],
 )
 def test_vectors_without_an_end_are_refused(vectors, message):

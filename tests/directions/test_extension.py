@@ -118,7 +118,7 @@ def test_plain_values_are_a_ramp():
         (np.zeros((6, 2, 2)), "values must have shape"),
         (["a"] * 6, "real numbers"),
         ([1.0, 2, 3, 4, 5, np.nan], "value 5 is not finite"),
-        ([[1.0], [2.0, 3.0]], "must be numbers"),
+        ([[1.0], [2.0, 3.0]], "cannot be read as an array"),
     ],
 )
 def test_values_that_do_not_fit_are_named(values, message):

@@ -285,7 +285,7 @@ def test_a_function_alone_is_not_a_writer():
 # -- what cannot be written -----------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("distances", [[0.0, 1.0], [["a"] * 42], np.zeros((42, 1)), ["x"] * 42])
+@pytest.mark.parametrize("distances", [[0.0, 1.0], np.zeros((42, 1)), 3.0])
 def test_distances_must_be_one_a_vertex(distances, sphere, tmp_path):
     with pytest.raises(InvalidOptionError, match=r"real numbers of shape \(42,\)"):
         write(tmp_path / "d.npy", sphere, distances)

@@ -60,7 +60,7 @@ BAD = {
     "source complex": ((V, F), 1 + 0j, {}, InvalidSourceError, "must be vertex indices"),
     "source 2**70": ((V, F), 2**70, {}, InvalidSourceError, "does not exist"),
     "source 2**64 - 1": ((V, F), np.uint64(2**64 - 1), {}, InvalidSourceError, "does not exist"),
-    "sources with None": ((V, F), [0, None], {}, InvalidSourceError, "must be vertex indices"),
+    "sources with None": ((V, F), [0, None], {}, InvalidSourceError, "mix kinds of places"),
     "a table of sources": ((V, F), [[0, 1], [2, 3]], {}, InvalidSourceError, "one-dimensional"),
     "ragged sources": ((V, F), [[0, 1], [2]], {}, InvalidSourceError, "cannot be read"),
     "a mask for sources": ((V, F), np.arange(N) < 3, {}, InvalidSourceError, "flatnonzero"),
@@ -109,7 +109,7 @@ BAD = {
     "faces (f, 2)": ((V, F[:, :2]), 0, {}, InvalidDomainError, r"must have shape \(n, 3\)"),
     "faces (f, 4)": ((V, F[:, [0, 1, 2, 0]]), 0, {}, InvalidDomainError, r"shape \(n, 3\)"),
     "faces (3,)": ((V, F[0]), 0, {}, InvalidDomainError, r"must have shape \(n, 3\)"),
-    "faces None": ((V, None), 0, {}, InvalidDomainError, "real numbers"),
+    "faces None": ((V, None), 0, {}, InvalidDomainError, "an array of numbers, not a NoneType"),
     "faces of strings": ((V, F.astype(str)), 0, {}, InvalidDomainError, "real numbers"),
     "boolean faces": ((V, F > 0), 0, {}, InvalidDomainError, "real numbers"),
     "boolean vertices": ((V > 0, F), 0, {}, InvalidDomainError, "real numbers"),
@@ -398,3 +398,49 @@ def test_clouds_out_of_the_range_of_floats_are_refused(unit):
     for scale in (1e-70, 1e70):
         distance = gt.geodesic_distance(gt.PointCloud(scale * points), 0)
         np.testing.assert_allclose(distance / scale, expected, rtol=1e-12)
+
+
+SPHERE = shapes.icosphere(1)
+SOLVER = gt.GeodesicSolver(SPHERE)
+
+FIELDS = {
+    "isolines": lambda values: gt.isolines(SPHERE, values, 1.0),
+    "area": lambda values: gt.area_above(SPHERE, values, 1.0),
+    "interpolation": lambda values: SOLVER.interpolate(values, SPHERE.vertices[:2]),
+    "residual": lambda values: gt.eikonal_residual(SOLVER, values),
+    "file": lambda values: write("never-written.npy", SPHERE, values),
+    "density": lambda values: gt.centroidal_voronoi(SOLVER, [0, 1], density=values),
+    "disc": lambda values: gt.geodesic_disc(SOLVER, 0, 1.0).carry(values),
+    "scene": gt.viz.two_sided,
+    "vectors": lambda values: gt.parallel_transport(SOLVER, 0, values),
+    "map": lambda values: gt.exp_map(SOLVER, 0, values),
+    "mean": lambda values: gt.geodesic_mean(SOLVER, range(42), weights=values),
+}
+"""What takes numbers at vertices, or several of them."""
+
+
+@pytest.mark.parametrize("ask", FIELDS.values(), ids=FIELDS)
+@pytest.mark.parametrize(
+    ("values", "message"),
+    [
+        (np.ones(42) * 1j, "must hold real numbers, not numbers of complex128"),
+        (["1.5"] * 42, "must hold real numbers, not <U3"),
+        (np.zeros(42, dtype="M8[s]"), "must hold real numbers, not datetime64"),
+        (np.ones(42).astype(object), "must hold real numbers, not object"),
+        ([[1.0], [1.0, 2.0]], "cannot be read as an array"),
+        ([None] * 42, "must hold real numbers, not object"),
+        ({0: 1.0}, "must hold real numbers, not object"),
+        (np.ma.masked_equal(np.arange(42), 3), r"is a masked array, and entry \[3\] is masked"),
+    ],
+    ids=["complex", "text", "dates", "objects", "ragged", "nothing", "mapping", "masked"],
+)
+def test_fields_that_are_not_real_numbers_are_refused_everywhere(ask, values, message):
+    with pytest.raises(InvalidOptionError, match=message):
+        ask(values)
+
+
+def test_distances_that_are_nan_are_not_interpolated():
+    distance = SOLVER.distance(0)
+    distance[7] = np.nan
+    with pytest.raises(InvalidOptionError, match="distance is nan at vertex 7; where there is no"):
+        SOLVER.interpolate(distance, SPHERE.vertices[:2])

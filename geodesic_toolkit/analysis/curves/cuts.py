@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from geodesic_toolkit.core.checks import check_nothing_masked
+from geodesic_toolkit.core.checks import real_numbers
 from geodesic_toolkit.core.types import BoolArray, FloatArray, IntArray
 from geodesic_toolkit.core.words import a_kind_of
 from geodesic_toolkit.domains import TriangleMesh
@@ -56,17 +56,13 @@ def as_field(values: ArrayLike, n_vertices: int, name: str = "values") -> FloatA
     InvalidOptionError
         Not one real number for each vertex.
     """
-    check_nothing_masked(values, name, InvalidOptionError, "{}.filled(numpy.inf)")
-    try:
-        field = np.asarray(values)
-    except (TypeError, ValueError) as error:
-        raise InvalidOptionError(f"{name} cannot be read as an array: {error}") from error
-    if field.dtype.kind not in "iufb" or field.shape != (n_vertices,):
+    field = real_numbers(values, name)
+    if field.shape != (n_vertices,):
         raise InvalidOptionError(
-            f"{name} must hold one real number for each of the {n_vertices} vertices, not "
-            f"{field.dtype} of shape {field.shape}"
+            f"{name} must hold one real number for each of the {n_vertices} vertices, and have the "
+            f"shape ({n_vertices},), not {field.shape}"
         )
-    return np.asarray(field, dtype=np.float64)
+    return field
 
 
 def as_level(level: Any) -> float:

@@ -13,6 +13,7 @@ from scipy.sparse import csr_array
 
 from geodesic_toolkit.analysis.curves.cuts import Cuts, areas_of, cut_triangles
 from geodesic_toolkit.analysis.paths.insertion import insert_points
+from geodesic_toolkit.core.checks import real_numbers
 from geodesic_toolkit.core.frozen import freeze
 from geodesic_toolkit.core.types import FloatArray, IntArray
 from geodesic_toolkit.core.words import a_kind_of
@@ -94,7 +95,7 @@ class GeodesicDisc:
         InvalidOptionError
             Values for fewer vertices than the disc refers to.
         """
-        field = np.asarray(values, dtype=np.float64)
+        field = real_numbers(values, "values")
         if field.ndim == 0 or len(field) <= self.corners.max():
             raise InvalidOptionError(
                 f"values must be one for each vertex of the mesh that the disc was cut from, more "

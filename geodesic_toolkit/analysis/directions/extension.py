@@ -7,6 +7,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from geodesic_toolkit.analysis.directions.curves import Course, positions
 from geodesic_toolkit.analysis.directions.traced import refines, trace, trace_curve
+from geodesic_toolkit.core.checks import real_numbers
 from geodesic_toolkit.core.types import FloatArray
 from geodesic_toolkit.errors import InvalidOptionError
 from geodesic_toolkit.solver.solver import GeodesicSolver
@@ -84,13 +85,8 @@ def extend(
 
 def _values(values: ArrayLike, count: int) -> NDArray[Any]:
     """Return values as an array of float64 or int64, checked."""
-    try:
-        table = np.asarray(values)
-    except (TypeError, ValueError) as error:
-        raise InvalidOptionError(f"values must be numbers: {error}") from error
-    if table.dtype.kind not in "biuf":
-        raise InvalidOptionError(f"values must be real numbers, not {table.dtype}")
-    table = np.atleast_1d(table)
+    real_numbers(values, "values")
+    table = np.atleast_1d(np.asarray(values))
     if len(table) != count or table.ndim > 2:
         raise InvalidOptionError(
             f"values must have shape ({count},) or ({count}, k), one for each source or corner of "

@@ -8,6 +8,7 @@ from numpy.typing import ArrayLike
 
 from geodesic_toolkit.analysis.directions.traced import trace
 from geodesic_toolkit.analysis.exponential import exp_map
+from geodesic_toolkit.core.checks import real_numbers
 from geodesic_toolkit.core.frozen import FrozenArrays, freeze
 from geodesic_toolkit.core.types import FloatArray
 from geodesic_toolkit.core.words import a_kind_of
@@ -182,10 +183,7 @@ def _step(
 def _weights(values: ArrayLike | None, count: int) -> FloatArray:
     if values is None:
         return np.ones(count)
-    try:
-        weights = np.asarray(values, dtype=np.float64)
-    except (TypeError, ValueError) as error:
-        raise InvalidOptionError(f"weights must be numbers: {error}") from error
+    weights = real_numbers(values, "weights")
     sound = weights.shape == (count,) and bool((np.isfinite(weights) & (weights >= 0)).all())
     if not sound or not weights.any():
         raise InvalidOptionError(

@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from geodesic_toolkit.analysis.directions.traced import refines, trace
+from geodesic_toolkit.core.checks import real_numbers
 from geodesic_toolkit.core.types import FloatArray
 from geodesic_toolkit.errors import InvalidOptionError, InvalidSourceError
 from geodesic_toolkit.solver.solver import GeodesicSolver
@@ -82,10 +83,7 @@ def parallel_transport(
 
 
 def _vectors(values: ArrayLike, count: int) -> FloatArray:
-    try:
-        table = np.atleast_2d(np.asarray(values, dtype=np.float64))
-    except (TypeError, ValueError) as error:
-        raise InvalidOptionError(f"vectors must be numbers: {error}") from error
+    table = np.atleast_2d(real_numbers(values, "vectors"))
     if table.shape != (count, 3):
         raise InvalidOptionError(
             f"vectors must have shape {(count, 3)}, one for each source, not {np.shape(values)}"
