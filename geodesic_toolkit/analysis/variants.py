@@ -9,6 +9,7 @@ import numpy as np
 from geodesic_toolkit.domains import Domain, PointCloud, TriangleMesh
 from geodesic_toolkit.errors import PluginLoadError
 from geodesic_toolkit.geometry.triangles import edges_of_faces, proper_faces
+from geodesic_toolkit.interop.conversion import as_domain
 from geodesic_toolkit.laplacians.cotan import CotanLaplacian
 from geodesic_toolkit.laplacians.uniform import UniformLaplacian
 from geodesic_toolkit.registry import catalog
@@ -46,7 +47,7 @@ class Variant:
     domain: Domain | None = None
 
 
-def variants_for(domain: Domain) -> list[Variant]:
+def variants_for(domain: Any) -> list[Variant]:
     """Return the variants that are worth comparing on a shape, the default first.
 
     They are: every installed operator that takes the shape, on meshes with its options, other
@@ -56,11 +57,17 @@ def variants_for(domain: Domain) -> list[Variant]:
 
     Parameters
     ----------
-    domain : Domain
+    domain : Domain or object
+        A shape, or an object that :func:`as_domain` converts to one.
 
     Returns
     -------
     list of Variant
+
+    Raises
+    ------
+    UnsupportedDomainError
+        The object is not a shape.
 
     Examples
     --------
@@ -68,6 +75,7 @@ def variants_for(domain: Domain) -> list[Variant]:
     >>> [variant.name for variant in gt.variants_for(gt.testing.shapes.grid(3))][:2]
     ['auto', 'plain heat']
     """
+    domain = as_domain(domain)
     found = [Variant(DEFAULT, "default"), _plain(PLAIN, "refinement")]
     found += _operators(domain)
     found += [_plain(f"time factor {factor:g}", "time", time_factor=factor) for factor in (0.25, 4)]

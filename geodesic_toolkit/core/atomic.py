@@ -9,7 +9,20 @@ from pathlib import Path
 
 from geodesic_toolkit.errors import GeodesicError, InvalidOptionError, WriteError
 
-__all__ = ["check_output", "make_folder", "new_folder", "replacing", "sync", "writing"]
+__all__ = ["as_path", "check_output", "make_folder", "new_folder", "replacing", "sync", "writing"]
+
+
+def as_path(path: object) -> Path:
+    """Return the path that a user gave.
+
+    Raises
+    ------
+    InvalidOptionError
+        Something else than text or a path.
+    """
+    if isinstance(path, str | os.PathLike):
+        return Path(path)
+    raise InvalidOptionError(f"the name of a file must be text or a path, not {path!r:.60}")
 
 
 @contextmanager
@@ -51,7 +64,7 @@ def check_output(path: str | os.PathLike[str], suffixes: Sequence[str]) -> Path:
         ...
     geodesic_toolkit.errors.InvalidOptionError: d.txt: cannot write .txt; can be written: .ply, .npy
     """
-    file = Path(path)
+    file = as_path(path)
     if file.suffix.lower() not in suffixes:
         unknown = f"cannot write {file.suffix}" if file.suffix else "it has no suffix"
         raise InvalidOptionError(f"{file}: {unknown}; can be written: {', '.join(suffixes)}")
@@ -67,7 +80,7 @@ def make_folder(path: str | os.PathLike[str]) -> Path:
     WriteError
         It cannot be created: no permission, or another kind of file has its name.
     """
-    folder = Path(path)
+    folder = as_path(path)
     try:
         folder.mkdir(parents=True, exist_ok=True)
     except OSError as error:
@@ -96,7 +109,7 @@ def new_folder(path: str | os.PathLike[str]) -> Iterator[Path]:
     WriteError
         No permission, a full disk, or `path` exists.
     """
-    target = Path(path)
+    target = as_path(path)
     temporary = target.with_name(f".{target.name[:100]}.{secrets.token_hex(6)}")
     with writing(target):
         temporary.mkdir()
@@ -142,7 +155,7 @@ def replacing(path: str | os.PathLike[str]) -> Iterator[Path]:
     ...     target.read_text()
     'whole'
     """
-    file = Path(path)
+    file = as_path(path)
     target = _target(file)
     temporary = target.with_name(f".{target.stem[:100]}.{secrets.token_hex(6)}{target.suffix}")
     with writing(file):

@@ -9,7 +9,14 @@ from geodesic_toolkit.core.frozen import freeze
 from geodesic_toolkit.core.types import FloatArray, IntArray
 from geodesic_toolkit.errors import InvalidDiscretizationError, InvalidOptionError
 
-__all__ = ["check_finite", "check_nothing_masked", "check_range", "coerce", "real_numbers"]
+__all__ = [
+    "check_finite",
+    "check_nothing_masked",
+    "check_range",
+    "coerce",
+    "real_number",
+    "real_numbers",
+]
 
 
 def check_nothing_masked(values: Any, name: str, error: type[Exception], cure: str) -> None:
@@ -37,6 +44,22 @@ def check_nothing_masked(values: Any, name: str, error: type[Exception], cure: s
             f"{name} is a masked array, and entry {first} is masked, as {int(masked.sum())} of "
             f"{masked.size} are; give an array without a mask: {cure.format(name)}"
         )
+
+
+def real_number(value: Any, name: str) -> float:
+    """Return what a user gave as one number; NaN and ``inf`` are kept.
+
+    Raises
+    ------
+    InvalidOptionError
+        Something else: a boolean, text, an array.
+    """
+    try:
+        if isinstance(value, bool | np.bool_ | str | bytes) or np.ndim(value) != 0:
+            raise TypeError
+        return float(value)
+    except (TypeError, ValueError, OverflowError) as error:
+        raise InvalidOptionError(f"{name} must be a number, not {value!r:.60}") from error
 
 
 def real_numbers(values: Any, name: str) -> FloatArray:

@@ -62,6 +62,8 @@ class Graph(Domain):
     def __init__(self, n_vertices: int, edges: ArrayLike, lengths: ArrayLike | None = None) -> None:
         if isinstance(n_vertices, bool) or not isinstance(n_vertices, int | np.integer):
             raise InvalidDomainError(f"n_vertices must be an integer, not {n_vertices!r}")
+        if n_vertices > np.iinfo(np.int64).max:
+            raise InvalidDomainError(f"n_vertices is {n_vertices}, more than indices can count")
         if n_vertices < 1:
             raise InvalidDomainError("the graph has no vertices")
         pairs = as_indices(edges, "edges", "edge", (None, 2))

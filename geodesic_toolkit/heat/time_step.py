@@ -9,6 +9,7 @@ https://doi.org/10.1145/2516971.2516977
 
 import numpy as np
 
+from geodesic_toolkit.core.checks import real_number
 from geodesic_toolkit.core.types import FloatArray
 from geodesic_toolkit.discretization.data import Discretization
 from geodesic_toolkit.errors import InvalidOptionError
@@ -40,13 +41,10 @@ def time_steps(
         A value that is not positive and finite, or so long that the mass is lost in rounding; both
         a `time` and a `time_factor`.
     """
-    for name, value in (("time", time), ("time_factor", time_factor)):
-        if isinstance(value, str | bytes):
-            raise InvalidOptionError(f"{name} must be a number, not {value!r}")
-    try:
-        given = {"time": None if time is None else float(time), "time_factor": float(time_factor)}
-    except (TypeError, ValueError) as error:
-        raise InvalidOptionError(f"time and time_factor must be numbers: {error}") from error
+    given = {
+        "time": None if time is None else real_number(time, "time"),
+        "time_factor": real_number(time_factor, "time_factor"),
+    }
     for name, value in given.items():
         if value is not None and not (np.isfinite(value) and value > 0):
             raise InvalidOptionError(f"{name} must be positive and finite, not {value}")

@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+from geodesic_toolkit.core.atomic import as_path
 from geodesic_toolkit.core.types import FloatArray
 from geodesic_toolkit.domains import positions_of
 from geodesic_toolkit.errors import InvalidSourceError, ReadError
@@ -63,7 +64,7 @@ def read_curves(path: str | os.PathLike[str], domain: Any) -> list[Curve]:
     >>> curve.closed, len(curve.points)
     (True, 3)
     """
-    file = Path(path)
+    file = as_path(path)
     check_file(file)
     with unpacked(file) as plain, named_errors(file, "the curves"):
         lines = _lines(plain)

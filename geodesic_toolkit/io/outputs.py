@@ -3,7 +3,7 @@
 import os
 from pathlib import Path
 
-from geodesic_toolkit.core.atomic import check_output
+from geodesic_toolkit.core.atomic import as_path, check_output
 from geodesic_toolkit.core.words import a_kind_of
 from geodesic_toolkit.domains import Domain, Graph, MeasuredFaces, PointCloud, TriangleMesh
 from geodesic_toolkit.errors import InvalidOptionError
@@ -42,7 +42,7 @@ def check_distance_output(path: str | os.PathLike[str]) -> Path:
     MissingDependencyError
         The format needs a package that is not installed.
     """
-    file = Path(path)
+    file = as_path(path)
     suffix = file.suffix.lower()
     if suffix not in OF_THE_CORE and _names(file):  # of a plugin
         return check_output(file, (suffix,))

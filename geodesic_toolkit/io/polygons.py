@@ -1,8 +1,8 @@
 """`read_polygons`: the polygons of a file, before any split."""
 
 import os
-from pathlib import Path
 
+from geodesic_toolkit.core.atomic import as_path
 from geodesic_toolkit.core.types import FloatArray, IntArray
 from geodesic_toolkit.errors import ReadError
 from geodesic_toolkit.io.readers.obj import obj_polygons
@@ -52,7 +52,7 @@ def read_polygons(path: str | os.PathLike[str]) -> tuple[FloatArray, IntArray, I
     ...     gt.read_polygons(path)[1:]
     (array([4]), array([0, 1, 2, 3]))
     """
-    file = Path(path)
+    file = as_path(path)
     check_file(file)
     with unpacked(file) as plain:
         parser = PARSERS.get(plain.suffix.lower())

@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 
+from geodesic_toolkit.core.atomic import as_path
 from geodesic_toolkit.domains import Domain
 from geodesic_toolkit.errors import (
     GeodesicError,
@@ -100,7 +101,7 @@ def read(path: str | os.PathLike[str], *, kinds: Iterable[type[Domain]] = ()) ->
     ...     gt.read(path)
     TriangleMesh(3 vertices, 1 face)
     """
-    file = Path(path)
+    file = as_path(path)
     check_file(file)
     with unpacked(file) as plain:
         suffix, wanted = plain.suffix[1:].lower(), tuple(kinds)

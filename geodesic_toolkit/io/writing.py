@@ -9,11 +9,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from geodesic_toolkit.core.atomic import replacing
+from geodesic_toolkit.core.atomic import as_path, replacing
 from geodesic_toolkit.core.checks import real_numbers
 from geodesic_toolkit.core.types import FloatArray
 from geodesic_toolkit.domains import Domain, normals_of, polygons_of, positions_of
 from geodesic_toolkit.errors import GeodesicError, InvalidOptionError, WriteError
+from geodesic_toolkit.interop.conversion import as_domain
 from geodesic_toolkit.io.outputs import check_distance_output, check_domain_of_output
 from geodesic_toolkit.io.readers.gifti import encode_gifti
 from geodesic_toolkit.io.readers.las import write_las
@@ -36,7 +37,7 @@ NAMED_SOURCES = 20
 
 def write(
     path: str | os.PathLike[str],
-    domain: Domain,
+    domain: Any,
     distances: ArrayLike,
     *,
     sources: Any = None,
@@ -71,7 +72,8 @@ def write(
     ----------
     path : str or path-like
         Replaced as a whole at the end; an interrupted run does not change it.
-    domain : Domain
+    domain : Domain or object
+        A shape, or an object that :func:`as_domain` converts to one.
     distances : array-like of shape (N,)
         One per vertex, in the unit of the domain.
     sources : array-like of int, optional
@@ -87,6 +89,8 @@ def write(
         shape, missing points in a .las file, or a `like` with another number of points.
     MissingDependencyError
         The format needs a package that is not installed.
+    UnsupportedDomainError
+        The object is not a shape.
     PluginLoadError
         The format is that of a plugin that does not load.
     ReadError
@@ -110,6 +114,7 @@ def write(
     <BLANKLINE>
     """
     file = check_distance_output(path)
+    domain = as_domain(domain)
     field = _checked(distances, domain)
     writer = check_domain_of_output(file, domain)
     if writer is not None:
@@ -164,7 +169,7 @@ def _model(file: Path, like: str | os.PathLike[str] | None) -> Path | None:
     """Return `like` if its attributes can be kept in `file`, else None."""
     if like is None:
         return None
-    model = Path(like)
+    model = as_path(like)
     for family in FAMILIES:
         if file.suffix.lower() in family and model.suffix.lower() in family:
             check_file(model)

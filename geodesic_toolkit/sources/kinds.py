@@ -114,8 +114,10 @@ class OffsetSources:
 
     def __init__(self, sources: Any, offsets: ArrayLike) -> None:
         values = np.atleast_1d(_floats(offsets, "offsets"))
-        if values.ndim != 1:
-            raise InvalidSourceError(f"offsets must have shape (P,), not {values.shape}")
+        if values.ndim != 1 or not len(values):
+            raise InvalidSourceError(
+                f"offsets must have shape (P,), one for each source, not {values.shape}"
+            )
         _check_finite(values, "offset")
         if (values < 0).any():
             bad = int(values.argmin())

@@ -206,12 +206,12 @@ def test_the_distance_from_an_isoline_is_the_difference_of_distances():
         (["a"] * 81, 0.0, "must hold real numbers"),
         (np.zeros(81), np.nan, "finite"),
         (np.zeros(81), [0.0, np.inf], "finite"),
-        (np.zeros(81), "high", "a level is a number"),
-        (np.zeros(81), [[0.0]], "a level is a number"),
+        (np.zeros(81), "high", "a level must be a number"),
+        (np.zeros(81), [[0.0]], "a level must be a number"),
     ],
 )
 def test_fields_and_levels_that_are_none_are_refused(values, level, words):
-    if words == "a level is a number" and isinstance(level, list):
+    if words == "a level must be a number" and isinstance(level, list):
         level = [None]
     with pytest.raises(InvalidOptionError, match=words):
         gt.isolines(SQUARE, values, level)

@@ -161,9 +161,9 @@ BAD = {
     "negative time": ((V, F), 0, {"time": -1.0}, InvalidOptionError, "must be positive"),
     "time 0": ((V, F), 0, {"time": 0}, InvalidOptionError, "must be positive"),
     "time inf": ((V, F), 0, {"time": np.inf}, InvalidOptionError, "must be positive"),
-    "time a list": ((V, F), 0, {"time": [1.0, 2.0]}, InvalidOptionError, "must be numbers"),
+    "time a list": ((V, F), 0, {"time": [1.0, 2.0]}, InvalidOptionError, "time must be a number"),
     "time twice": ((V, F), 0, {"time": 1, "time_factor": 2}, InvalidOptionError, "not both"),
-    "factor None": ((V, F), 0, {"time_factor": None}, InvalidOptionError, "must be numbers"),
+    "factor None": ((V, F), 0, {"time_factor": None}, InvalidOptionError, "must be a number"),
     "time 1e300": ((V, F), 0, {"time": 1e300}, InvalidOptionError, "heat becomes uniform"),
     "factor 1e30": ((V, F), 0, {"time_factor": 1e30}, InvalidOptionError, "so long that the heat"),
     "time a string": ((V, F), 0, {"time": "1"}, InvalidOptionError, "time must be a number"),
@@ -444,3 +444,61 @@ def test_distances_that_are_nan_are_not_interpolated():
     distance[7] = np.nan
     with pytest.raises(InvalidOptionError, match="distance is nan at vertex 7; where there is no"):
         SOLVER.interpolate(distance, SPHERE.vertices[:2])
+
+
+# -- numbers, names of files and shapes in every function that takes them --------------------------
+
+NUMBERS = {
+    "time": lambda value: gt.GeodesicSolver(SPHERE, time=value),
+    "time_factor": lambda value: gt.GeodesicSolver(SPHERE, time_factor=value),
+    "max_distance": lambda value: gt.distance_matrix(SOLVER, [0], max_distance=value),
+    "a level": lambda value: gt.area_above(SPHERE, np.zeros(42), value),
+}
+
+
+@pytest.mark.parametrize("name", NUMBERS)
+@pytest.mark.parametrize("value", [True, np.True_, "1", [1.0], np.ones(1), 1j, {}, b"1"], ids=repr)
+def test_numbers_are_numbers(name, value):
+    with pytest.raises(InvalidOptionError, match=f"{name} must be a number, not "):
+        NUMBERS[name](value)
+
+
+FILES = {
+    "read": gt.read,
+    "points": gt.read_points,
+    "mask": lambda path: gt.read_mask(path, 3),
+    "vertices": gt.read_vertices,
+    "polygons": gt.read_polygons,
+    "curves": lambda path: gt.read_curves(path, SPHERE),
+    "write": lambda path: gt.write(path, SPHERE, np.zeros(42)),
+    "like": lambda path: gt.write("never-written.ply", SPHERE, np.zeros(42), like=path),
+    "matrix": lambda path: gt.distance_matrix(SOLVER, [0], out=path),
+}
+
+
+@pytest.mark.parametrize("ask", FILES.values(), ids=FILES)
+@pytest.mark.parametrize("path", [3, True, ["a.ply"], b"a.ply", {}], ids=repr)
+def test_the_name_of_a_file_is_text_or_a_path(ask, path):
+    with pytest.raises(InvalidOptionError, match="the name of a file must be text or a path, not"):
+        ask(path)
+
+
+@pytest.mark.parametrize("thing", [None, "mesh", 3, {}, []])
+def test_what_is_not_a_shape_is_refused_where_shapes_are_written_or_compared(thing, tmp_path):
+    with pytest.raises(UnsupportedDomainError, match="is not a shape"):
+        gt.write(tmp_path / "d.npy", thing, [0.0])
+    with pytest.raises(UnsupportedDomainError, match="is not a shape"):
+        gt.variants_for(thing)
+    assert not list(tmp_path.iterdir())
+
+
+def test_distances_on_an_object_of_another_library_are_written(tmp_path):
+    write(tmp_path / "d.csv", (V, F), np.zeros(len(V)))
+    assert (tmp_path / "d.csv").read_text().startswith("vertex,x,y,z,distance\n0,")
+
+
+def test_offsets_of_nothing_and_vertices_without_number_are_refused():
+    with pytest.raises(InvalidSourceError, match="one for each source, not"):
+        gt.OffsetSources([0], [])
+    with pytest.raises(InvalidDomainError, match="more than indices can count"):
+        gt.Graph(2**70, [[0, 1]])

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from geodesic_toolkit.core.checks import real_numbers
+from geodesic_toolkit.core.checks import real_number, real_numbers
 from geodesic_toolkit.core.types import BoolArray, FloatArray, IntArray
 from geodesic_toolkit.core.words import a_kind_of
 from geodesic_toolkit.domains import TriangleMesh
@@ -73,10 +73,7 @@ def as_level(level: Any) -> float:
     InvalidOptionError
         Something else.
     """
-    try:
-        number = float(level)
-    except (TypeError, ValueError) as error:
-        raise InvalidOptionError(f"a level is a number, not {level!r}") from error
+    number = real_number(level, "a level")
     if not np.isfinite(number):
         raise InvalidOptionError(f"a level must be finite, not {number}")
     return number

@@ -34,7 +34,8 @@ from geodesic_toolkit.analysis.matrix.tasks import (
 )
 from geodesic_toolkit.analysis.matrix.unfinished import Unfinished
 from geodesic_toolkit.analysis.matrix.workers import check_executor, computed
-from geodesic_toolkit.core.atomic import check_output
+from geodesic_toolkit.core.atomic import as_path, check_output
+from geodesic_toolkit.core.checks import real_number
 from geodesic_toolkit.core.types import IntArray
 from geodesic_toolkit.core.words import a_kind_of
 from geodesic_toolkit.errors import InvalidOptionError, WriteError
@@ -185,10 +186,7 @@ def _dtype(dtype: DTypeLike) -> np.dtype[Any]:
 def _limit(max_distance: Any) -> float | None:
     if max_distance is None:
         return None
-    try:
-        limit = float(max_distance)
-    except (TypeError, ValueError) as error:
-        raise InvalidOptionError(f"max_distance must be a number, not {max_distance!r}") from error
+    limit = real_number(max_distance, "max_distance")
     if not (np.isfinite(limit) and limit >= 0):
         raise InvalidOptionError(f"max_distance must be finite and not negative, not {limit}")
     return limit
@@ -258,7 +256,7 @@ def check_matrix_output(out: str | os.PathLike[str], *, sparse: bool) -> Path:
     `distance_matrix`.
     """
     try:
-        path = Path(out)
+        path = as_path(out)
     except TypeError as error:
         raise InvalidOptionError(f"out must be a path, not {a_kind_of(out)}") from error
     suffix = path.suffix.lower()

@@ -1,10 +1,10 @@
 """`read_points`: read points in space from a table or from any shape."""
 
 import os
-from pathlib import Path
 
 import numpy as np
 
+from geodesic_toolkit.core.atomic import as_path
 from geodesic_toolkit.core.words import a_kind_of
 from geodesic_toolkit.domains import PointCloud, positions_of
 from geodesic_toolkit.errors import ReadError
@@ -46,7 +46,7 @@ def read_points(path: str | os.PathLike[str]) -> PointCloud:
     ...     read_points(file)
     PointCloud(2 points)
     """
-    file = Path(path)
+    file = as_path(path)
     check_file(file)
     if file.name.lower().endswith((".npy", ".npy.gz")):
         with unpacked(file) as plain, named_errors(file, "the table of points"):

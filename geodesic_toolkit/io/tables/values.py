@@ -1,10 +1,10 @@
 """`read_values`: one number for each vertex or face, from a table."""
 
 import os
-from pathlib import Path
 
 import numpy as np
 
+from geodesic_toolkit.core.atomic import as_path
 from geodesic_toolkit.core.types import FloatArray
 from geodesic_toolkit.errors import ReadError
 from geodesic_toolkit.io.common import array_of, floats
@@ -48,7 +48,7 @@ def read_values(path: str | os.PathLike[str], name: str = "value") -> FloatArray
     ...     read_values(file, "cost")
     array([1.5, 2. ])
     """
-    file = Path(path)
+    file = as_path(path)
     check_file(file)
     with unpacked(file) as plain:
         if plain.suffix.lower() not in SUFFIXES:

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from geodesic_toolkit.core.atomic import as_path
 from geodesic_toolkit.core.types import BoolArray, IntArray
 from geodesic_toolkit.errors import InvalidOptionError, ReadError
 from geodesic_toolkit.io.common import array_of, floats, whole_numbers
@@ -61,7 +62,7 @@ def read_vertices(path: str | os.PathLike[str], *, region: str | None = None) ->
     ...     read_vertices(file)
     array([ 500, 2000])
     """
-    with _opened(Path(path), "vertices are", "the list of vertices") as plain:
+    with _opened(as_path(path), "vertices are", "the list of vertices") as plain:
         if plain.suffix.lower() in REGION_SUFFIXES:
             return read_region(plain, region)[0]
         check_no_region(plain, region)
@@ -116,7 +117,7 @@ def read_mask(
     ...     read_mask(file, 5)
     array([ True, False, False,  True,  True])
     """
-    file = Path(path)
+    file = as_path(path)
     what = "booleans"
     with _opened(file, "a mask is", "the mask") as plain:
         if plain.suffix.lower() in REGION_SUFFIXES:
