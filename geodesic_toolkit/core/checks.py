@@ -14,6 +14,7 @@ __all__ = [
     "check_nothing_masked",
     "check_range",
     "coerce",
+    "is_one_of",
     "real_number",
     "real_numbers",
 ]
@@ -44,6 +45,11 @@ def check_nothing_masked(values: Any, name: str, error: type[Exception], cure: s
             f"{name} is a masked array, and entry {first} is masked, as {int(masked.sum())} of "
             f"{masked.size} are; give an array without a mask: {cure.format(name)}"
         )
+
+
+def is_one_of(value: object, choices: tuple[object, ...]) -> bool:
+    """Return whether an option is one of texts and booleans; arrays are equal to none."""
+    return isinstance(value, str | bool | np.bool_) and value in choices
 
 
 def real_number(value: Any, name: str) -> float:

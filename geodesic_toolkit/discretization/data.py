@@ -14,12 +14,13 @@ from geodesic_toolkit.core.checks import check_finite, check_range, coerce
 from geodesic_toolkit.core.frozen import FrozenArrays, freeze, freeze_csr
 from geodesic_toolkit.core.rows import CompressedRows
 from geodesic_toolkit.core.types import BoolArray, FloatArray, IntArray
+from geodesic_toolkit.core.words import a_kind_of
 from geodesic_toolkit.discretization.edge_gradient import EdgeGradient
 from geodesic_toolkit.discretization.element_gradient import ElementGradient
 from geodesic_toolkit.discretization.fronts import Fronts
 from geodesic_toolkit.discretization.gradient import Gradient
 from geodesic_toolkit.discretization.subdivision import Subdivision
-from geodesic_toolkit.errors import InvalidDiscretizationError
+from geodesic_toolkit.errors import InvalidDiscretizationError, InvalidOptionError
 from geodesic_toolkit.geometry.across_edges import AcrossEdges
 from geodesic_toolkit.geometry.along_edges import AlongEdges
 from geodesic_toolkit.geometry.components import connected_vertices
@@ -27,7 +28,7 @@ from geodesic_toolkit.geometry.components import connected_vertices
 if TYPE_CHECKING:
     from scipy.sparse import csr_array
 
-__all__ = ["Discretization"]
+__all__ = ["Discretization", "check_discretization"]
 
 
 @final
@@ -307,3 +308,13 @@ def _check_stiffness(rows: CompressedRows) -> None:
         raise InvalidDiscretizationError(
             f"stiffness[{bad}, {bad}] is {lowest[bad]:.3g}: L = -Δ must be positive semidefinite"
         )
+
+
+def check_discretization(metric: object, name: str) -> Discretization:
+    """Return a discretization; raise an `InvalidOptionError` for something else, by its name."""
+    if not isinstance(metric, Discretization):
+        raise InvalidOptionError(
+            f"{name} must be a Discretization, which operator.assemble(shape) makes, not "
+            f"{a_kind_of(metric)}"
+        )
+    return metric

@@ -11,7 +11,7 @@ import numpy as np
 from geodesic_toolkit import _native
 from geodesic_toolkit.core.rows import CompressedRows
 from geodesic_toolkit.core.types import FloatArray
-from geodesic_toolkit.discretization.data import Discretization
+from geodesic_toolkit.discretization.data import Discretization, check_discretization
 from geodesic_toolkit.discretization.edge_gradient import EdgeGradient
 
 if TYPE_CHECKING:
@@ -79,6 +79,7 @@ def positive_part(metric: Discretization) -> Discretization:
     >>> bool(positive_part(sheared).gradient.edge_weights.min() > 0)
     True
     """
+    check_discretization(metric, "metric")
     given, count = metric.rows, len(metric.mass)
     tails = given.row_of_entry.astype(np.int64)
     heads = given.indices.astype(np.int64)

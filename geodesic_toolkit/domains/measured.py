@@ -9,6 +9,7 @@ from typing import Any, Literal, final
 import numpy as np
 from numpy.typing import ArrayLike
 
+from geodesic_toolkit.core.checks import is_one_of
 from geodesic_toolkit.core.types import BoolArray, FloatArray, IntArray
 from geodesic_toolkit.core.words import a_kind_of
 from geodesic_toolkit.domains.base import (
@@ -298,7 +299,7 @@ class MetricMesh(MeasuredFaces):
             )
         if (cost is None) == (tensor is None):
             raise InvalidOptionError("give either a cost or a tensor")
-        if on not in ("auto", "faces", "vertices"):
+        if not is_one_of(on, ("auto", "faces", "vertices")):
             raise InvalidOptionError(f'on must be "auto", "faces" or "vertices", not {on!r}')
         if cost is not None:
             lengths = lengths_with_cost(mesh, cost, on)

@@ -12,8 +12,10 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from geodesic_toolkit.core.arrays import empty
+from geodesic_toolkit.core.checks import is_one_of
 from geodesic_toolkit.core.types import FloatArray
-from geodesic_toolkit.discretization.data import Discretization
+from geodesic_toolkit.core.words import a_kind_of
+from geodesic_toolkit.discretization.data import Discretization, check_discretization
 from geodesic_toolkit.discretization.heat import Heat
 from geodesic_toolkit.errors import InvalidOptionError, UnsupportedDomainError
 from geodesic_toolkit.heat.blocks import in_blocks, side_by_side
@@ -120,19 +122,25 @@ class HeatMethod:
         bounds: DistanceBounds | None = None,
         small_parts: SmallParts | None = None,
     ) -> None:
-        self.metric = metric
+        self.metric = check_discretization(metric, "metric")
         self.diffusion = metric if diffusion is None else diffusion
+        check_discretization(self.diffusion, "diffusion")
         if self.diffusion.n_vertices != metric.n_vertices:
             raise UnsupportedDomainError(
                 f"the diffusion has {self.diffusion.n_vertices} vertices, "
                 f"the metric {metric.n_vertices}"
             )
         self.times = time_steps(time, time_factor, metric, self.diffusion)
-        if boundary not in ("neumann", "dirichlet", "average"):
+        if not is_one_of(boundary, ("neumann", "dirichlet", "average")):
             raise InvalidOptionError(
                 f'boundary must be "neumann", "dirichlet" or "average", not {boundary!r}'
             )
         self.boundary = boundary
+        for name, solver in (("heat_solver", heat_solver), ("poisson_solver", poisson_solver)):
+            if not isinstance(solver, LinearSolver):
+                raise InvalidOptionError(
+                    f"{name} must be a LinearSolver, such as Supernodal(), not {a_kind_of(solver)}"
+                )
         if not (heat_solver.componentwise or heat_solver.allow_heat):
             raise InvalidOptionError(
                 f"{type(heat_solver).__name__} cannot resolve the small values of heat, far from "

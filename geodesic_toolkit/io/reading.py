@@ -16,6 +16,7 @@ from geodesic_toolkit.domains import Domain
 from geodesic_toolkit.errors import (
     GeodesicError,
     InvalidDomainError,
+    InvalidOptionError,
     NotEnoughMemoryError,
     ReadError,
     UnknownPluginError,
@@ -74,6 +75,8 @@ def read(path: str | os.PathLike[str], *, kinds: Iterable[type[Domain]] = ()) ->
 
     Raises
     ------
+    InvalidOptionError
+        A path or kinds that are none.
     ReadError
         The file does not exist, its suffix has no reader, or its contents are not a shape: the
         message names the file and the defect.
@@ -103,8 +106,16 @@ def read(path: str | os.PathLike[str], *, kinds: Iterable[type[Domain]] = ()) ->
     """
     file = as_path(path)
     check_file(file)
+    if isinstance(kinds, str | type) or not isinstance(kinds, Iterable):
+        raise InvalidOptionError(
+            f"kinds must be a list of kinds of domain, as [TriangleMesh], not {kinds!r:.60}"
+        )
+    wanted = tuple(kinds)
+    for kind in wanted:
+        if not (isinstance(kind, type) and issubclass(kind, Domain)):
+            raise InvalidOptionError(f"kinds holds {kind!r:.60}, which is not a kind of domain")
     with unpacked(file) as plain:
-        suffix, wanted = plain.suffix[1:].lower(), tuple(kinds)
+        suffix = plain.suffix[1:].lower()
         own = [kind.from_file for kind in wanted if kind.has("from_file")]
         candidates = own[:1] or _readers(file, plain)
         with named_errors(file, "the shape"):

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any, ClassVar, Literal, TypeAlias, cast, final
 import numpy as np
 
 from geodesic_toolkit import _native
+from geodesic_toolkit.core.checks import is_one_of
 from geodesic_toolkit.core.types import BoolArray, FloatArray, IntArray
 from geodesic_toolkit.core.words import a_kind_of
 from geodesic_toolkit.discretization.data import Discretization
@@ -138,11 +139,11 @@ class CotanLaplacian(LaplaceOperator):
     )
 
     def __post_init__(self) -> None:
-        if self.mass not in ("barycentric", "voronoi", "identity"):
+        if not is_one_of(self.mass, ("barycentric", "voronoi", "identity")):
             raise InvalidOptionError(
                 f'mass must be "barycentric", "voronoi" or "identity", not {self.mass!r}'
             )
-        if self.intrinsic_delaunay not in (True, False, "auto"):
+        if not is_one_of(self.intrinsic_delaunay, (True, False, "auto")):
             raise InvalidOptionError(
                 f'intrinsic_delaunay must be True, False or "auto", not {self.intrinsic_delaunay!r}'
             )

@@ -7,6 +7,7 @@ from typing import Any, ClassVar, Literal, final
 
 import numpy as np
 
+from geodesic_toolkit.core.checks import is_one_of
 from geodesic_toolkit.core.types import BoolArray, FloatArray, IntArray
 from geodesic_toolkit.discretization.data import Discretization
 from geodesic_toolkit.discretization.edge_gradient import EdgeGradient
@@ -82,9 +83,9 @@ class UniformLaplacian(LaplaceOperator):
 
     def __post_init__(self) -> None:
         whole = isinstance(self.dim, int) and not isinstance(self.dim, bool) and self.dim >= 1
-        if not (whole or self.dim == "auto"):
+        if not (whole or is_one_of(self.dim, ("auto",))):
             raise InvalidOptionError(f'dim must be a positive integer or "auto", not {self.dim!r}')
-        if self.mass not in ("metric", "identity"):
+        if not is_one_of(self.mass, ("metric", "identity")):
             raise InvalidOptionError(f'mass must be "metric" or "identity", not {self.mass!r}')
 
     def assemble(self, domain: Domain) -> Discretization:

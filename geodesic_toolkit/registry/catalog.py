@@ -2,6 +2,7 @@
 
 from typing import Any
 
+from geodesic_toolkit.core.checks import is_one_of
 from geodesic_toolkit.domains import Domain, Graph, MeasuredFaces, PointCloud, TriangleMesh
 from geodesic_toolkit.errors import InvalidOptionError, PluginLoadError, UnsupportedDomainError
 from geodesic_toolkit.laplacians.base import LaplaceOperator
@@ -68,7 +69,7 @@ def resolve_operator(choice: object, domain: Domain) -> LaplaceOperator:
     UnsupportedDomainError
         The choice is "auto", and no installed operator supports this kind of domain.
     """
-    if choice != "auto":
+    if not is_one_of(choice, ("auto",)):
         operator: LaplaceOperator = operators.resolve(choice)
         return operator
     # The core's own operators are not looked up by name: scanning all installed distributions
@@ -143,7 +144,7 @@ def resolve_solvers(
 
 
 def _solver(choice: object, compact: bool) -> LinearSolver:
-    if choice == "auto":
+    if is_one_of(choice, ("auto",)):
         return Supernodal(compact=compact)
     solver: LinearSolver = solvers.resolve(choice)
     return solver

@@ -12,6 +12,7 @@ from sklearn.utils.validation import check_is_fitted
 
 from geodesic_toolkit.analysis.matrix.matrix import distance_matrix
 from geodesic_toolkit.analysis.matrix.symmetry import Symmetrize, check_symmetrize
+from geodesic_toolkit.core.checks import is_one_of
 from geodesic_toolkit.core.types import FloatArray, IntArray
 from geodesic_toolkit.errors import InvalidOptionError
 from geodesic_toolkit.sklearn.samples import OnSamples, check_count
@@ -348,7 +349,7 @@ class GeodesicNeighbors(ClassNamePrefixFeaturesOutMixin, TransformerMixin, OnSam
 
 
 def _check_mode(mode: object) -> None:
-    if mode not in ("distance", "connectivity"):
+    if not is_one_of(mode, ("distance", "connectivity")):
         raise InvalidOptionError(f'mode must be "distance" or "connectivity", not {mode!r}')
 
 

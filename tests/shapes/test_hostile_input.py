@@ -502,3 +502,36 @@ def test_offsets_of_nothing_and_vertices_without_number_are_refused():
         gt.OffsetSources([0], [])
     with pytest.raises(InvalidDomainError, match="more than indices can count"):
         gt.Graph(2**70, [[0, 1]])
+
+
+ARRAY = np.zeros(3)
+
+
+@pytest.mark.parametrize(
+    ("ask", "message"),
+    [
+        (lambda: gt.CotanLaplacian(mass=ARRAY), "mass must be"),
+        (lambda: gt.CotanLaplacian(intrinsic_delaunay=ARRAY), "intrinsic_delaunay must be"),
+        (lambda: gt.UniformLaplacian(mass=ARRAY), "mass must be"),
+        (lambda: gt.UniformLaplacian(dim=ARRAY), "dim"),
+        (lambda: gt.PointCloudLaplacian(normals=ARRAY), "normals must be"),
+        (lambda: gt.GeodesicSolver(SPHERE, boundary=ARRAY), "boundary must be"),
+        (lambda: gt.GeodesicSolver(SPHERE, operator=ARRAY), "is not an operator"),
+        (lambda: gt.GeodesicSolver(SPHERE, solver=ARRAY), "is not a solver"),
+        (lambda: gt.positive_part(ARRAY), "metric must be a Discretization, which operator.ass"),
+        (
+            lambda: gt.HeatMethod(SPHERE, heat_solver=gt.CG(), poisson_solver=gt.CG()),
+            "metric must be a Discretization, which .* not a TriangleMesh",
+        ),
+        (
+            lambda: gt.HeatMethod(SOLVER.method.metric, heat_solver="cg", poisson_solver=gt.CG()),
+            r"heat_solver must be a LinearSolver, such as Supernodal\(\), not a str",
+        ),
+        (lambda: gt.read(__file__, kinds=gt.TriangleMesh), r"a list of kinds .*\[TriangleMesh\]"),
+        (lambda: gt.read(__file__, kinds="mesh"), "a list of kinds of domain"),
+        (lambda: gt.read(__file__, kinds=["mesh"]), "kinds holds 'mesh', which is not a kind"),
+    ],
+)
+def test_options_of_another_type_are_refused_by_their_names(ask, message):
+    with pytest.raises(InvalidOptionError, match=message):
+        ask()

@@ -5,6 +5,7 @@ from typing import Any, ClassVar, Literal, final
 
 import numpy as np
 
+from geodesic_toolkit.core.checks import is_one_of
 from geodesic_toolkit.core.types import BoolArray, FloatArray
 from geodesic_toolkit.discretization.data import Discretization
 from geodesic_toolkit.discretization.element_gradient import ElementGradient
@@ -140,7 +141,7 @@ class PointCloudLaplacian(LaplaceOperator):
             raise InvalidOptionError(
                 f"k must be a whole number of 3 or more, or None, not {self.k!r}"
             )
-        if self.normals not in ("auto", "open3d", "pca"):
+        if not is_one_of(self.normals, ("auto", "open3d", "pca")):
             raise InvalidOptionError(
                 f'normals must be "auto", "open3d" or "pca", not {self.normals!r}'
             )
