@@ -77,7 +77,7 @@ class TetMesh(gt.Domain):
         if not len(places):
             raise InvalidDomainError("there are no vertices")
         check_indices(corners, len(places), "cell")
-        cell = first_bad_row(np.isfinite(places[corners]).all(axis=2))
+        cell = first_bad_row(np.isfinite(places[corners]))
         if cell is not None:
             bad = next(vertex for vertex in corners[cell] if not np.isfinite(places[vertex]).all())
             raise InvalidDomainError(
