@@ -769,7 +769,7 @@ def test_other_executors_give_the_same_bits(package, tmp_path, monkeypatch):
         ({"max_distance": float("inf")}, errors.InvalidOptionError, "not inf"),
         ({"max_distance": -0.1}, errors.InvalidOptionError, "not -0.1"),
         ({"out": "D.txt"}, errors.InvalidOptionError, "cannot write .txt"),
-        ({"out": 3}, errors.InvalidOptionError, "must be a path"),
+        ({"out": 3}, errors.InvalidOptionError, "must be text or a path, not 3"),
         ({"out": "D.npz"}, errors.InvalidOptionError, "give max_distance"),
         ({"out": "D.npy", "max_distance": 1}, errors.InvalidOptionError, "write a .npz"),
         ({"out": "no/such/folder/D.npy"}, errors.WriteError, "no directory"),

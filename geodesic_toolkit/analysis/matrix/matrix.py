@@ -37,7 +37,6 @@ from geodesic_toolkit.analysis.matrix.workers import check_executor, computed
 from geodesic_toolkit.core.atomic import as_path, check_output
 from geodesic_toolkit.core.checks import real_number
 from geodesic_toolkit.core.types import IntArray
-from geodesic_toolkit.core.words import a_kind_of
 from geodesic_toolkit.errors import InvalidOptionError, WriteError
 from geodesic_toolkit.heat.method import Progress
 from geodesic_toolkit.solver.solver import GeodesicSolver, check_solver
@@ -255,10 +254,7 @@ def check_matrix_output(out: str | os.PathLike[str], *, sparse: bool) -> Path:
     Call it before any work. `sparse` is true if a `max_distance` is given; the errors are those of
     `distance_matrix`.
     """
-    try:
-        path = as_path(out)
-    except TypeError as error:
-        raise InvalidOptionError(f"out must be a path, not {a_kind_of(out)}") from error
+    path = as_path(out)
     suffix = path.suffix.lower()
     if suffix in MATRIX_SUFFIXES and sparse != (suffix == ".npz"):
         raise InvalidOptionError(
