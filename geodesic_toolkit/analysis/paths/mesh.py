@@ -18,6 +18,7 @@ from geodesic_toolkit.analysis.paths.cloud import CloudPath, path_on_cloud
 from geodesic_toolkit.analysis.paths.edges import EdgePath, path_along_edges
 from geodesic_toolkit.analysis.paths.fronts import first_to_arrive, one_place
 from geodesic_toolkit.analysis.paths.insertion import insert_points
+from geodesic_toolkit.analysis.paths.metric import path_on_metric
 from geodesic_toolkit.analysis.paths.path import (
     GeodesicPath,
     joined_pieces,
@@ -25,6 +26,7 @@ from geodesic_toolkit.analysis.paths.path import (
 )
 from geodesic_toolkit.analysis.paths.prepared import PreparedMesh, prepared_mesh
 from geodesic_toolkit.domains import PointCloud, TriangleMesh
+from geodesic_toolkit.domains.measured import MeasuredFaces
 from geodesic_toolkit.errors import (
     InvalidOptionError,
     InvalidSourceError,
@@ -154,7 +156,7 @@ def geodesic_path(
         return path_on_cloud(solver, sources, goal)
     on = solver.method.metric.subdivision
     mesh = domain if on is None else on.mesh
-    if not isinstance(mesh, TriangleMesh):
+    if not isinstance(mesh, TriangleMesh | MeasuredFaces):
         return path_along_edges(solver, sources, goal)
     prepared = prepared_mesh(solver)
     of_curve = sources.front_curvatures is not None  # descent may end at any of its samples
@@ -174,7 +176,7 @@ def _through_all(
         raise InvalidOptionError("via= and through= lead to a target; there is none")
     stops = located_stops(solver, [(places, "way points")], closed=closed)
     domain = solver.domain
-    assert isinstance(domain, TriangleMesh)  # for the type checker; located_stops has raised
+    assert isinstance(domain, TriangleMesh | MeasuredFaces)  # located_stops has raised
     points = [one_place(stops, index) for index in range(stops.count)]
     prepared = prepared_mesh(solver)
     order = [*range(len(points)), *([0] if closed else [])]
@@ -194,6 +196,8 @@ def _path_on_mesh(
 
     None if no face connects them.
     """
+    if isinstance(prepared.mesh, MeasuredFaces):
+        return path_on_metric(prepared, sources, goal)
     distance = prepared.distance(sources)
     sources, goal = prepared.on_mesh(sources), prepared.on_mesh(goal)
     if not np.isfinite(distance[goal.vertices]).all():

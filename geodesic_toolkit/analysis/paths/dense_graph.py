@@ -1,0 +1,169 @@
+"""Shortest paths through points on edges: where a path across faces begins."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from itertools import combinations, pairwise
+
+import numpy as np
+from scipy.sparse import coo_array, csr_array
+from scipy.sparse.csgraph import dijkstra
+
+from geodesic_toolkit.analysis.paths.measured_faces import FacesAround, segment_length
+from geodesic_toolkit.core.types import FloatArray, IntArray
+
+__all__ = ["Leg", "legs_between"]
+
+POINTS_PER_EDGE = 3
+"""Points inside each edge."""
+
+
+@dataclass(frozen=True)
+class Leg:
+    """A strip of faces from a vertex of the first to one of the last."""
+
+    strip: list[int]
+    start: int
+    end: int
+
+
+def legs_between(
+    surface: FacesAround, among: IntArray, n_vertices: int, *, start: int, ends: IntArray
+) -> list[Leg]:
+    """Return the strip of faces from a vertex to the nearest of several.
+
+    It is that of the shortest path that passes edges at their ends or at points in equal parts of
+    them. Paths along edges are among those.
+
+    Parameters
+    ----------
+    surface : FacesAround
+    among : ndarray of int64
+        The faces that the path may cross.
+    n_vertices : int
+    start : int
+    ends : ndarray of int64
+        Without the start.
+
+    Returns
+    -------
+    list of Leg
+        Empty if no face connects them; more than one where the path goes through a vertex in which
+        faces meet that no others around it connect.
+    """
+    faces, lengths = _distinct(surface.faces[among], surface.lengths[among])
+    edges, place = _edges(faces)
+    shortest = np.full(len(edges), np.inf)
+    np.minimum.at(shortest, place.ravel(), lengths.ravel())
+    nodes, weights = _nodes(faces, place, n_vertices)
+    count = n_vertices + POINTS_PER_EDGE * len(edges)
+    lines = zip(
+        _across(lengths, nodes, weights), _along(edges, shortest, n_vertices), strict=True
+    )
+    tails, heads, values = (np.concatenate(parts) for parts in lines)
+    graph = csr_array(coo_array((values, (tails, heads)), shape=(count, count)))
+    distance, before = dijkstra(graph, directed=False, indices=start, return_predecessors=True)
+    end = int(ends[np.argmin(distance[ends])])
+    if not np.isfinite(distance[end]):
+        return []
+    found = [end]
+    while found[-1] != start:
+        found.append(int(before[found[-1]]))
+    supports = [
+        [node] if node < n_vertices else edges[(node - n_vertices) // POINTS_PER_EDGE].tolist()
+        for node in found[::-1]
+    ]
+    return _legs(surface, supports)
+
+
+def _distinct(faces: IntArray, lengths: FloatArray) -> tuple[IntArray, FloatArray]:
+    """Return the faces, of several with the same corners the smallest."""
+    order = np.argsort(lengths.sum(axis=1), kind="stable")
+    _, first = np.unique(np.sort(faces[order], axis=1), axis=0, return_index=True)
+    if len(first) == len(faces):
+        return faces, lengths
+    kept = order[first]
+    return faces[kept], lengths[kept]
+
+
+def _edges(faces: IntArray) -> tuple[IntArray, IntArray]:
+    """Return the edges (E, 2), sorted ends first, and the edge opposite each corner, (F, 3)."""
+    ends = np.sort(faces[:, [[1, 2], [2, 0], [0, 1]]], axis=2)
+    stride = int(faces.max()) + 1
+    keys, place = np.unique(ends[..., 0] * stride + ends[..., 1], return_inverse=True)
+    return np.column_stack([keys // stride, keys % stride]), place.reshape(-1, 3)
+
+
+def _nodes(faces: IntArray, place: IntArray, n_vertices: int) -> tuple[IntArray, FloatArray]:
+    """Return the nodes on the border of each face, (F, K), and their barycentric weights, (K, 3).
+
+    The corners are the first, then the points of the edge opposite each corner.
+    """
+    steps = np.arange(POINTS_PER_EDGE)
+    shares = (steps + 1) / (POINTS_PER_EDGE + 1)
+    nodes, weights = [faces], [np.eye(3)]
+    for corner in range(3):
+        tail, head = (corner + 1) % 3, (corner + 2) % 3
+        forth = (faces[:, tail] < faces[:, head])[:, None]
+        order = np.where(forth, steps, steps[::-1])
+        nodes.append(n_vertices + POINTS_PER_EDGE * place[:, corner, None] + order)
+        own = np.zeros((POINTS_PER_EDGE, 3))
+        own[:, tail], own[:, head] = 1 - shares, shares
+        weights.append(own)
+    return np.hstack(nodes), np.vstack(weights)
+
+
+def _across(
+    lengths: FloatArray, nodes: IntArray, weights: FloatArray
+) -> tuple[IntArray, IntArray, FloatArray]:
+    """Return tails, heads and lengths of the lines across faces."""
+    pairs = np.array(
+        [
+            (one, other)
+            for one, other in combinations(range(len(weights)), 2)
+            if ((weights[one] + weights[other]) > 0).all()  # not on one edge
+        ]
+    )
+    steps = weights[pairs[:, 1]] - weights[pairs[:, 0]]
+    values = segment_length(lengths[:, None], steps[None])
+    return nodes[:, pairs[:, 0]].ravel(), nodes[:, pairs[:, 1]].ravel(), values.ravel()
+
+
+def _along(
+    edges: IntArray, lengths: FloatArray, n_vertices: int
+) -> tuple[IntArray, IntArray, FloatArray]:
+    """Return tails, heads and lengths of the parts of edges."""
+    inner = n_vertices + np.arange(len(edges) * POINTS_PER_EDGE).reshape(-1, POINTS_PER_EDGE)
+    nodes = np.hstack([edges[:, :1], inner, edges[:, 1:]])
+    parts = np.repeat(lengths / (POINTS_PER_EDGE + 1), POINTS_PER_EDGE + 1)
+    return nodes[:, :-1].ravel(), nodes[:, 1:].ravel(), parts
+
+
+def _legs(surface: FacesAround, supports: list[list[int]]) -> list[Leg]:
+    """Return the strips of a path of points that are at a vertex or between the ends of an edge."""
+    strips: list[list[int]] = [[]]
+    stops = [supports[0][0]]
+    for here, there in pairwise(supports):
+        face, strip = _face_of(surface, here, there), strips[-1]
+        if strip and len(here) == 1 and strip[-1] != face:
+            chain = surface.chain(strip[-1], face, here[0])
+            if not chain:
+                stops.append(here[0])
+                strips.append([face])
+            strip.extend(chain[1:])
+        else:
+            strip.append(face)
+    stops.append(supports[-1][0])
+    return [
+        Leg(surface.without_returns(strip), *ends)
+        for strip, ends in zip(strips, pairwise(stops), strict=True)
+    ]
+
+
+def _face_of(surface: FacesAround, here: list[int], there: list[int]) -> int:
+    """Return the face between two points, that of the lesser length where they share an edge."""
+    corners = sorted({*here, *there})
+    beside = surface.with_corners(*corners)
+    if len(corners) > 2:
+        return min(beside, key=lambda face: float(surface.lengths[face].sum()))
+    return min(beside, key=lambda face: surface.edge_length(face, *corners))
