@@ -18,6 +18,9 @@ __all__ = ["Drawn", "shortest_beside"]
 MIN_SHORTENING = 1e-12
 """Share of the length by which a path must become shorter to be led through other faces."""
 
+MAX_TRIES = 4
+"""Other sides of vertices that are tried though they are longer at first."""
+
 MAX_TURNS = 1_000
 """Times that a strip is changed at most; each made the path shorter all the same."""
 
@@ -58,21 +61,51 @@ def shortest_beside(surface: FacesAround, leg: Leg) -> Drawn:
 
     The strip is led around the other side of every vertex beside it where that makes the path
     shorter with the points before and after it as they are. A path that no such step shortens is
-    a locally shortest one.
+    a locally shortest one. Then the other sides that lengthen it least are tried with all points
+    free: a path passes a pointed vertex on one side or the other, and neither can be pulled over.
     """
     path = _drawn(surface, leg.strip, leg)
     for _ in range(MAX_TURNS):
-        chosen = _shorter(surface, path)
-        if not chosen:
-            break
-        strip = list(path.strip)
-        for detour in sorted(chosen, key=lambda one: one.first, reverse=True):
-            strip[detour.first : detour.last + 1] = detour.faces
-        other = _drawn(surface, surface.without_returns(strip), leg)
-        if not other.length < path.length * (1 - MIN_SHORTENING):
+        other = _next(surface, path, leg)
+        if other is None:
             break
         path = other
     return path
+
+
+def _next(surface: FacesAround, path: Drawn, leg: Leg) -> Drawn | None:
+    """Return a shorter path through faces beside those of a path; None if there is none."""
+    detours = list(_detours(surface, path))
+    if not detours:
+        return None
+    gains = _gains(surface, path, detours)
+    order = np.argsort(-gains, kind="stable").tolist()
+    least = MIN_SHORTENING * path.length
+    better = _apart([detours[place] for place in order if gains[place] > least])
+    tries = [better] if better else []
+    tries += [[detours[place]] for place in order[:MAX_TRIES] if gains[place] <= least]
+    for chosen in tries:
+        other = _drawn(surface, surface.without_returns(_led(path.strip, chosen)), leg)
+        if other.length < path.length * (1 - MIN_SHORTENING):
+            return other
+    return None
+
+
+def _led(strip: list[int], detours: list[_Detour]) -> list[int]:
+    """Return a strip led through detours, which do not overlap."""
+    led = list(strip)
+    for detour in sorted(detours, key=lambda one: one.first, reverse=True):
+        led[detour.first : detour.last + 1] = detour.faces
+    return led
+
+
+def _apart(detours: list[_Detour]) -> list[_Detour]:
+    """Return detours that do not overlap, the first of those that do."""
+    chosen: list[_Detour] = []
+    for detour in detours:
+        if all(detour.last < other.first or other.last < detour.first for other in chosen):
+            chosen.append(detour)
+    return chosen
 
 
 def _drawn(surface: FacesAround, strip: list[int], leg: Leg) -> Drawn:
@@ -100,28 +133,6 @@ def _lines(
     return Polylines(frames, tails, heads, free, shares)
 
 
-def _shorter(surface: FacesAround, path: Drawn) -> list[_Detour]:
-    """Return detours that make a path shorter and do not overlap, those of greatest gain first."""
-    detours = list(_detours(surface, path))
-    if not detours:
-        return []
-    lengths = _lengths_of(surface, path, detours)
-    passed = np.concatenate([[0.0], np.cumsum(path.lines.lengths)])
-    gains = [
-        passed[detour.last + 1] - passed[detour.first] - length
-        for detour, length in zip(detours, lengths.tolist(), strict=True)
-    ]
-    least = MIN_SHORTENING * passed[-1]
-    chosen: list[_Detour] = []
-    for place in np.argsort(gains)[::-1].tolist():
-        detour = detours[place]
-        if gains[place] <= least:
-            break
-        if all(detour.last < other.first or other.last < detour.first for other in chosen):
-            chosen.append(detour)
-    return chosen
-
-
 def _detours(surface: FacesAround, path: Drawn) -> Iterator[_Detour]:
     """Yield the detours around vertices beside a path, but not around its ends."""
     edges = path.ends[1:-1].tolist()
@@ -138,8 +149,8 @@ def _detours(surface: FacesAround, path: Drawn) -> Iterator[_Detour]:
                 yield _Detour(first, last, faces)
 
 
-def _lengths_of(surface: FacesAround, path: Drawn, detours: list[_Detour]) -> FloatArray:
-    """Return the least lengths of detours between the points of a path where they begin and end."""
+def _gains(surface: FacesAround, path: Drawn, detours: list[_Detour]) -> FloatArray:
+    """Return by how much detours are shorter, between the points where they begin and end."""
     faces: list[int] = []
     ends: list[list[int]] = []
     shares: list[float] = []
@@ -151,4 +162,7 @@ def _lengths_of(surface: FacesAround, path: Drawn, detours: list[_Detour]) -> Fl
         faces += [*detour.faces, -1]
     lines = _lines(surface, np.array(faces[:-1]), np.array(ends), np.array(shares))
     begins = np.cumsum([0, *(len(detour.faces) + 1 for detour in detours[:-1])])
-    return np.asarray(np.add.reduceat(refracted(lines, exact=False).lengths, begins))
+    lengths = np.add.reduceat(refracted(lines, exact=False).lengths, begins)
+    passed = np.concatenate([[0.0], np.cumsum(path.lines.lengths)])
+    first, last = np.array([(detour.first, detour.last + 1) for detour in detours]).T
+    return np.asarray(passed[last] - passed[first] - lengths)
