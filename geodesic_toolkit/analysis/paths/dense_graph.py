@@ -12,7 +12,7 @@ from scipy.sparse.csgraph import dijkstra
 from geodesic_toolkit.analysis.paths.measured_faces import FacesAround, segment_length
 from geodesic_toolkit.core.types import FloatArray, IntArray
 
-__all__ = ["Leg", "legs_between"]
+__all__ = ["Leg", "legs_between", "legs_of"]
 
 POINTS_PER_EDGE = 3
 """Points inside each edge."""
@@ -73,7 +73,7 @@ def legs_between(
         [node] if node < n_vertices else edges[(node - n_vertices) // POINTS_PER_EDGE].tolist()
         for node in found[::-1]
     ]
-    return _legs(surface, supports)
+    return legs_of(surface, supports)
 
 
 def _distinct(faces: IntArray, lengths: FloatArray) -> tuple[IntArray, FloatArray]:
@@ -139,8 +139,13 @@ def _along(
     return nodes[:, :-1].ravel(), nodes[:, 1:].ravel(), parts
 
 
-def _legs(surface: FacesAround, supports: list[list[int]]) -> list[Leg]:
-    """Return the strips of a path of points that are at a vertex or between the ends of an edge."""
+def legs_of(surface: FacesAround, supports: list[list[int]]) -> list[Leg]:
+    """Return the strips of a course of points that are at a vertex or between an edge's ends.
+
+    None for a course without points.
+    """
+    if not supports:
+        return []
     strips: list[list[int]] = [[]]
     stops = [supports[0][0]]
     for here, there in pairwise(supports):

@@ -82,11 +82,14 @@ class FacesAround:
         other = next(i for i, v in enumerate(self.corners(face)) if v not in (tail, head))
         return float(self.lengths[face, other])
 
-    def common_edge(self, face: int, other: int) -> tuple[int, int]:
-        """Return the edge between two faces; the first one, if they have the same corners."""
-        corners = self.corners(other)
-        tail, head = [vertex for vertex in self.corners(face) if vertex in corners][:2]
-        return tail, head
+    def common_edges(self, strip: IntArray) -> IntArray:
+        """Return the edge between each face of a strip (S,) and the next, (S - 1, 2)."""
+        corners = self.faces[strip]
+        shared = (corners[:-1, :, None] == corners[1:, None, :]).any(axis=2)
+        first = shared.argmax(axis=1)
+        last = 2 - shared[:, ::-1].argmax(axis=1)
+        rows = np.arange(len(first))
+        return np.column_stack([corners[rows, first], corners[rows, last]])
 
     def chain(self, first: int, last: int, vertex: int) -> list[int]:
         """Return the fewest faces around a vertex from one to another; empty if none lead there."""
@@ -134,6 +137,6 @@ class FacesAround:
 
     def _gains(self, face: int, beyond: int) -> bool:
         """Return True if the edge between two faces is shorter in the second."""
-        edge = self.common_edge(face, beyond)
+        edge = self.common_edges(np.array([face, beyond]))[0].tolist()
         here, there = self.edge_length(face, *edge), self.edge_length(beyond, *edge)
         return there < here * (1 - MIN_GAIN_OF_RETURNS)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from itertools import pairwise
 
 import numpy as np
 
@@ -13,7 +12,7 @@ from geodesic_toolkit.analysis.paths.measured_faces import FacesAround
 from geodesic_toolkit.analysis.paths.refraction import Polylines, refracted
 from geodesic_toolkit.core.types import FloatArray, IntArray
 
-__all__ = ["Drawn", "shortest_beside"]
+__all__ = ["Drawn", "drawn_through", "shortest_beside"]
 
 MIN_SHORTENING = 1e-12
 """Share of the length by which a path must become shorter to be led through other faces."""
@@ -31,15 +30,20 @@ class Drawn:
 
     Attributes
     ----------
-    strip : list of int
+    leg : Leg
     ends : ndarray of shape (S + 1, 2), int64
         The ends of the edge on which each point lies; twice the same at a vertex.
     lines : Polylines
     """
 
-    strip: list[int]
+    leg: Leg
     ends: IntArray
     lines: Polylines
+
+    @property
+    def strip(self) -> list[int]:
+        """The faces."""
+        return self.leg.strip
 
     @property
     def length(self) -> float:
@@ -56,26 +60,27 @@ class _Detour:
     faces: list[int]
 
 
-def shortest_beside(surface: FacesAround, leg: Leg) -> Drawn:
-    """Return the shortest path through a strip and the strips that lead from it step by step.
+def shortest_beside(surface: FacesAround, path: Drawn) -> Drawn:
+    """Return the shortest path through the strips that lead from one to the next, from a path on.
 
     The strip is led around the other side of every vertex beside it where that makes the path
     shorter with the points before and after it as they are. A path that no such step shortens is
     a locally shortest one. Then the other sides that lengthen it least are tried with all points
     free: a path passes a pointed vertex on one side or the other, and neither can be pulled over.
     """
-    path = _drawn(surface, leg.strip, leg)
     for _ in range(MAX_TURNS):
-        other = _next(surface, path, leg)
+        other = _next(surface, path, _bends(path)) or _next(surface, path, _beside(path), MAX_TRIES)
         if other is None:
             break
         path = other
     return path
 
 
-def _next(surface: FacesAround, path: Drawn, leg: Leg) -> Drawn | None:
-    """Return a shorter path through faces beside those of a path; None if there is none."""
-    detours = list(_detours(surface, path))
+def _next(
+    surface: FacesAround, path: Drawn, vertices: set[int], most_tries: int = 0
+) -> Drawn | None:
+    """Return a shorter path on the other side of some of these vertices; None if there is none."""
+    detours = list(_detours(surface, path, vertices))
     if not detours:
         return None
     gains = _gains(surface, path, detours)
@@ -83,12 +88,29 @@ def _next(surface: FacesAround, path: Drawn, leg: Leg) -> Drawn | None:
     least = MIN_SHORTENING * path.length
     better = _apart([detours[place] for place in order if gains[place] > least])
     tries = [better] if better else []
-    tries += [[detours[place]] for place in order[:MAX_TRIES] if gains[place] <= least]
+    tries += [[detours[place]] for place in order[:most_tries] if gains[place] <= least]
     for chosen in tries:
-        other = _drawn(surface, surface.without_returns(_led(path.strip, chosen)), leg)
+        strip = surface.without_returns(_led(path.strip, chosen))
+        other = drawn_through(surface, Leg(strip, path.leg.start, path.leg.end))
         if other.length < path.length * (1 - MIN_SHORTENING):
             return other
     return None
+
+
+def _bends(path: Drawn) -> set[int]:
+    """Return the vertices at which a path has points, but for its ends."""
+    shares = path.lines.shares[1:-1]
+    edges = path.ends[1:-1]
+    return {*edges[shares == 0, 0].tolist(), *edges[shares == 1, 1].tolist()} - _ends(path)
+
+
+def _beside(path: Drawn) -> set[int]:
+    """Return the vertices of the edges that a path crosses, but for its ends."""
+    return set(path.ends[1:-1].ravel().tolist()) - _ends(path)
+
+
+def _ends(path: Drawn) -> set[int]:
+    return {path.leg.start, path.leg.end}
 
 
 def _led(strip: list[int], detours: list[_Detour]) -> list[int]:
@@ -108,13 +130,13 @@ def _apart(detours: list[_Detour]) -> list[_Detour]:
     return chosen
 
 
-def _drawn(surface: FacesAround, strip: list[int], leg: Leg) -> Drawn:
+def drawn_through(surface: FacesAround, leg: Leg) -> Drawn:
     """Return the shortest path through a strip."""
-    edges = [surface.common_edge(*pair) for pair in pairwise(strip)]
-    ends = np.array([(leg.start, leg.start), *edges, (leg.end, leg.end)], dtype=np.int64)
+    edges = surface.common_edges(np.array(leg.strip))
+    ends = np.vstack([[[leg.start] * 2], edges, [[leg.end] * 2]])
     shares = np.full(len(ends), 0.5)
     shares[[0, -1]] = 0.0
-    return Drawn(strip, ends, refracted(_lines(surface, np.array(strip), ends, shares)))
+    return Drawn(leg, ends, refracted(_lines(surface, np.array(leg.strip), ends, shares)))
 
 
 def _lines(
@@ -133,13 +155,12 @@ def _lines(
     return Polylines(frames, tails, heads, free, shares)
 
 
-def _detours(surface: FacesAround, path: Drawn) -> Iterator[_Detour]:
-    """Yield the detours around vertices beside a path, but not around its ends."""
+def _detours(surface: FacesAround, path: Drawn, vertices: set[int]) -> Iterator[_Detour]:
+    """Yield the detours around some of the vertices of the edges that a path crosses."""
     edges = path.ends[1:-1].tolist()
-    fixed = {int(path.ends[0, 0]), int(path.ends[-1, 0])}
     for first, edge in enumerate(edges):
         for vertex in edge:
-            if vertex in fixed or (first and vertex in edges[first - 1]):
+            if vertex not in vertices or (first and vertex in edges[first - 1]):
                 continue
             last = first + 1
             while last < len(edges) and vertex in edges[last]:
@@ -151,18 +172,17 @@ def _detours(surface: FacesAround, path: Drawn) -> Iterator[_Detour]:
 
 def _gains(surface: FacesAround, path: Drawn, detours: list[_Detour]) -> FloatArray:
     """Return by how much detours are shorter, between the points where they begin and end."""
-    faces: list[int] = []
-    ends: list[list[int]] = []
-    shares: list[float] = []
-    given, at = path.ends.tolist(), path.lines.shares.tolist()
-    for detour in detours:
-        edges = [list(surface.common_edge(*pair)) for pair in pairwise(detour.faces)]
-        ends += [given[detour.first], *edges, given[detour.last + 1]]
-        shares += [at[detour.first], *[0.5] * len(edges), at[detour.last + 1]]
-        faces += [*detour.faces, -1]
-    lines = _lines(surface, np.array(faces[:-1]), np.array(ends), np.array(shares))
-    begins = np.cumsum([0, *(len(detour.faces) + 1 for detour in detours[:-1])])
+    faces = np.array([face for detour in detours for face in (*detour.faces, -1)])
+    within = (faces[:-2] >= 0) & (faces[1:-1] >= 0)  # points between two faces of one detour
+    ends = np.zeros((len(faces), 2), dtype=np.int64)
+    shares = np.full(len(faces), 0.5)
+    ends[1:-1][within] = surface.common_edges(faces[:-1])[within]
+    first, last = np.array([(detour.first, detour.last + 1) for detour in detours]).T
+    stops = np.flatnonzero(faces < 0)
+    begins = np.concatenate([[0], stops[:-1] + 1])
+    for places, given in ((begins, first), (stops, last)):
+        ends[places], shares[places] = path.ends[given], path.lines.shares[given]
+    lines = _lines(surface, faces[:-1], ends, shares)
     lengths = np.add.reduceat(refracted(lines, exact=False).lengths, begins)
     passed = np.concatenate([[0.0], np.cumsum(path.lines.lengths)])
-    first, last = np.array([(detour.first, detour.last + 1) for detour in detours]).T
     return np.asarray(passed[last] - passed[first] - lengths)
