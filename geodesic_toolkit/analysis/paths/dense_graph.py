@@ -14,8 +14,11 @@ from geodesic_toolkit.core.types import FloatArray, IntArray
 
 __all__ = ["Leg", "legs_between", "legs_of"]
 
-POINTS_PER_EDGE = 3
-"""Points inside each edge."""
+LEAST_POINTS, MOST_POINTS = 3, 12
+"""Points inside each edge, as many as `MAX_LINES` allows."""
+
+MAX_LINES = 100_000
+"""Number of lines between points up to which edges have more points than the least number."""
 
 
 @dataclass(frozen=True)
@@ -51,18 +54,21 @@ def legs_between(
         Empty if no face connects them; more than one where the path goes through a vertex in which
         faces meet that no others around it connect.
     """
-    faces, lengths = _distinct(surface.faces[among], surface.lengths[among])
+    faces, lengths = surface.faces[among], surface.lengths[among]
     edges, place = _edges(faces)
     shortest = np.full(len(edges), np.inf)
     np.minimum.at(shortest, place.ravel(), lengths.ravel())
-    nodes, weights = _nodes(faces, place, n_vertices)
-    count = n_vertices + POINTS_PER_EDGE * len(edges)
+    points = _points_per_edge(len(faces))
+    nodes, weights = _nodes(faces, place, n_vertices, points)
+    count = n_vertices + points * len(edges)
     lines = zip(
-        _across(lengths, nodes, weights), _along(edges, shortest, n_vertices), strict=True
+        _across(lengths, nodes, weights), _along(edges, shortest, n_vertices, points), strict=True
     )
     tails, heads, values = (np.concatenate(parts) for parts in lines)
     graph = csr_array(coo_array((values, (tails, heads)), shape=(count, count)))
-    distance, before = dijkstra(graph, directed=False, indices=start, return_predecessors=True)
+    distance, before = dijkstra(
+        graph, directed=False, indices=np.array(start), return_predecessors=True
+    )
     end = int(ends[np.argmin(distance[ends])])
     if not np.isfinite(distance[end]):
         return []
@@ -70,20 +76,10 @@ def legs_between(
     while found[-1] != start:
         found.append(int(before[found[-1]]))
     supports = [
-        [node] if node < n_vertices else edges[(node - n_vertices) // POINTS_PER_EDGE].tolist()
+        [node] if node < n_vertices else edges[(node - n_vertices) // points].tolist()
         for node in found[::-1]
     ]
     return legs_of(surface, supports)
-
-
-def _distinct(faces: IntArray, lengths: FloatArray) -> tuple[IntArray, FloatArray]:
-    """Return the faces, of several with the same corners the smallest."""
-    order = np.argsort(lengths.sum(axis=1), kind="stable")
-    _, first = np.unique(np.sort(faces[order], axis=1), axis=0, return_index=True)
-    if len(first) == len(faces):
-        return faces, lengths
-    kept = order[first]
-    return faces[kept], lengths[kept]
 
 
 def _edges(faces: IntArray) -> tuple[IntArray, IntArray]:
@@ -94,20 +90,28 @@ def _edges(faces: IntArray) -> tuple[IntArray, IntArray]:
     return np.column_stack([keys // stride, keys % stride]), place.reshape(-1, 3)
 
 
-def _nodes(faces: IntArray, place: IntArray, n_vertices: int) -> tuple[IntArray, FloatArray]:
+def _points_per_edge(n_faces: int) -> int:
+    """Return the number of points inside each edge: faces have 3 k (k + 1) lines across each."""
+    many = int(np.sqrt(MAX_LINES / (3 * n_faces)))
+    return min(max(many, LEAST_POINTS), MOST_POINTS)
+
+
+def _nodes(
+    faces: IntArray, place: IntArray, n_vertices: int, points: int
+) -> tuple[IntArray, FloatArray]:
     """Return the nodes on the border of each face, (F, K), and their barycentric weights, (K, 3).
 
     The corners are the first, then the points of the edge opposite each corner.
     """
-    steps = np.arange(POINTS_PER_EDGE)
-    shares = (steps + 1) / (POINTS_PER_EDGE + 1)
+    steps = np.arange(points)
+    shares = (steps + 1) / (points + 1)
     nodes, weights = [faces], [np.eye(3)]
     for corner in range(3):
         tail, head = (corner + 1) % 3, (corner + 2) % 3
         forth = (faces[:, tail] < faces[:, head])[:, None]
         order = np.where(forth, steps, steps[::-1])
-        nodes.append(n_vertices + POINTS_PER_EDGE * place[:, corner, None] + order)
-        own = np.zeros((POINTS_PER_EDGE, 3))
+        nodes.append(n_vertices + points * place[:, corner, None] + order)
+        own = np.zeros((points, 3))
         own[:, tail], own[:, head] = 1 - shares, shares
         weights.append(own)
     return np.hstack(nodes), np.vstack(weights)
@@ -130,12 +134,12 @@ def _across(
 
 
 def _along(
-    edges: IntArray, lengths: FloatArray, n_vertices: int
+    edges: IntArray, lengths: FloatArray, n_vertices: int, points: int
 ) -> tuple[IntArray, IntArray, FloatArray]:
     """Return tails, heads and lengths of the parts of edges."""
-    inner = n_vertices + np.arange(len(edges) * POINTS_PER_EDGE).reshape(-1, POINTS_PER_EDGE)
+    inner = n_vertices + np.arange(len(edges) * points).reshape(-1, points)
     nodes = np.hstack([edges[:, :1], inner, edges[:, 1:]])
-    parts = np.repeat(lengths / (POINTS_PER_EDGE + 1), POINTS_PER_EDGE + 1)
+    parts = np.repeat(lengths / (points + 1), points + 1)
     return nodes[:, :-1].ravel(), nodes[:, 1:].ravel(), parts
 
 
@@ -170,5 +174,5 @@ def _face_of(surface: FacesAround, here: list[int], there: list[int]) -> int:
     corners = sorted({*here, *there})
     beside = surface.with_corners(*corners)
     if len(corners) > 2:
-        return min(beside, key=lambda face: float(surface.lengths[face].sum()))
+        return beside[0]
     return min(beside, key=lambda face: surface.edge_length(face, *corners))

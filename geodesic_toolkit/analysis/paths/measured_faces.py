@@ -123,6 +123,19 @@ class FacesAround:
             found.append(before[found[-1]])
         return found[::-1]
 
+    def cheaper_beside(self, face: int) -> list[int]:
+        """Return the faces beside a face in which the edge between them is shorter."""
+        corners = self.corners(face)
+        found = []
+        for corner in range(3):
+            edge = [corners[corner - 1], corners[corner - 2]]
+            found += [
+                other
+                for other in self.with_corners(*edge)
+                if other != face and self._gains(face, other)
+            ]
+        return found
+
     def without_returns(self, strip: list[int]) -> list[int]:
         """Return a strip without repeated faces, and without there-and-back that gains nothing."""
         kept: list[int] = []

@@ -11,7 +11,7 @@ from geodesic_toolkit.analysis.paths.candidates import Candidate
 from geodesic_toolkit.analysis.paths.dense_graph import Leg, legs_between, legs_of
 from geodesic_toolkit.analysis.paths.insertion import Insertion, insert_points
 from geodesic_toolkit.analysis.paths.measured_faces import FacesAround, segment_length
-from geodesic_toolkit.analysis.paths.metric_descent import course_down
+from geodesic_toolkit.analysis.paths.metric_descent import Descent
 from geodesic_toolkit.analysis.paths.metric_strips import Drawn, drawn_through, shortest_beside
 from geodesic_toolkit.analysis.paths.path import GeodesicPath, path_from_candidate
 from geodesic_toolkit.analysis.paths.prepared import PreparedMesh
@@ -108,9 +108,7 @@ class _Surface:
     faces: FacesAround
     places: IntArray
 
-    def drawn(
-        self, height: FloatArray, near: BoolArray, start: int, ends: IntArray
-    ) -> list[Drawn]:
+    def drawn(self, height: FloatArray, near: BoolArray, start: int, ends: IntArray) -> list[Drawn]:
         """Return a locally shortest path, in legs, from a vertex to the nearest of others.
 
         It begins as the shorter of the course of steepest descent, and of the shortest path through
@@ -131,10 +129,11 @@ class _Surface:
         list of Drawn
             Empty if no face connects them.
         """
-        inside = near[self.mesh.faces[self.numbers]].all(axis=1)[self.split.parents]
+        whole = np.asarray(near[self.mesh.faces[self.numbers]].all(axis=1))
+        inside = whole[self.split.parents]
         heights = np.concatenate([height, self._heights_of_added(height)])
         heights[ends] = 0.0
-        down = course_down(self.faces, heights, start, set(ends.tolist()))
+        down = Descent(self.faces, heights, set(ends.tolist())).course(start)
         courses = [legs_of(self.faces, down), self._legs(np.flatnonzero(inside), start, ends)]
         if not courses[-1]:  # fronts have not come where the path runs
             courses.append(self._legs(np.arange(len(inside)), start, ends))
@@ -176,9 +175,7 @@ class _Surface:
         return path_from_candidate(self.mesh, self.numbers, self.split, way)
 
 
-def _surface(
-    prepared: PreparedMesh, distance: FloatArray, places: list[SourcePoints]
-) -> _Surface:
+def _surface(prepared: PreparedMesh, distance: FloatArray, places: list[SourcePoints]) -> _Surface:
     """Return the faces that a distance reaches, with places as vertices."""
     mesh, reached = prepared.mesh, prepared.reached_by(distance)
     assert isinstance(mesh, MeasuredFaces)  # for the type checker; the caller has checked
@@ -199,9 +196,7 @@ def _lengths_of_parts(mesh: MeasuredFaces, numbers: IntArray, split: Insertion) 
     old = numbers[split.parents]
     lengths = mesh.lengths[old]
     for part in np.flatnonzero((split.faces != mesh.faces[old]).any(axis=1)):
-        at = np.array(
-            [split.weights_on(mesh.faces[old[part]], int(v)) for v in split.faces[part]]
-        )
+        at = np.array([split.weights_on(mesh.faces[old[part]], int(v)) for v in split.faces[part]])
         lengths[part] = segment_length(lengths[part], at[[2, 0, 1]] - at[[1, 2, 0]])
     return lengths
 

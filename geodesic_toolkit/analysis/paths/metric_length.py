@@ -62,7 +62,7 @@ def _steps_in(
     others: IntArray,
     other_weights: FloatArray,
 ) -> FloatArray:
-    """Return the lengths from points to others in the faces of the former; inf for others outside."""
+    """Return the lengths from points to others in the faces of the former; inf to those outside."""
     same = mesh.faces[faces][:, :, None] == mesh.faces[others][:, None, :]
     moved = np.einsum("pcd,pd->pc", same, other_weights)
     lengths = segment_length(mesh.lengths[faces], moved - weights)

@@ -53,7 +53,7 @@ class Drawn:
 
 @dataclass(frozen=True)
 class _Detour:
-    """The faces on the other side of a vertex, instead of those from `first` to `last`."""
+    """Faces instead of those from `first` to `last`: on the other side of a vertex, for example."""
 
     first: int
     last: int
@@ -65,11 +65,15 @@ def shortest_beside(surface: FacesAround, path: Drawn) -> Drawn:
 
     The strip is led around the other side of every vertex beside it where that makes the path
     shorter with the points before and after it as they are. A path that no such step shortens is
-    a locally shortest one. Then the other sides that lengthen it least are tried with all points
+    a locally shortest one. A path may also be led to an edge that is cheaper beyond, along it, and
+    back. Then the other sides that lengthen it least are tried with all points
     free: a path passes a pointed vertex on one side or the other, and neither can be pulled over.
     """
     for _ in range(MAX_TURNS):
-        other = _next(surface, path, _bends(path)) or _next(surface, path, _beside(path), MAX_TRIES)
+        other = _next(surface, path, list(_detours(surface, path, _bends(path))))
+        if other is None:
+            detours = [*_detours(surface, path, _beside(path)), *_returns(surface, path)]
+            other = _next(surface, path, detours, MAX_TRIES)
         if other is None:
             break
         path = other
@@ -77,10 +81,9 @@ def shortest_beside(surface: FacesAround, path: Drawn) -> Drawn:
 
 
 def _next(
-    surface: FacesAround, path: Drawn, vertices: set[int], most_tries: int = 0
+    surface: FacesAround, path: Drawn, detours: list[_Detour], most_tries: int = 0
 ) -> Drawn | None:
-    """Return a shorter path on the other side of some of these vertices; None if there is none."""
-    detours = list(_detours(surface, path, vertices))
+    """Return a shorter path through some of these detours; None if there is none."""
     if not detours:
         return None
     gains = _gains(surface, path, detours)
@@ -139,9 +142,7 @@ def drawn_through(surface: FacesAround, leg: Leg) -> Drawn:
     return Drawn(leg, ends, refracted(_lines(surface, np.array(leg.strip), ends, shares)))
 
 
-def _lines(
-    surface: FacesAround, faces: IntArray, ends: IntArray, shares: FloatArray
-) -> Polylines:
+def _lines(surface: FacesAround, faces: IntArray, ends: IntArray, shares: FloatArray) -> Polylines:
     """Return polylines through faces (P - 1,), -1 between them, of points (P,) on edges.
 
     The first and the last of each polyline stay.
@@ -149,7 +150,9 @@ def _lines(
     within = faces >= 0
     frames = surface.frames(np.maximum(faces, 0)) * within[:, None, None]
     corners = surface.faces[np.maximum(faces, 0)]
-    tails, heads = ((corners[:, None] == at[..., None]).argmax(axis=2) for at in (ends[:-1], ends[1:]))
+    tails, heads = (
+        (corners[:, None] == at[..., None]).argmax(axis=2) for at in (ends[:-1], ends[1:])
+    )
     free = np.zeros(len(ends), dtype=np.bool_)
     free[1:-1] = within[1:] & within[:-1]
     return Polylines(frames, tails, heads, free, shares)
@@ -168,6 +171,16 @@ def _detours(surface: FacesAround, path: Drawn, vertices: set[int]) -> Iterator[
             faces = surface.other_side(path.strip[first : last + 1], vertex)
             if faces:
                 yield _Detour(first, last, faces)
+
+
+def _returns(surface: FacesAround, path: Drawn) -> Iterator[_Detour]:
+    """Yield the detours to an edge of a face that is cheaper in the face beyond it, and back."""
+    strip = path.strip
+    for place, face in enumerate(strip):
+        near = strip[max(place - 1, 0) : place + 2]
+        for beyond in surface.cheaper_beside(face):
+            if beyond not in near:
+                yield _Detour(place, place, [face, beyond, face])
 
 
 def _gains(surface: FacesAround, path: Drawn, detours: list[_Detour]) -> FloatArray:

@@ -122,7 +122,7 @@ class GeodesicPath(FrozenArrays, Polyline):
     def length(self) -> float:
         """Length of the polyline, in the unit of the distances: with costs the travel time."""
         if isinstance(self.mesh, MeasuredFaces):
-            return float(self._steps.sum())
+            return float(self.segment_lengths.sum())
         return self.length_in_space
 
     @property
@@ -137,10 +137,15 @@ class GeodesicPath(FrozenArrays, Polyline):
         return polyline_length(self.points, closed=self.closed)
 
     @cached_property
-    def _steps(self) -> FloatArray:
-        """Lengths of the segments on a mesh that measures them itself."""
-        assert isinstance(self.mesh, MeasuredFaces)  # for the type checker; length has checked
-        return steps_over(self.mesh, self.faces, self.barycentric, closed=self.closed)
+    def segment_lengths(self) -> FloatArray:
+        """Lengths between each point and the next, (P - 1,), in the unit of the distances.
+
+        Of shape (P,) if the path is closed.
+        """
+        if isinstance(self.mesh, MeasuredFaces):
+            return steps_over(self.mesh, self.faces, self.barycentric, closed=self.closed)
+        points = np.vstack([self.points, self.points[:1]]) if self.closed else self.points
+        return np.asarray(np.linalg.norm(np.diff(points, axis=0), axis=1))
 
     def __repr__(self) -> str:
         closed = "closed, " if self.closed else ""
@@ -171,9 +176,7 @@ def path_from_candidate(
     return _tidied(mesh, faces, barycentric_rows(weights))
 
 
-def joined_pieces(
-    mesh: AnyMesh, pieces: Sequence[GeodesicPath], *, closed: bool
-) -> GeodesicPath:
+def joined_pieces(mesh: AnyMesh, pieces: Sequence[GeodesicPath], *, closed: bool) -> GeodesicPath:
     """Return paths of which each begins where the one before it ends as one path."""
     faces = np.concatenate([piece.faces for piece in pieces])
     whole = _tidied(mesh, faces, np.concatenate([piece.barycentric for piece in pieces]))
@@ -216,7 +219,7 @@ def _distinct(path: GeodesicPath) -> list[int]:
     if not isinstance(path.mesh, MeasuredFaces):
         return without_repeats(path.points, _extent(path.mesh))
     # The first of equal points stays: segments are in the face of the point where they end.
-    long = path._steps > SAME * path.mesh.lengths.max()
+    long = path.segment_lengths > SAME * path.mesh.lengths.max()
     return [0, *(np.flatnonzero(long) + 1).tolist()]
 
 

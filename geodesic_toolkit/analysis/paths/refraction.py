@@ -12,15 +12,13 @@ from geodesic_toolkit.core.types import BoolArray, FloatArray, IntArray
 
 __all__ = ["Polylines", "refracted"]
 
-FIRST_BARRIER = 0.1
-"""Weight of the barrier at first, in mean lengths of segments."""
+FIRST_SHARE = 0.5
+"""Share at which all free points begin."""
 
-LAST_BARRIER = 1e-10
-"""The same at last; a polyline of P points is then 2e-10 P mean segments longer than the shortest.
-Points on vertices are then within about 1e-9 of them, in edges."""
-
-FALL_OF_BARRIER = 0.1
-"""Factor between one weight and the next."""
+BARRIERS = tuple(10.0**-power for power in range(1, 11))
+"""Weights of the barrier, one after the other, in mean lengths of segments. With the last one a
+polyline of P points is at most 2e-10 P mean segments longer than the shortest, and points that
+press against a vertex are within some 1e-9 of it, in edges."""
 
 STEPS_PER_BARRIER = 12
 """Newton steps at most for one weight; two or three are the rule."""
@@ -139,19 +137,18 @@ def refracted(lines: Polylines, *, exact: bool = True) -> Polylines:
     """
     if not lines.free.any():
         return lines
-    shares = np.where(lines.free, np.clip(lines.shares, 0.05, 0.95), lines.shares)
-    lines = replace(lines, shares=shares)
-    unit = float(lines.lengths.sum()) / len(shares)
-    weight = FIRST_BARRIER
-    while weight >= LAST_BARRIER * (1 - 1e-9):
-        shares = _centred(lines, shares, weight * unit)
-        weight *= FALL_OF_BARRIER
+    shares = np.where(lines.free, FIRST_SHARE, lines.shares)
+    unit = float(replace(lines, shares=shares).lengths.mean())
+    if not unit > 0:
+        return lines
+    scaled = replace(lines, frames=lines.frames / unit)
+    for weight in BARRIERS:
+        shares = _centred(scaled, shares, weight)
     if not exact:
         return replace(lines, shares=shares)
-    return min(
-        (_polished(replace(lines, shares=shares), near) for near in SNAPPED),
-        key=lambda found: float(found.lengths.sum()),
-    )
+    found = [_polished(replace(scaled, shares=shares), near) for near in SNAPPED]
+    best = min(found, key=lambda one: float(one.lengths.sum()))
+    return replace(lines, shares=best.shares)
 
 
 def _centred(lines: Polylines, shares: FloatArray, weight: float) -> FloatArray:
@@ -159,7 +156,8 @@ def _centred(lines: Polylines, shares: FloatArray, weight: float) -> FloatArray:
     free = lines.free
 
     def barrier(at: FloatArray) -> float:
-        return -weight * float((np.log(at[free]) + np.log1p(-at[free])).sum())
+        with np.errstate(divide="ignore"):  # rounded to 1: infinite, and not taken
+            return -weight * float((np.log(at[free]) + np.log1p(-at[free])).sum())
 
     def merit(at: FloatArray) -> float:
         steps = lines.steps(at)
