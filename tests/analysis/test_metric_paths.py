@@ -63,7 +63,7 @@ def is_sound(path):
     [
         SQUARE,
         shapes.torus(30, 16),
-        shapes.lumpy_sphere(3) if hasattr(shapes, "lumpy_sphere") else shapes.icosphere(2),
+        shapes.icosphere(2),
     ],
     ids=["plane", "torus", "sphere"],
 )
@@ -108,7 +108,7 @@ def test_paths_across_a_jump_of_the_cost_have_the_length_of_snells_law(costs):
     solver = solver_of(SQUARE, cost=cost)
     source = nearest(SQUARE, 0.2, 0.3)
     exact = by_snell(SQUARE, source, *costs)
-    for target in range(3, SQUARE.n_vertices, 29):
+    for target in range(3, SQUARE.n_vertices, 61):
         path = gt.geodesic_path(solver, source, target)
         assert is_sound(path)
         assert path.length == pytest.approx(exact[target], rel=ROUNDING)
@@ -132,7 +132,8 @@ def test_a_path_leads_to_a_cheap_edge_along_it_and_back():
     critical = np.arcsin(1 / 5)
     exact = 5 * 0.2 / np.cos(critical) + 0.4 - 0.2 * np.tan(critical)
     assert path.length == pytest.approx(exact, rel=ROUNDING)
-    np.testing.assert_allclose(path.points[1:-1, 1], 0.0, atol=1e-12)
+    along = path.points[np.abs(path.points[:, 1]) < 1e-12, 0]
+    np.testing.assert_allclose(sorted(along), [0.3, 0.7] + 0.1 * np.tan(critical) * np.array([1, -1]))
 
 
 def test_a_dear_wall_is_walked_around():
@@ -175,7 +176,7 @@ def random_metric(kind, ratio, rng):
     return {"cost": (ratio ** rng.random((5, 5)))[tuple(blocks.T)], "on": "faces"}
 
 
-@settings(max_examples=12, deadline=None)
+@settings(max_examples=6, deadline=None)
 @given(
     st.sampled_from(["vertices", "faces", "blocks"]),
     st.sampled_from([2.0, 10.0, 100.0]),

@@ -129,7 +129,7 @@ class _Surface:
         list of Drawn
             Empty if no face connects them.
         """
-        whole = np.asarray(near[self.mesh.faces[self.numbers]].all(axis=1))
+        whole = np.asarray(near[self.mesh.faces[self.numbers]].any(axis=1))
         inside = whole[self.split.parents]
         heights = np.concatenate([height, self._heights_of_added(height)])
         heights[ends] = 0.0
