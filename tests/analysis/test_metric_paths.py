@@ -93,7 +93,7 @@ TENSOR = np.array([[4.0, 1.5, 0.0], [1.5, 1.0, 0.0], [0.0, 0.0, 7.0]])
 
 def test_a_constant_tensor_leaves_straight_lines():
     solver = solver_of(SQUARE, tensor=np.tile(TENSOR, (SQUARE.n_faces, 1, 1)))
-    for source, target in pairs_of(SQUARE, 12):
+    for source, target in pairs_of(SQUARE, 6):
         path = gt.geodesic_path(solver, source, target)
         ends = SQUARE.vertices[[source, target]]
         step = ends[1] - ends[0]
@@ -108,7 +108,7 @@ def test_paths_across_a_jump_of_the_cost_have_the_length_of_snells_law(costs):
     solver = solver_of(SQUARE, cost=cost)
     source = nearest(SQUARE, 0.2, 0.3)
     exact = by_snell(SQUARE, source, *costs)
-    for target in range(3, SQUARE.n_vertices, 61):
+    for target in range(3, SQUARE.n_vertices, 97):
         path = gt.geodesic_path(solver, source, target)
         assert is_sound(path)
         assert path.length == pytest.approx(exact[target], rel=ROUNDING)
@@ -133,7 +133,9 @@ def test_a_path_leads_to_a_cheap_edge_along_it_and_back():
     exact = 5 * 0.2 / np.cos(critical) + 0.4 - 0.2 * np.tan(critical)
     assert path.length == pytest.approx(exact, rel=ROUNDING)
     along = path.points[np.abs(path.points[:, 1]) < 1e-12, 0]
-    np.testing.assert_allclose(sorted(along), [0.3, 0.7] + 0.1 * np.tan(critical) * np.array([1, -1]))
+    np.testing.assert_allclose(
+        sorted(along), [0.3, 0.7] + 0.1 * np.tan(critical) * np.array([1, -1])
+    )
 
 
 def test_a_dear_wall_is_walked_around():
@@ -152,7 +154,7 @@ def test_in_a_linear_velocity_paths_are_arcs_and_second_order():
         velocity = 1.0 + 3.0 * mesh.vertices[:, 0]
         solver = solver_of(mesh, cost=1 / velocity)
         excess = []
-        for place in ((0.8, 0.9), (0.3, 0.0), (1.0, 0.5), (0.0, 1.0), (0.6, 0.2)):
+        for place in ((0.8, 0.9), (1.0, 0.5), (0.0, 1.0)):
             target = nearest(mesh, *place)
             square = ((mesh.vertices[target] - mesh.vertices[source]) ** 2).sum()
             exact = np.arccosh(1 + 9 * square / (2 * velocity[target] * velocity[source])) / 3
@@ -167,12 +169,15 @@ def test_in_a_linear_velocity_paths_are_arcs_and_second_order():
     np.testing.assert_allclose(radii, radii[0], rtol=3e-3)
 
 
+COARSE = shapes.grid(11)
+
+
 def random_metric(kind, ratio, rng):
     if kind == "vertices":
-        return {"cost": ratio ** rng.random(SQUARE.n_vertices), "on": "vertices"}
+        return {"cost": ratio ** rng.random(COARSE.n_vertices), "on": "vertices"}
     if kind == "faces":
-        return {"cost": ratio ** rng.random(SQUARE.n_faces), "on": "faces"}
-    blocks = (middles(SQUARE)[:, :2] * 5).astype(int)
+        return {"cost": ratio ** rng.random(COARSE.n_faces), "on": "faces"}
+    blocks = (middles(COARSE)[:, :2] * 5).astype(int)
     return {"cost": (ratio ** rng.random((5, 5)))[tuple(blocks.T)], "on": "faces"}
 
 
@@ -184,14 +189,14 @@ def random_metric(kind, ratio, rng):
 )
 def test_paths_are_symmetric_scale_and_are_never_longer_than_along_edges(kind, ratio, seed):
     metric = random_metric(kind, ratio, np.random.default_rng(seed))
-    solver = solver_of(SQUARE, **metric)
-    source, target = pairs_of(SQUARE, 1, seed)[0]
+    solver = solver_of(COARSE, **metric)
+    source, target = pairs_of(COARSE, 1, seed)[0]
     path, back = gt.geodesic_path(solver, source, target), gt.geodesic_path(solver, target, source)
     assert is_sound(path)
-    assert path.faces.max() < SQUARE.n_faces
+    assert path.faces.max() < COARSE.n_faces
     assert path.length <= along_edges(solver, source, target) * (1 + ROUNDING)
     assert back.length == pytest.approx(path.length, rel=0.01)  # other ways, almost as long
-    scaled = solver_of(SQUARE, **{**metric, "cost": 1e-7 * metric["cost"]})
+    scaled = solver_of(COARSE, **{**metric, "cost": 1e-7 * metric["cost"]})
     assert gt.geodesic_path(scaled, source, target).length == pytest.approx(
         1e-7 * path.length, rel=1e-8
     )
@@ -201,7 +206,7 @@ def test_paths_are_as_long_as_distances_say():
     hills = 1 + np.sin(5 * SQUARE.vertices[:, 0]) ** 2 + SQUARE.vertices[:, 1]
     solver = solver_of(SQUARE, cost=hills)
     distance = solver.distance(30)
-    for target in range(7, SQUARE.n_vertices, 37):
+    for target in range(7, SQUARE.n_vertices, 83):
         length = gt.geodesic_path(solver, 30, target).length
         assert length == pytest.approx(distance[target], rel=0.01)
 
