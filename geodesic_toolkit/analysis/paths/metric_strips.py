@@ -20,8 +20,8 @@ MIN_SHORTENING = 1e-12
 MAX_TRIES = 4
 """Other sides of vertices that are tried though they are longer at first.
 
-With 0, 9 of 89 paths on a sphere and two tori are longer than those of a mesh without costs, by up to
-4.5e-4; with 4, 8 and 16 only 3 are, in 1.7, 2.4 and 3.9 times the time.
+With 0, 9 of 89 paths on a sphere and two tori are longer than those of a mesh without costs, by up
+to 4.5e-4; with 4, 8 and 16 only 3 are, in 1.7, 2.4 and 3.9 times the time.
 """
 
 MAX_TURNS = 1_000
