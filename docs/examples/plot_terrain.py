@@ -2,7 +2,7 @@
 A robot on terrain
 ==================
 
-Travel times over a hill with a muddy plain and a road: a cost for each face of the terrain.
+Travel times and paths over a hill with a muddy plain and a road: a cost for each face.
 """
 
 import matplotlib.pyplot as plt
@@ -42,7 +42,19 @@ by_road = (0.8 + 0.15) * 2 * tangent + 0.5 * (1 - (0.8 + 0.15) * tangent)
 print(f"over flat ground, by the road: {by_road:.3f}")
 assert abs(times[corner] / by_road - 1) < 0.05
 
-picture = gt.viz.plot(terrain, times, sources=[0], isolines=20, size=(1400, 900))
-fig = plt.figure(figsize=(7, 4.5))
+# %%
+# The fastest path takes this way: through faces, refracted at both sides of the road. Without costs
+# the path leaves the road out.
+
+fastest = gt.geodesic_path(solver, 0, corner)
+shortest = gt.geodesic_path(gt.GeodesicSolver(terrain), 0, corner)
+print(f"fastest: {fastest.length:.3f}, {fastest.length_in_space:.3f} km long")
+print(f"shortest: {shortest.length:.3f} km long")
+assert abs(fastest.length / times[corner] - 1) < 0.02
+
+curves = [fastest, shortest]
+above = {"views": ["z"], "size": (1100, 900)}
+picture = gt.viz.plot(terrain, times, sources=[0], curves=curves, label="travel time", **above)
+fig = plt.figure(figsize=(5.5, 4.5))
 fig.add_axes((0, 0, 1, 1)).imshow(picture)
 plt.axis("off")

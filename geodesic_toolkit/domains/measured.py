@@ -265,7 +265,7 @@ class MetricMesh(MeasuredFaces):
     Notes
     -----
     A place that cannot be passed is not an infinite cost but a masked vertex. Exact distances, taut
-    paths, tangent vectors and curves as sources measure a surface in space, and are errors here.
+    loops, tangent vectors and curves as sources measure a surface in space, and are errors here.
 
     References
     ----------

@@ -4,8 +4,7 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
-from closed_forms import mean_relative_error, on_tube
-from scipy.optimize import minimize_scalar
+from closed_forms import by_snell, mean_relative_error, on_tube
 
 import geodesic_toolkit as gt
 from geodesic_toolkit.errors import InvalidSourceError, UnsupportedDomainError
@@ -40,33 +39,6 @@ def middles(mesh):
 
 def distance_from(domain, source, refine=True):
     return gt.GeodesicSolver(domain, refine=refine).distance(source)
-
-
-def by_snell(mesh, source, here, there):
-    """Travel times in half planes x < 1/2 and x > 1/2, from a source in the first, by Fermat."""
-    x, y = mesh.vertices[source, :2]
-    times = np.empty(mesh.n_vertices)
-    for vertex, (px, py, _) in enumerate(mesh.vertices):
-        if px > 0.5 + 1e-9:
-            found = minimize_scalar(
-                lambda at, px=px, py=py: (
-                    here * np.hypot(0.5 - x, at - y) + there * np.hypot(px - 0.5, py - at)
-                ),
-                bounds=(min(y, py) - 1e-9, max(y, py) + 1e-9),
-                method="bounded",
-                options={"xatol": 1e-10},
-            )
-            times[vertex] = found.fun
-            continue
-        times[vertex] = here * np.hypot(px - x, py - y)
-        if there < here:  # the head wave, which runs along the line at its lesser cost
-            aside = (0.5 - x) + (0.5 - px)
-            critical = np.arcsin(there / here)
-            along = abs(py - y) - aside * np.tan(critical)
-            if along > 0:
-                way = here * aside / np.cos(critical) + there * along
-                times[vertex] = min(times[vertex], way)
-    return times
 
 
 @both

@@ -1,6 +1,7 @@
 """Closed-form distances of the generated shapes, and how errors are measured."""
 
 import numpy as np
+from scipy.optimize import minimize_scalar
 
 import geodesic_toolkit as gt
 
@@ -40,3 +41,30 @@ def bent_path(n, spacing=1.0):
     steps = np.arange(n)
     edges = np.column_stack([steps[:-1], steps[1:]])
     return gt.Graph(n, edges, np.full(n - 1, spacing)), steps * spacing
+
+
+def by_snell(mesh, source, here, there):
+    """Travel times in half planes x < 1/2 and x > 1/2, from a source in the first, by Fermat."""
+    x, y = mesh.vertices[source, :2]
+    times = np.empty(mesh.n_vertices)
+    for vertex, (px, py, _) in enumerate(mesh.vertices):
+        if px > 0.5 + 1e-9:
+            found = minimize_scalar(
+                lambda at, px=px, py=py: (
+                    here * np.hypot(0.5 - x, at - y) + there * np.hypot(px - 0.5, py - at)
+                ),
+                bounds=(min(y, py) - 1e-9, max(y, py) + 1e-9),
+                method="bounded",
+                options={"xatol": 1e-10},
+            )
+            times[vertex] = found.fun
+            continue
+        times[vertex] = here * np.hypot(px - x, py - y)
+        if there < here:  # the head wave, which runs along the line at its lesser cost
+            aside = (0.5 - x) + (0.5 - px)
+            critical = np.arcsin(there / here)
+            along = abs(py - y) - aside * np.tan(critical)
+            if along > 0:
+                way = here * aside / np.cos(critical) + there * along
+                times[vertex] = min(times[vertex], way)
+    return times

@@ -1,7 +1,8 @@
 """Paths through places in order: chains of edges that are pulled taut."""
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
+from functools import partial
 from itertools import pairwise
 from typing import Any
 
@@ -9,18 +10,27 @@ import numpy as np
 
 from geodesic_toolkit import _native
 from geodesic_toolkit.analysis.paths.candidates import Candidate
+from geodesic_toolkit.analysis.paths.fronts import one_place
 from geodesic_toolkit.analysis.paths.insertion import insert_points
-from geodesic_toolkit.analysis.paths.path import GeodesicPath, closed_path, path_from_candidate
+from geodesic_toolkit.analysis.paths.metric import path_on_metric, pulled_through
+from geodesic_toolkit.analysis.paths.path import (
+    GeodesicPath,
+    closed_path,
+    joined_pieces,
+    path_from_candidate,
+)
+from geodesic_toolkit.analysis.paths.prepared import prepared_mesh
 from geodesic_toolkit.core.types import IntArray
 from geodesic_toolkit.core.words import a_kind_of
 from geodesic_toolkit.domains import TriangleMesh
+from geodesic_toolkit.domains.measured import MeasuredFaces
 from geodesic_toolkit.errors import InvalidSourceError, UnreachableError, UnsupportedDomainError
 from geodesic_toolkit.geometry.triangles import proper_faces
 from geodesic_toolkit.solver.solver import GeodesicSolver
 from geodesic_toolkit.sources.kinds import Curve, OffsetSources
 from geodesic_toolkit.sources.points import SourcePoints
 
-__all__ = ["Course", "located_stops", "path_through", "unreachable_error"]
+__all__ = ["Course", "located_stops", "path_through", "pieces_between", "unreachable_error"]
 
 
 SAME_SHARES = 1e-8
@@ -58,7 +68,7 @@ def located_stops(
     InvalidSourceError
         Places that are none, too few, or twice the same in a row.
     """
-    if not isinstance(solver.domain, TriangleMesh):
+    if not isinstance(solver.domain, TriangleMesh | MeasuredFaces):
         raise UnsupportedDomainError(
             "loops and paths through places need a triangle mesh; "
             f"{a_kind_of(solver.domain)} has no surface to pull them over"
@@ -94,8 +104,12 @@ def path_through(
     ------
     UnreachableError
         No face connects a stop with the next.
+    UnsupportedDomainError
+        A closed one that is not held, where the mesh has costs or edge lengths.
     """
     mesh = solver.domain
+    if isinstance(mesh, MeasuredFaces):
+        return _path_over_metric(solver, mesh, stops, course)
     assert isinstance(mesh, TriangleMesh)  # for the type checker; located_stops has raised
     original = _passable_faces(solver, mesh)
     split = insert_points(mesh.vertices, mesh.faces[original], stops.weights)
@@ -108,8 +122,7 @@ def path_through(
         min_length=course.min_length,
     )
     if unreached >= 0:
-        before = (unreached - 1) % stops.count
-        raise unreachable_error(solver, f"place {unreached} with place {before}")
+        raise _unreached(solver, unreached, stops.count)
     if not len(faces):
         return None
     way = Candidate(faces, ends, np.column_stack([1 - shares, shares]))
@@ -117,6 +130,49 @@ def path_through(
     if not course.closed:
         return path
     return closed_path(path)
+
+
+def _path_over_metric(
+    solver: GeodesicSolver, mesh: MeasuredFaces, stops: SourcePoints, course: Course
+) -> GeodesicPath:
+    """Return the path through stops on a mesh that has lengths of its own."""
+    prepared = prepared_mesh(solver)
+    if course.closed and not course.held:
+        raise UnsupportedDomainError(
+            f"a loop is not pulled taut on {a_kind_of(mesh)}; give through=True for shortest paths "
+            "from each place to the next"
+        )
+    if not course.held:
+        places = [one_place(stops, index) for index in range(stops.count)]
+        pulled = pulled_through(prepared, places)
+        if isinstance(pulled, int):
+            raise _unreached(solver, pulled, stops.count)
+        return pulled
+    pieces = pieces_between(stops, partial(path_on_metric, prepared), closed=course.closed)
+    if isinstance(pieces, int):
+        raise _unreached(solver, pieces, stops.count)
+    return joined_pieces(mesh, pieces, closed=course.closed)
+
+
+def pieces_between(
+    stops: SourcePoints,
+    path_between: Callable[[SourcePoints, SourcePoints], GeodesicPath | None],
+    *,
+    closed: bool,
+) -> list[GeodesicPath] | int:
+    """Return the paths from each stop to the next, or the number of one that is not reached."""
+    order: list[int] = [*range(stops.count), *([0] if closed else [])]
+    pieces: list[GeodesicPath] = []
+    for here, there in pairwise(order):
+        piece = path_between(one_place(stops, here), one_place(stops, there))
+        if piece is None:
+            return there
+        pieces.append(piece)
+    return pieces
+
+
+def _unreached(solver: GeodesicSolver, place: int, count: int) -> UnreachableError:
+    return unreachable_error(solver, f"place {place} with place {(place - 1) % count}")
 
 
 def unreachable_error(solver: GeodesicSolver, what: str) -> UnreachableError:

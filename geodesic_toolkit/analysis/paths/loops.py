@@ -52,7 +52,7 @@ def geodesic_loop(
     UnreachableError
         No face connects a way point with the next.
     UnsupportedDomainError
-        Not a mesh.
+        Not a mesh; one with costs or edge lengths, unless `through`.
 
     References
     ----------

@@ -1,6 +1,6 @@
 """Shortest paths: descent on the refined distance, then straightening across the faces."""
 
-from itertools import pairwise
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -12,12 +12,14 @@ from geodesic_toolkit.analysis.paths.chains import (
     Course,
     located_stops,
     path_through,
+    pieces_between,
     unreachable_error,
 )
 from geodesic_toolkit.analysis.paths.cloud import CloudPath, path_on_cloud
 from geodesic_toolkit.analysis.paths.edges import EdgePath, path_along_edges
-from geodesic_toolkit.analysis.paths.fronts import first_to_arrive, one_place
+from geodesic_toolkit.analysis.paths.fronts import first_to_arrive
 from geodesic_toolkit.analysis.paths.insertion import insert_points
+from geodesic_toolkit.analysis.paths.metric import path_on_metric
 from geodesic_toolkit.analysis.paths.path import (
     GeodesicPath,
     joined_pieces,
@@ -25,6 +27,7 @@ from geodesic_toolkit.analysis.paths.path import (
 )
 from geodesic_toolkit.analysis.paths.prepared import PreparedMesh, prepared_mesh
 from geodesic_toolkit.domains import PointCloud, TriangleMesh
+from geodesic_toolkit.domains.measured import MeasuredFaces
 from geodesic_toolkit.errors import (
     InvalidOptionError,
     InvalidSourceError,
@@ -67,6 +70,10 @@ def geodesic_path(
     are: noise of a third of the spacing makes it 2 to 4 % longer than the distance, which is
     measured along the tangent planes.
 
+    On a mesh with costs, metric tensors or edge lengths alone it is a locally shortest path in that
+    metric, through faces and refracted where the cost jumps, or along the edges of cheaper faces;
+    its `length` is that of the distances.
+
     On a domain with a subdivision into triangles it runs across those, and they are the `mesh` of
     the path. On a graph, and on other domains with edges, it is the shortest path along edges,
     which is longer than a distance across faces.
@@ -91,7 +98,8 @@ def geodesic_path(
     Returns
     -------
     GeodesicPath, CloudPath or EdgePath
-        On a mesh, on a cloud, and along edges. A single point if the target is a source.
+        On a mesh, also one with costs, on a cloud, and along edges. A single point if the target is
+        a source.
 
     Raises
     ------
@@ -154,7 +162,7 @@ def geodesic_path(
         return path_on_cloud(solver, sources, goal)
     on = solver.method.metric.subdivision
     mesh = domain if on is None else on.mesh
-    if not isinstance(mesh, TriangleMesh):
+    if not isinstance(mesh, TriangleMesh | MeasuredFaces):
         return path_along_edges(solver, sources, goal)
     prepared = prepared_mesh(solver)
     of_curve = sources.front_curvatures is not None  # descent may end at any of its samples
@@ -174,16 +182,12 @@ def _through_all(
         raise InvalidOptionError("via= and through= lead to a target; there is none")
     stops = located_stops(solver, [(places, "way points")], closed=closed)
     domain = solver.domain
-    assert isinstance(domain, TriangleMesh)  # for the type checker; located_stops has raised
-    points = [one_place(stops, index) for index in range(stops.count)]
-    prepared = prepared_mesh(solver)
-    order = [*range(len(points)), *([0] if closed else [])]
-    pieces = []
-    for here, there in pairwise(order):
-        piece = _path_on_mesh(prepared, points[here], points[there])
-        if piece is None:
-            raise unreachable_error(solver, f"way point {there} with way point {here}")
-        pieces.append(piece)
+    assert isinstance(domain, TriangleMesh | MeasuredFaces)  # located_stops has raised
+    between = partial(_path_on_mesh, prepared_mesh(solver))
+    pieces = pieces_between(stops, between, closed=bool(closed))
+    if isinstance(pieces, int):
+        before = (pieces - 1) % stops.count
+        raise unreachable_error(solver, f"way point {pieces} with way point {before}")
     return joined_pieces(domain, pieces, closed=bool(closed))
 
 
@@ -194,6 +198,8 @@ def _path_on_mesh(
 
     None if no face connects them.
     """
+    if isinstance(prepared.mesh, MeasuredFaces):
+        return path_on_metric(prepared, sources, goal)
     distance = prepared.distance(sources)
     sources, goal = prepared.on_mesh(sources), prepared.on_mesh(goal)
     if not np.isfinite(distance[goal.vertices]).all():

@@ -3,21 +3,26 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from typing import TypeAlias
 from weakref import WeakKeyDictionary
 
 import numpy as np
 
 from geodesic_toolkit.analysis.paths.candidates import Candidate
 from geodesic_toolkit.analysis.paths.insertion import Insertion
-from geodesic_toolkit.analysis.paths.polyline import Polyline, extent_of, without_repeats
+from geodesic_toolkit.analysis.paths.metric_length import steps_over
+from geodesic_toolkit.analysis.paths.polyline import SAME, Polyline, extent_of, without_repeats
 from geodesic_toolkit.core.frozen import FrozenArrays
 from geodesic_toolkit.core.types import FloatArray, IntArray
-from geodesic_toolkit.domains import TriangleMesh
+from geodesic_toolkit.domains import TriangleMesh, positions_of
+from geodesic_toolkit.domains.measured import MeasuredFaces
 from geodesic_toolkit.sources.curves import polyline_length
 from geodesic_toolkit.sources.kinds import Curve
 from geodesic_toolkit.sources.surface_point import SurfacePoint, barycentric_rows
 
 __all__ = ["GeodesicPath", "closed_path", "joined_pieces", "path_from_candidate"]
+
+AnyMesh: TypeAlias = TriangleMesh | MeasuredFaces
 
 _EXTENTS: WeakKeyDictionary[TriangleMesh, float] = WeakKeyDictionary()
 """Sizes of meshes."""
@@ -27,11 +32,13 @@ _EXTENTS: WeakKeyDictionary[TriangleMesh, float] = WeakKeyDictionary()
 class GeodesicPath(FrozenArrays, Polyline):
     """A polyline on a triangle mesh, from source to target, or closed.
 
-    Between two of its points it runs straight through one face.
+    Between two of its points it runs straight through one face. On a mesh with costs or edge
+    lengths its length is that of the distances, and straight is what is so in the metric of the
+    face.
 
     Attributes
     ----------
-    mesh : TriangleMesh
+    mesh : TriangleMesh, MetricMesh or IntrinsicMesh
     faces : ndarray of shape (P,), int64, read-only
         The face of each point.
     barycentric : ndarray of shape (P, 3), float64, read-only
@@ -50,13 +57,13 @@ class GeodesicPath(FrozenArrays, Polyline):
     (25,)
     """
 
-    mesh: TriangleMesh
+    mesh: AnyMesh
     faces: IntArray
     barycentric: FloatArray
     closed: bool
 
     def __init__(
-        self, mesh: TriangleMesh, surface_points: Sequence[SurfacePoint], closed: bool = False
+        self, mesh: AnyMesh, surface_points: Sequence[SurfacePoint], closed: bool = False
     ) -> None:
         points = tuple(surface_points)
         self._set(
@@ -68,13 +75,13 @@ class GeodesicPath(FrozenArrays, Polyline):
 
     @classmethod
     def from_rows(
-        cls, mesh: TriangleMesh, faces: IntArray, weights: FloatArray, *, closed: bool = False
+        cls, mesh: AnyMesh, faces: IntArray, weights: FloatArray, *, closed: bool = False
     ) -> "GeodesicPath":
         """Return the path of P points as rows.
 
         Parameters
         ----------
-        mesh : TriangleMesh
+        mesh : TriangleMesh or MeasuredFaces
         faces : ndarray of shape (P,), int64
         weights : ndarray of shape (P, 3), float64
             Barycentric coordinates as :func:`barycentric_rows` returns them.
@@ -95,8 +102,14 @@ class GeodesicPath(FrozenArrays, Polyline):
 
     @cached_property
     def points(self) -> FloatArray:
-        """The (P, 3) positions of the points."""
-        corners = self.mesh.vertices[self.mesh.faces[self.faces]]
+        """The (P, 3) positions of the points.
+
+        Raises
+        ------
+        UnsupportedDomainError
+            The mesh has no positions: it is an IntrinsicMesh.
+        """
+        corners = positions_of(self.mesh)[self.mesh.faces[self.faces]]
         positions: FloatArray = np.einsum("pc,pcd->pd", self.barycentric, corners)
         return positions
 
@@ -107,22 +120,46 @@ class GeodesicPath(FrozenArrays, Polyline):
 
     @property
     def length(self) -> float:
-        """Length of the polyline, in the unit of the mesh."""
+        """Length of the polyline, in the unit of the distances: with costs the travel time."""
+        if isinstance(self.mesh, MeasuredFaces):
+            return float(self.segment_lengths.sum())
+        return self.length_in_space
+
+    @property
+    def length_in_space(self) -> float:
+        """Length of the polyline between its positions, without costs.
+
+        Raises
+        ------
+        UnsupportedDomainError
+            The mesh has no positions: it is an IntrinsicMesh.
+        """
         return polyline_length(self.points, closed=self.closed)
+
+    @cached_property
+    def segment_lengths(self) -> FloatArray:
+        """Lengths between each point and the next, (P - 1,), in the unit of the distances.
+
+        Of shape (P,) if the path is closed.
+        """
+        if isinstance(self.mesh, MeasuredFaces):
+            return steps_over(self.mesh, self.faces, self.barycentric, closed=self.closed)
+        points = np.vstack([self.points, self.points[:1]]) if self.closed else self.points
+        return np.asarray(np.linalg.norm(np.diff(points, axis=0), axis=1))
 
     def __repr__(self) -> str:
         closed = "closed, " if self.closed else ""
-        return f"GeodesicPath({closed}{len(self.points)} points, length {self.length:.6g})"
+        return f"GeodesicPath({closed}{len(self.faces)} points, length {self.length:.6g})"
 
 
 def path_from_candidate(
-    mesh: TriangleMesh, original: IntArray, split: Insertion, way: Candidate
+    mesh: AnyMesh, original: IntArray, split: Insertion, way: Candidate
 ) -> GeodesicPath:
     """Return the path of a candidate over parts of faces.
 
     Parameters
     ----------
-    mesh : TriangleMesh
+    mesh : TriangleMesh or MeasuredFaces
     original : ndarray of int64
         The faces of the mesh that were split.
     split : Insertion
@@ -139,9 +176,7 @@ def path_from_candidate(
     return _tidied(mesh, faces, barycentric_rows(weights))
 
 
-def joined_pieces(
-    mesh: TriangleMesh, pieces: Sequence[GeodesicPath], *, closed: bool
-) -> GeodesicPath:
+def joined_pieces(mesh: AnyMesh, pieces: Sequence[GeodesicPath], *, closed: bool) -> GeodesicPath:
     """Return paths of which each begins where the one before it ends as one path."""
     faces = np.concatenate([piece.faces for piece in pieces])
     whole = _tidied(mesh, faces, np.concatenate([piece.barycentric for piece in pieces]))
@@ -150,7 +185,10 @@ def joined_pieces(
 
 def closed_path(path: GeodesicPath) -> GeodesicPath:
     """Return a path whose ends are one place as a closed one."""
-    faces, weights = path.faces[:-1], path.barycentric[:-1]
+    order = np.arange(len(path.faces) - 1)
+    if isinstance(path.mesh, MeasuredFaces):
+        order[0] = -1  # in the face of the last segment
+    faces, weights = path.faces[order], path.barycentric[order]
     return GeodesicPath.from_rows(path.mesh, faces, weights, closed=True)
 
 
@@ -167,13 +205,22 @@ def _on_corners(corners: IntArray, split: Insertion, way: Candidate) -> FloatArr
     return weights
 
 
-def _tidied(mesh: TriangleMesh, faces: IntArray, weights: FloatArray) -> GeodesicPath:
+def _tidied(mesh: AnyMesh, faces: IntArray, weights: FloatArray) -> GeodesicPath:
     """Return the path of rows without points that are where the one before them is."""
     path = GeodesicPath.from_rows(mesh, faces, weights)
-    kept = without_repeats(path.points, _extent(mesh))
+    kept = _distinct(path)
     if len(kept) == len(faces):
         return path
     return GeodesicPath.from_rows(mesh, faces[kept], weights[kept])
+
+
+def _distinct(path: GeodesicPath) -> list[int]:
+    """Return the indices of points that are not where the previous one is."""
+    if not isinstance(path.mesh, MeasuredFaces):
+        return without_repeats(path.points, _extent(path.mesh))
+    # The first of equal points stays: segments are in the face of the point where they end.
+    long = path.segment_lengths > SAME * path.mesh.lengths.max()
+    return [0, *(np.flatnonzero(long) + 1).tolist()]
 
 
 def _extent(mesh: TriangleMesh) -> float:

@@ -7,7 +7,7 @@ import numpy as np
 
 from geodesic_toolkit.core.types import FloatArray
 
-__all__ = ["Polyline", "extent_of", "without_repeats"]
+__all__ = ["SAME", "Polyline", "extent_of", "without_repeats"]
 
 SAME = 1e-12
 """Distance within which two points are equal, relative to the size of the shape."""

@@ -11,10 +11,12 @@ import numpy as np
 from geodesic_toolkit import _native
 from geodesic_toolkit.analysis.paths.fronts import refined_distance
 from geodesic_toolkit.analysis.paths.insertion import Insertion
+from geodesic_toolkit.analysis.paths.measured_faces import FacesAround
 from geodesic_toolkit.core.frozen import freeze
 from geodesic_toolkit.core.types import BoolArray, FloatArray, IntArray
 from geodesic_toolkit.discretization.element_gradient import ElementGradient
 from geodesic_toolkit.domains import TriangleMesh
+from geodesic_toolkit.domains.measured import MeasuredFaces
 from geodesic_toolkit.geometry.triangles import face_edge_lengths, proper_faces
 from geodesic_toolkit.heat.method import HeatMethod
 from geodesic_toolkit.laplacians.cotan import CotanLaplacian
@@ -42,7 +44,7 @@ def prepared_mesh(solver: GeodesicSolver) -> "PreparedMesh":
         if prepared is None:
             on = solver.method.metric.subdivision
             domain = solver.domain if on is None else on.mesh
-            assert isinstance(domain, TriangleMesh)  # for the type checker; the caller has checked
+            assert isinstance(domain, TriangleMesh | MeasuredFaces)  # the caller has checked
             prepared = _PREPARED[solver] = PreparedMesh(domain, solver.method, _sweeper(solver))
         return prepared
 
@@ -52,13 +54,15 @@ class PreparedMesh:
 
     Parameters
     ----------
-    mesh : TriangleMesh
+    mesh : TriangleMesh or MeasuredFaces
     method : HeatMethod
     sweeper : WavefrontSweeper
         Refines distances if the method does not.
     """
 
-    def __init__(self, mesh: TriangleMesh, method: HeatMethod, sweeper: WavefrontSweeper) -> None:
+    def __init__(
+        self, mesh: TriangleMesh | MeasuredFaces, method: HeatMethod, sweeper: WavefrontSweeper
+    ) -> None:
         self.mesh = mesh
         self._method, self._sweeper = method, sweeper
         self._lock = threading.Lock()
@@ -122,7 +126,7 @@ class PreparedMesh:
     def _widths(self) -> FloatArray:
         """Twice the length of the longest edge at each vertex, (N,)."""
         longest, faces = np.zeros(self.mesh.n_vertices), self.mesh.faces
-        lengths = face_edge_lengths(self.mesh.vertices, faces)  # of the edges opposite corners
+        lengths = _edge_lengths(self.mesh)
         for corner in range(3):
             beside = np.delete(lengths, corner, axis=1).max(axis=1)
             np.maximum.at(longest, faces[:, corner], beside)
@@ -143,12 +147,12 @@ class ReachedFaces:
 
     Attributes
     ----------
-    mesh : TriangleMesh
+    mesh : TriangleMesh or MeasuredFaces
     vertices : ndarray of shape (N,), bool
         True at those that are reached.
     """
 
-    mesh: TriangleMesh
+    mesh: TriangleMesh | MeasuredFaces
     vertices: BoolArray
 
     @cached_property
@@ -162,12 +166,29 @@ class ReachedFaces:
         """These faces without a point inserted."""
         faces = self.mesh.faces[self.numbers]
         nothing = np.zeros(0, dtype=np.int64)
-        return Insertion(self.mesh.vertices, faces, np.arange(len(faces)), nothing, [])
+        return Insertion(_positions(self.mesh), faces, np.arange(len(faces)), nothing, [])
 
     @cached_property
     def surface(self) -> _native.Surface:
         """The same for the kernels."""
-        return _native.Surface(np.ascontiguousarray(self.mesh.vertices), self.whole.faces)
+        return _native.Surface(np.ascontiguousarray(_positions(self.mesh)), self.whole.faces)
+
+    @cached_property
+    def measured(self) -> FacesAround:
+        """The same with their lengths."""
+        return FacesAround(self.whole.faces, _edge_lengths(self.mesh)[self.numbers])
+
+
+def _edge_lengths(mesh: TriangleMesh | MeasuredFaces) -> FloatArray:
+    """Return the lengths of the edges opposite the corners of faces, (F, 3)."""
+    if isinstance(mesh, MeasuredFaces):
+        return mesh.lengths
+    return face_edge_lengths(mesh.vertices, mesh.faces)
+
+
+def _positions(mesh: TriangleMesh | MeasuredFaces) -> FloatArray:
+    """Return the vertices of a mesh; zeros where lengths are measured otherwise."""
+    return mesh.vertices if isinstance(mesh, TriangleMesh) else np.zeros((mesh.n_vertices, 3))
 
 
 _PREPARED: WeakKeyDictionary[GeodesicSolver, PreparedMesh] = WeakKeyDictionary()
@@ -179,6 +200,7 @@ def _sweeper(solver: GeodesicSolver) -> WavefrontSweeper:
     metric, mesh = solver.method.metric, solver.passable
     gradient = metric.on_surface
     three = isinstance(gradient, ElementGradient) and gradient.elements.shape[1] == 3
-    if isinstance(mesh, TriangleMesh) and metric.subdivision is None and not three:
+    of_faces = isinstance(mesh, TriangleMesh | MeasuredFaces)
+    if of_faces and metric.subdivision is None and not three:
         return WavefrontSweeper(CotanLaplacian().assemble(mesh))
     return solver.method.sweeper
