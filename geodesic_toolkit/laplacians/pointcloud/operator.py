@@ -28,8 +28,11 @@ from geodesic_toolkit.laplacians.pointcloud.parts import warn_of_fragments, warn
 from geodesic_toolkit.laplacians.pointcloud.places import Places
 from geodesic_toolkit.laplacians.pointcloud.planes import (
     POLE_NEIGHBOURS,
+    is_noisy,
     normals_of,
     roughness_of_cloud,
+    roughness_of_sheets,
+    warn_of_noise,
 )
 from geodesic_toolkit.laplacians.pointcloud.soup import Soup, soup_of
 from geodesic_toolkit.laplacians.tangents import frames_of_stars
@@ -68,6 +71,8 @@ class _Stars:
         Origin of the normals that they were made with.
     in_space : ndarray of shape (P,), float64
         Share, from 0 to 1, to which triangles are measured in space instead of in tangent planes.
+    rough : float
+        Roughness of the cloud; 0 if most of it is curves.
     """
 
     soup: Soup
@@ -75,6 +80,7 @@ class _Stars:
     thin: Representatives
     origin: str
     in_space: FloatArray
+    rough: float
 
 
 @final
@@ -177,6 +183,8 @@ class PointCloudLaplacian(LaplaceOperator):
         -----
         NormalsWarning
             ``normals="auto"``, and Open3D cannot be imported.
+        NoisyCloudWarning
+            Points deviate so far from the planes of their neighbours that distances are unreliable.
         """
         self.check_domain(domain)
         assert isinstance(domain, PointCloud)  # for the type checker; check_domain has raised
@@ -198,6 +206,7 @@ class PointCloudLaplacian(LaplaceOperator):
             "links": len(soup.links),
             "representatives": len(stars.thin.kept),
             "open_stars": int(soup.boundary.sum()),
+            "roughness": stars.rough,
             **of_parts,
             "longest_line": longest_line,
             "assembly_bytes": BYTES_PER_POINT * places.count
@@ -205,6 +214,7 @@ class PointCloudLaplacian(LaplaceOperator):
         }
         warn_of_fragments(notes, places.count)
         warn_of_lines(notes)
+        warn_of_noise(stars.rough)
         return Discretization(
             mass=places.shared(area),
             stiffness=gradient.stiffness(),
@@ -270,7 +280,7 @@ class PointCloudLaplacian(LaplaceOperator):
         """Return the stars of points that are not on curves."""
         points = places.points
         rough, growth, blades = roughness_of_cloud(points, thin)
-        noisy = blades | (rough > 0.15 and growth < 0.85)
+        noisy = blades | is_noisy(rough, growth)
         given = None if cloud.normals is None else cloud.normals[places.representatives]
         normals, origin = normals_of(points, thin, noisy, given=given, estimator=self.normals)
         low, high = GROWTH_OF_NOISY_AND_SMOOTH_CLOUDS
@@ -285,7 +295,10 @@ class PointCloudLaplacian(LaplaceOperator):
             smooth=in_space == 1,
             oriented=given is not None,
         )
-        return _Stars(soup, normals, thin, origin, in_space)
+        if given is not None and rough > 0:
+            rough = roughness_of_sheets(points, thin, given)
+        on_surface = 2 * np.count_nonzero(curved) <= places.count
+        return _Stars(soup, normals, thin, origin, in_space, rough if on_surface else 0.0)
 
 
 def _gradient(places: Places, soup: Soup, spacing: float) -> ElementGradient:
