@@ -30,12 +30,16 @@ __all__ = [
     "warn_of_noise",
 ]
 
-MIN_ROUGHNESS_AND_MAX_GROWTH_OF_NOISE = ((0.15, 0.85), (0.45, 0.92))
-"""Pairs of a roughness above which, and a growth below which, points deviate from the surface by
-noise. Growth rises again in strong noise, in which planes of 12 neighbours are those of the noise:
-with noise of 0.9 spacings roughness is 0.58 to 0.65 and growth 0.85 to 0.89, and neighbouring
-normals differ by 36 degrees if they are estimated from 12 neighbours. With 30 the refined error on
-sheets, spheres and bumpy tori of 4,000 to 16,000 points is 1.2 to 2.5 % instead of 2.4 to 4.9 %."""
+MIN_ROUGHNESS_OF_NOISE = (0.15, 0.45)
+"""Roughness above which points deviate from the surface by noise, if its growth is below the limit
+that belongs to it in :data:`MAX_GROWTH_OF_NOISE`."""
+
+MAX_GROWTH_OF_NOISE = (0.85, 0.92)
+"""Growth of the roughness below which points deviate from the surface by noise. Growth rises again
+in strong noise, in which planes of 12 neighbours are those of the noise: with noise of 0.9 spacings
+roughness is 0.58 to 0.65 and growth 0.85 to 0.89, and neighbouring normals differ by 36 degrees if
+they are estimated from 12 neighbours. With 30 the refined error on sheets, spheres and bumpy tori
+of 4,000 to 16,000 points is 1.2 to 2.5 % instead of 2.4 to 4.9 %."""
 
 MAX_ROUGHNESS_WITHOUT_WARNING = 0.5
 """Roughness of a cloud from which on there is a warning. Tuned on random spheres, sheets, a knot
@@ -97,9 +101,8 @@ def _sampled(kept: IntArray) -> IntArray:
 
 def is_noisy(rough: float, growth: float) -> bool:
     """Return True if a roughness, and its growth with the width, are those of noise."""
-    return any(
-        rough > least and growth < most for least, most in MIN_ROUGHNESS_AND_MAX_GROWTH_OF_NOISE
-    )
+    limits = zip(MIN_ROUGHNESS_OF_NOISE, MAX_GROWTH_OF_NOISE, strict=True)
+    return any(rough > least and growth < most for least, most in limits)
 
 
 def warn_of_noise(rough: float) -> None:
