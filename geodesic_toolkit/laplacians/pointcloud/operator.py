@@ -73,6 +73,8 @@ class _Stars:
         Share, from 0 to 1, to which triangles are measured in space instead of in tangent planes.
     rough : float
         Roughness of the cloud; 0 if most of it is curves.
+    noisy : bool
+        True if points deviate from the surface by noise.
     """
 
     soup: Soup
@@ -81,6 +83,7 @@ class _Stars:
     origin: str
     in_space: FloatArray
     rough: float
+    noisy: bool
 
 
 @final
@@ -207,6 +210,7 @@ class PointCloudLaplacian(LaplaceOperator):
             "representatives": len(stars.thin.kept),
             "open_stars": int(soup.boundary.sum()),
             "roughness": stars.rough,
+            "noisy": stars.noisy,
             **of_parts,
             "longest_line": longest_line,
             "assembly_bytes": BYTES_PER_POINT * places.count
@@ -280,9 +284,11 @@ class PointCloudLaplacian(LaplaceOperator):
         """Return the stars of points that are not on curves."""
         points = places.points
         rough, growth, blades = roughness_of_cloud(points, thin)
-        noisy = blades | is_noisy(rough, growth)
+        noisy = is_noisy(rough, growth)
         given = None if cloud.normals is None else cloud.normals[places.representatives]
-        normals, origin = normals_of(points, thin, noisy, given=given, estimator=self.normals)
+        normals, origin = normals_of(
+            points, thin, blades | noisy, given=given, estimator=self.normals
+        )
         low, high = GROWTH_OF_NOISY_AND_SMOOTH_CLOUDS
         flat = float(np.clip((growth - low) / (high - low), 0, 1))
         in_space = np.where(blades, 0.0, flat)
@@ -298,7 +304,7 @@ class PointCloudLaplacian(LaplaceOperator):
         if given is not None and rough > 0:
             rough = roughness_of_sheets(points, thin, given)
         on_surface = 2 * np.count_nonzero(curved) <= places.count
-        return _Stars(soup, normals, thin, origin, in_space, rough if on_surface else 0.0)
+        return _Stars(soup, normals, thin, origin, in_space, rough if on_surface else 0.0, noisy)
 
 
 def _gradient(places: Places, soup: Soup, spacing: float) -> ElementGradient:
