@@ -37,6 +37,11 @@ Path shortest_path(const Surface& surface, const Strip& strip, Index start, Inde
 // pulled over it.
 Path beside_cones(const Surface& surface, Path path);
 
+// The same, looked for also on the other side of vertices that the geodesic bends around, and from
+// the strips on its left and on its right: where the surface bulges, several geodesics pass a place
+// on one side.
+Path shorter_beside(const Surface& surface, Path path);
+
 // The points of a path: its start, where it crosses each edge, its end.
 std::vector<Crossing> crossings(const Surface& surface, const Path& path);
 
