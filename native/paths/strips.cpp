@@ -7,9 +7,6 @@
 namespace geodesic {
 namespace {
 
-// Bends that a path is led over to the other side, if that leads to a shorter one.
-constexpr std::size_t kMaxMovedBends = 8;
-
 // From the last face at the start to the first face at the end after it.
 Strip trimmed(const Surface& surface, const Strip& strip, Index start, Index end) {
   auto first = strip.begin(), last = strip.end() - 1;
@@ -31,7 +28,7 @@ Strip beside(const Surface& surface, const Path& path, bool on_the_left) {
   Index before = kNone;
   for (const Portal& edge : unfolded(surface, strip, path.start, path.end).portals) {
     const Index vertex = on_the_left ? edge.left : edge.right;
-    if (vertex == before || vertex == path.start || vertex == path.end) continue;
+    if (vertex == before) continue;
     before = vertex;
     for (Position i = 0; i + 1 < std::ssize(strip); ++i) {
       if (!surface.has(strip[i], vertex) || !surface.has(strip[i + 1], vertex)) continue;
@@ -96,14 +93,8 @@ Path beside_cones(const Surface& surface, Path path) {
 Path shorter_beside(const Surface& surface, Path path) {
   return shorter_among(surface, std::move(path), [&](const Path& from) {
     std::vector<Strip> strips{beside(surface, from, true), beside(surface, from, false)};
-    std::vector<Bend> bends = from.bends;
-    std::ranges::stable_sort(
-        bends, {}, [&](const Bend& bend) { return surface.total_angle(bend.vertex) - bend.angle; });
-    if (bends.size() > kMaxMovedBends) bends.resize(kMaxMovedBends);
-    for (const Bend& bend : bends)
-      strips.push_back(led_around(surface, from.strip, bend.vertex, bend.portal));
-    for (const Cone& cone : cones_of(surface, from.strip))
-      strips.push_back(led_around(surface, from.strip, cone.vertex, cone.portal));
+    for (const auto& [vertex, portal] : ends_of_portals(surface, from.strip))
+      strips.push_back(led_around(surface, from.strip, vertex, portal));
     return strips;
   });
 }
