@@ -171,7 +171,8 @@ class PointCloudLaplacian(LaplaceOperator):
             spokes of all stars, in the tangent plane. The boundary consists of points whose star is
             open. If there is almost no noise, the frames in space are given. The notes hold
             ``normals`` ("given", "open3d", "pca", or "none" for a cloud of less than three
-            positions), ``k``, and the numbers ``missing``, ``duplicates`` and ``links``.
+            positions), ``k``, the numbers ``missing``, ``duplicates`` and ``links``, the
+            ``roughness`` of the cloud, and True as ``noisy`` if it has noise.
 
         Raises
         ------
