@@ -313,7 +313,7 @@ def _cells(solver: gt.GeodesicSolver, n: int) -> Iterator[Row]:
 
 
 def clouds(sizes: list[int]) -> Iterator[Row]:
-    cases = [(3500, 0.0, 0.05), (3500, 0.25, 4.0)]
+    cases = [(3500, 0.0, 0.05), (3500, 0.25, 2.5)]
     if 35000 in sizes:
         cases += [(35000, 0.0, 0.4), (35000, 0.26, 2.5)]
     for n, noise, bound in cases:

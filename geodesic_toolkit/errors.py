@@ -19,6 +19,7 @@ __all__ = [
     "InvalidOptionError",
     "InvalidSourceError",
     "MissingDependencyError",
+    "NoisyCloudWarning",
     "NonPositiveHeatWarning",
     "NormalsWarning",
     "NotEnoughMemoryError",
@@ -315,6 +316,20 @@ class UnevenCloudWarning(GeodesicWarning):
     density.
 
     Cure: Use refined distances, which are the default, or thin the cloud to one spacing.
+    """
+
+
+class NoisyCloudWarning(GeodesicWarning):
+    """The points of a cloud are so far off the surface that distances are unreliable.
+
+    Notes
+    -----
+    Cause: Noise of half of the spacing or more, or so few points that legs and ears are as wide as
+    the spacing, or points that fill a volume.
+
+    Cure: Smooth the points along their normals. If the shape is much wider than the spacing,
+    :func:`thin` the cloud to a spacing of three times the noise or more. If the points are few,
+    give more, or a mesh.
     """
 
 

@@ -75,11 +75,13 @@ void append(std::vector<Crossing>& points, const std::vector<Crossing>& more) {
   points.insert(points.end(), more.begin(), more.end());
 }
 
-std::vector<Crossing> along(const Surface& surface, const Chain& chain) {
+std::vector<Crossing> along(const Surface& surface, const Chain& chain, bool is_held) {
   std::vector<Crossing> points;
   for (const Leg& leg : legs_of(surface, chain)) {
     Path path = shortest_path(surface, leg.strip, leg.first, leg.last);
-    append(points, crossings(surface, beside_cones(surface, std::move(path))));
+    path =
+        is_held ? beside_cones(surface, std::move(path)) : shorter_beside(surface, std::move(path));
+    append(points, crossings(surface, path));
   }
   return points;
 }
@@ -96,7 +98,7 @@ std::vector<Crossing> around(const Surface& surface, Chain chain, double min_len
     // Held where the surface hangs together at a vertex only.
     std::ranges::rotate(chain, chain.begin() + static_cast<std::ptrdiff_t>(i));
     chain.push_back(chain.front());
-    return along(surface, chain);
+    return along(surface, chain, true);
   }
   const Loop loop = shorter_beside(surface, shortest_loop(surface, ring, min_length), min_length);
   return loop.ring.empty() ? std::vector<Crossing>{} : crossings(surface, loop);
@@ -120,7 +122,7 @@ Drawn geodesic_through(const Surface& surface, const Course& course) {
       return result;
     }
     if (course.is_held)
-      append(result.points, along(surface, route.stops));
+      append(result.points, along(surface, route.stops, true));
     else
       chain.insert(chain.end(), route.stops.begin() + 1, route.stops.end());
   }
@@ -128,7 +130,7 @@ Drawn geodesic_through(const Surface& surface, const Course& course) {
   if (course.is_closed)
     result.points = around(surface, chain, course.min_length);
   else
-    result.points = along(surface, without_returns(chain));
+    result.points = along(surface, without_returns(chain), false);
   return result;
 }
 

@@ -14,8 +14,6 @@ namespace {
 constexpr Position kFirstPeriods = 2, kMaxPeriods = 64;
 // Bends in the middle of a path over several turns that are tried as a base.
 constexpr std::size_t kMaxBases = 4;
-// Bends that a closed geodesic is led over to the other side, if that leads to a shorter one.
-constexpr std::size_t kMaxMovedBends = 8;
 // Angle by which the bends that are turned together differ at most. The sharpest first, as edge
 // flips have it, ends in shorter geodesics: of 300 loops on two scanned surfaces 4, 5 and 7 are
 // longer than by flips at 0, 0.05 and 0.2, in 10.3, 7.5 and 4.8 ms each. Of 136 loops on four other
@@ -183,26 +181,6 @@ Turnable turns_of(const Surface& surface, const Loop& loop, const Tried& tried) 
   return result;
 }
 
-// A vertex of a ring, and an edge of the ring there.
-struct Movable {
-  Index vertex;
-  Position portal;
-};
-
-// The vertices to the other side of which a closed geodesic may be led: those it bends around, from
-// the least angle on that side on, and pointed ones.
-std::vector<Movable> movable(const Surface& surface, const Loop& loop) {
-  std::vector<Bend> bends = loop.bends;
-  std::ranges::sort(
-      bends, {}, [&](const Bend& bend) { return surface.total_angle(bend.vertex) - bend.angle; });
-  if (bends.size() > kMaxMovedBends) bends.resize(kMaxMovedBends);
-  std::vector<Movable> result;
-  for (const Bend& bend : bends) result.push_back({bend.vertex, bend.portal});
-  for (const Cone& cone : cones_of(surface, loop.ring))
-    result.push_back({cone.vertex, cone.portal});
-  return result;
-}
-
 // A ring led around the other side of a vertex; none where it has no other side.
 Strip led_around(const Surface& surface, const Strip& ring, Index vertex, Position portal) {
   const Strip thrice = repeated(ring, 3);
@@ -270,7 +248,7 @@ Loop shorter_beside(const Surface& surface, Loop loop, double min_length) {
   for (bool found = !loop.ring.empty(); found;) {
     found = false;
     std::vector<Strip> rings{beside(surface, loop, true), beside(surface, loop, false)};
-    for (const auto& [vertex, portal] : movable(surface, loop))
+    for (const auto& [vertex, portal] : ends_of_portals(surface, loop.ring))
       rings.push_back(led_around(surface, loop.ring, vertex, portal));
     for (const Strip& ring : rings) {
       if (ring.empty()) continue;

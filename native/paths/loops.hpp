@@ -28,7 +28,7 @@ Loop shortest_loop(const Surface& surface, const Strip& ring, double min_length)
 
 // A shorter closed geodesic, if one is found beside this one; else the same. Where the surface
 // bulges there are several in one class. It is looked for from the rings on the left and on the
-// right, and on the other side of vertices that this one bends around and of pointed ones.
+// right, and on the other side of each vertex beside this one.
 Loop shorter_beside(const Surface& surface, Loop loop, double min_length);
 
 // The points of a closed path: its base, where it crosses each edge, its base again.

@@ -15,6 +15,48 @@ Strip trimmed(const Surface& surface, const Strip& strip, Index start, Index end
   return {first, last + 1};
 }
 
+// A strip led around the other side of a vertex; none where it has no other side.
+Strip led_around(const Surface& surface, const Strip& strip, Index vertex, Position portal) {
+  const Run run = run_around(surface, strip, vertex, portal);
+  const Turn turn{run, other_side(surface, strip, vertex, run), {}};
+  return turn.faces.empty() ? Strip{} : turned(strip, {&turn, 1});
+}
+
+// The strip beside that of a path: led around all vertices on its left, or on its right.
+Strip beside(const Surface& surface, const Path& path, bool on_the_left) {
+  Strip strip = path.strip;
+  Index before = kNone;
+  for (const Portal& edge : unfolded(surface, strip, path.start, path.end).portals) {
+    const Index vertex = on_the_left ? edge.left : edge.right;
+    if (vertex == before) continue;
+    before = vertex;
+    for (Position i = 0; i + 1 < std::ssize(strip); ++i) {
+      if (!surface.has(strip[i], vertex) || !surface.has(strip[i + 1], vertex)) continue;
+      Strip other = led_around(surface, strip, vertex, i);
+      if (!other.empty()) strip = std::move(other);
+      break;
+    }
+  }
+  return strip;
+}
+
+// A path, led into the first of some strips beside it whose geodesic is shorter, time and again.
+template <class StripsBeside>
+Path shorter_among(const Surface& surface, Path path, const StripsBeside& strips_beside) {
+  for (bool found = true; found;) {
+    found = false;
+    for (const Strip& strip : strips_beside(path)) {
+      if (strip.empty()) continue;
+      Path other = shortest_path(surface, strip, path.start, path.end);
+      found = other.length < path.length * (1 - kMinShortening);
+      if (!found) continue;
+      path = std::move(other);
+      break;
+    }
+  }
+  return path;
+}
+
 }  // namespace
 
 Path straightened(const Surface& surface, const Strip& strip, Index start, Index end) {
@@ -40,20 +82,21 @@ Path shortest_path(const Surface& surface, const Strip& strip, Index start, Inde
 }
 
 Path beside_cones(const Surface& surface, Path path) {
-  for (bool found = true; found;) {
-    found = false;
-    for (const Cone& cone : cones_of(surface, path.strip)) {
-      const Run run = run_around(surface, path.strip, cone.vertex, cone.portal);
-      const Turn turn{run, other_side(surface, path.strip, cone.vertex, run), {}};
-      if (turn.faces.empty()) continue;
-      Path other = shortest_path(surface, turned(path.strip, {&turn, 1}), path.start, path.end);
-      found = other.length < path.length * (1 - kMinShortening);
-      if (!found) continue;
-      path = std::move(other);
-      break;
-    }
-  }
-  return path;
+  return shorter_among(surface, std::move(path), [&](const Path& from) {
+    std::vector<Strip> strips;
+    for (const Cone& cone : cones_of(surface, from.strip))
+      strips.push_back(led_around(surface, from.strip, cone.vertex, cone.portal));
+    return strips;
+  });
+}
+
+Path shorter_beside(const Surface& surface, Path path) {
+  return shorter_among(surface, std::move(path), [&](const Path& from) {
+    std::vector<Strip> strips{beside(surface, from, true), beside(surface, from, false)};
+    for (const auto& [vertex, portal] : ends_of_portals(surface, from.strip))
+      strips.push_back(led_around(surface, from.strip, vertex, portal));
+    return strips;
+  });
 }
 
 std::vector<Crossing> crossings(const Surface& surface, const Path& path) {

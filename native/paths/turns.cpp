@@ -80,18 +80,26 @@ std::vector<Turn> turns_of(const Surface& surface, const Strip& strip,
   return turns;
 }
 
-std::vector<Cone> cones_of(const Surface& surface, const Strip& strip) {
-  std::vector<std::pair<Index, Position>> vertices;
+std::vector<Beside> ends_of_portals(const Surface& surface, const Strip& strip) {
+  std::vector<Beside> ends;
   for (Position i = 0; i + 1 < std::ssize(strip); ++i) {
     const Index* const c = surface.corners(strip[i]);
     for (const Index vertex : {c[0], c[1], c[2]})
-      if (surface.has(strip[i + 1], vertex)) vertices.push_back({vertex, i});
+      if (surface.has(strip[i + 1], vertex)) ends.push_back({vertex, i});
   }
-  std::ranges::sort(vertices);
+  const auto by_vertex = [](const Beside& a, const Beside& b) {
+    return a.vertex != b.vertex ? a.vertex < b.vertex : a.portal < b.portal;
+  };
+  std::ranges::sort(ends, by_vertex);
+  std::vector<Beside> last;
+  for (std::size_t i = 0; i < ends.size(); ++i)
+    if (i + 1 == ends.size() || ends[i + 1].vertex != ends[i].vertex) last.push_back(ends[i]);
+  return last;
+}
+
+std::vector<Cone> cones_of(const Surface& surface, const Strip& strip) {
   std::vector<Cone> cones;
-  for (std::size_t i = 0; i < vertices.size(); ++i) {
-    const auto [vertex, portal] = vertices[i];
-    if (i + 1 < vertices.size() && vertices[i + 1].first == vertex) continue;
+  for (const auto& [vertex, portal] : ends_of_portals(surface, strip)) {
     const double angle = surface.total_angle(vertex);
     if (angle < 2 * kPi - kMinAngleDefect) cones.push_back({angle, vertex, portal});
   }

@@ -59,6 +59,15 @@ auto shortened(const Strip& strip, double length, Turns turns, Tried& tried,
   return found ? found : shortened(strip, length, turns.subspan(half), tried, straighten);
 }
 
+// A vertex beside a strip: an end of portals, of which this is the last.
+struct Beside {
+  Index vertex;
+  Position portal;
+};
+
+// All of them, in the order of vertices.
+std::vector<Beside> ends_of_portals(const Surface& surface, const Strip& strip);
+
 struct Cone {
   double angle;
   Index vertex;

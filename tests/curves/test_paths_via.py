@@ -138,3 +138,20 @@ def test_way_points_need_a_mesh_that_connects_them():
         gt.geodesic_path(two, [0, 20])
     with pytest.raises(UnreachableError, match="place 2 with place 1"):
         gt.geodesic_path(two, 0, 20, via=[5])
+
+
+@pytest.mark.parametrize(
+    ("stops", "length"),
+    [
+        ((1343, 2162, 142), 0.172473494325),
+        ((409, 1865, 2850), 0.190978459083),
+        ((3444, 3019, 3357), 0.202791330419),
+        ((3370, 153, 2817), 0.208842932321),
+    ],
+)
+def test_paths_via_a_place_are_not_longer_than_by_edge_flips(shared_data, stops, length):
+    """Lengths by the edge flips of potpourri3d; by turns at bends alone these paths are longer."""
+    source, via, target = stops
+    solver = gt.GeodesicSolver(gt.read(shared_data("igltut__bunny.off")))
+    path = gt.geodesic_path(solver, source, target, via=[via])
+    assert path.length < length * (1 + 1e-9)

@@ -50,6 +50,20 @@ def test_noise_turns_angles_by_degrees_only(noise):
     assert np.degrees(np.abs(off - np.median(off))).mean() < 6.0
 
 
+def test_lifted_points_beside_a_source_do_not_turn_directions():
+    rng = np.random.default_rng(0)
+    spacing = np.sqrt(4 * np.pi / len(POINTS))
+    noisy = POINTS * (1 + 0.25 * spacing * rng.normal(size=(len(POINTS), 1)))
+    noisy = np.concatenate([noisy, noisy[:9], [[np.nan] * 3]])
+    solver = gt.GeodesicSolver(gt.PointCloud(noisy))
+    for source in (0, 600, 1400, 1560):
+        found, want = gt.log_map(solver, source), log_on_sphere(POINTS, source)
+        got = found.coordinates[: len(POINTS)] @ [1, 1j]
+        beside = np.flatnonzero((got != 0) & (np.linalg.norm(want, axis=1) < 3 * spacing))
+        off = np.angle(got[beside] / (want[beside] @ found.frame.T @ [1, 1j]))
+        assert np.degrees(np.abs(off)).mean() < 1.5  # 10 to 13 degrees by the stars alone
+
+
 def test_points_that_are_there_twice_or_missing_do_no_harm():
     points = np.concatenate([POINTS[:600], POINTS[:5], [[np.nan] * 3]])
     solver = gt.GeodesicSolver(gt.PointCloud(points))

@@ -6,9 +6,11 @@ from typing import cast
 import numpy as np
 
 from geodesic_toolkit.analysis.directions.curves import Course, places_of
+from geodesic_toolkit.analysis.directions.noisy import surroundings_in_noise
 from geodesic_toolkit.analysis.directions.seeds import Surroundings, surroundings
 from geodesic_toolkit.core.types import FloatArray, IntArray
 from geodesic_toolkit.discretization.element_gradient import ElementGradient
+from geodesic_toolkit.domains import PointCloud
 from geodesic_toolkit.errors import InvalidOptionError
 from geodesic_toolkit.geometry.frames import Frames
 from geodesic_toolkit.solver.solver import GeodesicSolver, check_solver
@@ -93,6 +95,9 @@ def trace(solver: GeodesicSolver, points: SourcePoints) -> Traced:
     assert frames.surface_mirrored is not None
     sight = solver.method.sweeper.in_sight(points)
     sources = surroundings(solver.passable, frames, points, sight)
+    cloud, metric = solver.passable, solver.method.metric
+    if metric.notes.get("noisy") and isinstance(cloud, PointCloud) and points.are_vertices:
+        sources = surroundings_in_noise(cloud, frames, metric.components, sources)
     fronts = solver.method.fronts(points, sources.points)
     points = sources.points
     known = points.distances + points.starts[points.rows]

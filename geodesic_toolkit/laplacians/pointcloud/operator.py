@@ -30,8 +30,11 @@ from geodesic_toolkit.laplacians.pointcloud.parts import warn_of_fragments, warn
 from geodesic_toolkit.laplacians.pointcloud.places import Places
 from geodesic_toolkit.laplacians.pointcloud.planes import (
     POLE_NEIGHBOURS,
+    is_noisy,
     normals_of,
     roughness_of_cloud,
+    roughness_of_sheets,
+    warn_of_noise,
 )
 from geodesic_toolkit.laplacians.pointcloud.soup import Soup, soup_of
 from geodesic_toolkit.laplacians.tangents import frames_of_stars
@@ -70,6 +73,10 @@ class _Stars:
         Origin of the normals that they were made with.
     in_space : ndarray of shape (P,), float64
         Share, from 0 to 1, to which triangles are measured in space instead of in tangent planes.
+    rough : float
+        Roughness of the cloud; 0 if most of it is curves.
+    noisy : bool
+        True if points deviate from the surface by noise.
     """
 
     soup: Soup
@@ -77,6 +84,8 @@ class _Stars:
     thin: Representatives
     origin: str
     in_space: FloatArray
+    rough: float
+    noisy: bool
 
 
 @final
@@ -164,7 +173,8 @@ class PointCloudLaplacian(LaplaceOperator):
             spokes of all stars, in the tangent plane. The boundary consists of points whose star is
             open. If there is almost no noise, the frames in space are given. The notes hold
             ``normals`` ("given", "open3d", "pca", or "none" for a cloud of less than three
-            positions), ``k``, and the numbers ``missing``, ``duplicates`` and ``links``.
+            positions), ``k``, the numbers ``missing``, ``duplicates`` and ``links``, the
+            ``roughness`` of the cloud, and True as ``noisy`` if it has noise.
 
         Raises
         ------
@@ -179,6 +189,8 @@ class PointCloudLaplacian(LaplaceOperator):
         -----
         NormalsWarning
             ``normals="auto"``, and Open3D cannot be imported.
+        NoisyCloudWarning
+            Points deviate so far from the planes of their neighbours that distances are unreliable.
         """
         self.check_domain(domain)
         assert isinstance(domain, PointCloud)  # for the type checker; check_domain has raised
@@ -201,6 +213,8 @@ class PointCloudLaplacian(LaplaceOperator):
             "links": len(soup.links),
             "representatives": len(stars.thin.kept),
             "open_stars": int(soup.boundary.sum()),
+            "roughness": stars.rough,
+            "noisy": stars.noisy,
             **of_parts,
             "longest_line": longest_line,
             "assembly_bytes": BYTES_PER_POINT * places.count
@@ -208,6 +222,7 @@ class PointCloudLaplacian(LaplaceOperator):
         }
         warn_of_fragments(notes, places.count)
         warn_of_lines(notes)
+        warn_of_noise(stars.rough)
         return Discretization(
             mass=places.shared(area),
             stiffness=gradient.stiffness(),
@@ -273,9 +288,11 @@ class PointCloudLaplacian(LaplaceOperator):
         """Return the stars of points that are not on curves."""
         points = places.points
         rough, growth, blades = roughness_of_cloud(points, thin)
-        noisy = blades | (rough > 0.15 and growth < 0.85)
+        noisy = is_noisy(rough, growth)
         given = None if cloud.normals is None else cloud.normals[places.representatives]
-        normals, origin = normals_of(points, thin, noisy, given=given, estimator=self.normals)
+        normals, origin = normals_of(
+            points, thin, blades | noisy, given=given, estimator=self.normals
+        )
         low, high = GROWTH_OF_NOISY_AND_SMOOTH_CLOUDS
         flat = float(np.clip((growth - low) / (high - low), 0, 1))
         in_space = np.where(blades, 0.0, flat)
@@ -288,7 +305,10 @@ class PointCloudLaplacian(LaplaceOperator):
             smooth=in_space == 1,
             oriented=given is not None,
         )
-        return _Stars(soup, normals, thin, origin, in_space)
+        if given is not None and rough > 0:
+            rough = roughness_of_sheets(points, thin, given)
+        on_surface = 2 * np.count_nonzero(curved) <= places.count
+        return _Stars(soup, normals, thin, origin, in_space, rough if on_surface else 0.0, noisy)
 
 
 def _gradient(places: Places, soup: Soup, spacing: float) -> ElementGradient:
