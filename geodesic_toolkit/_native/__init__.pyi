@@ -286,6 +286,9 @@ def vertex_normals(vertices: Numbers, faces: Indices) -> Numbers:
 def tangent_axes(normals: Numbers) -> Numbers:
     """Return a unit vector at a right angle to each normal, (N, 3)."""
 
+def to_space(pairs: Numbers, x_axes: Numbers, y_axes: Numbers) -> Numbers:
+    """Return vectors in space (N, 3) from coordinates (N, 2) along two axes of each vertex."""
+
 def polar_directions(
     vertices: Numbers,
     faces: Indices,
@@ -330,6 +333,9 @@ def real_form(
     indptr: Rows, indices: Rows, entries: Numbers, scale: Numbers, diagonal: Numbers
 ) -> tuple[Rows, Rows, Numbers]:
     """Return diag(diagonal) + diag(scale) A for complex A as a real matrix of 2 N unknowns."""
+
+def polar_form(pairs: Numbers) -> tuple[Numbers, Numbers]:
+    """Return the lengths (N,) of complex numbers (N, 2), and these numbers at length 1, or 0."""
 
 def poisson_load(
     faces: Indices, frames: Numbers, measure: Numbers, heat: Numbers, logarithmic: bool

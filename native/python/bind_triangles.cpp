@@ -36,6 +36,15 @@ void bind_frames(nb::module_& module) {
       },
       "normals"_a.noconvert());
   module.def(
+      "to_space",
+      [](In<double, 2> pairs, In<double, 2> x_axes, In<double, 2> y_axes) {
+        require(pairs.shape(1) == 2 && x_axes.shape(1) == 3 && n_rows(x_axes) == n_rows(pairs) &&
+                    have_one_shape(x_axes, y_axes),
+                "two coordinates and two axes for each vector");
+        return give(unlocked([&] { return to_space(span(pairs), span(x_axes), span(y_axes)); }), 3);
+      },
+      "pairs"_a.noconvert(), "x_axes"_a.noconvert(), "y_axes"_a.noconvert());
+  module.def(
       "polar_directions",
       [](In<double, 2> vertices, In<Index, 2> faces, In<double, 2> lengths, In<Index> twin,
          In<bool> mirrored, In<double, 2> normals, In<double, 2> axes) {

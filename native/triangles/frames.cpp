@@ -121,6 +121,15 @@ Array<double> tangent_axes(std::span<const double> normals) {
   return axes;
 }
 
+Array<double> to_space(std::span<const double> pairs, std::span<const double> x_axes,
+                       std::span<const double> y_axes) {
+  Array<double> result(count(x_axes));
+  for (Index v = 0; v < count(x_axes) / 3; ++v)
+    for (Index d = 3 * v; d < 3 * v + 3; ++d)
+      result[d] = pairs[2 * v] * x_axes[d] + pairs[2 * v + 1] * y_axes[d];
+  return result;
+}
+
 Directions polar_directions(std::span<const double> vertices, std::span<const Index> faces,
                             std::span<const double> lengths, std::span<const Index> twin,
                             std::span<const bool> mirrored, std::span<const double> normals,

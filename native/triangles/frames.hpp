@@ -18,6 +18,10 @@ namespace geodesic {
 // Techniques 6, 2017, https://jcgt.org/published/0006/01/01/
 Array<double> tangent_axes(std::span<const double> normals);
 
+// Vectors in space, (N, 3), from their coordinates, (N, 2), along two axes of each vertex.
+Array<double> to_space(std::span<const double> pairs, std::span<const double> x_axes,
+                       std::span<const double> y_axes);
+
 // The direction of each half-edge 3 f + c, which leaves corner c + 1, as an angle in the frame of
 // that vertex, and the factor of angles between half-edges there.
 struct Directions {

@@ -77,8 +77,9 @@ def parallel_transport(
     at_sources = traced.sources.to_frames(given)
     _check_directions(np.abs(at_sources), given)
     reached = traced.labels >= 0
-    turned = at_sources[traced.labels] * np.exp(1j * traced.rotations)
-    return frames.to_space(np.where(reached, turned, 0.0))
+    turns = np.empty(len(reached), dtype=np.complex128)  # a power of 1j takes five times as long
+    turns.real, turns.imag = np.cos(traced.rotations), np.sin(traced.rotations)
+    return frames.to_space(np.where(reached, at_sources[traced.labels] * turns, 0.0))
 
 
 def _vectors(values: ArrayLike, count: int) -> FloatArray:
