@@ -280,7 +280,7 @@ def flip_edges_with_directions(
 ) -> int:
     """Flip edges, and update the directions of half-edges that `polar_directions` returns."""
 
-def vertex_normals(vertices: Numbers, faces: Indices) -> Numbers:
+def vertex_normals(vertices: Numbers, faces: Indices, n_threads: int = 1) -> Numbers:
     """Return unit normals at vertices (N, 3), which are exact for vertices on a sphere."""
 
 def tangent_axes(normals: Numbers) -> Numbers:

@@ -22,6 +22,7 @@ from geodesic_toolkit.core.types import BoolArray, FloatArray, IndexArray, IntAr
 from geodesic_toolkit.errors import UnsupportedDomainError
 from geodesic_toolkit.geometry.components import connected_by_faces
 from geodesic_toolkit.geometry.intrinsic import coherently_oriented
+from geodesic_toolkit.geometry.threads import threads_for
 
 __all__ = ["ComplexArray", "Fans", "Frames", "fans_of", "frames_in_space", "normals_of_faces"]
 
@@ -249,7 +250,8 @@ def normals_of_faces(vertices: FloatArray, faces: IntArray) -> FloatArray:
 
 def _normals(vertices: FloatArray, parts: Sequence["_Oriented"]) -> FloatArray:
     faces = np.concatenate([part.by_normals() for part in parts])
-    return _native.vertex_normals(np.ascontiguousarray(vertices), faces)
+    n_threads = threads_for(len(vertices))
+    return _native.vertex_normals(np.ascontiguousarray(vertices), faces, n_threads)
 
 
 @dataclass(frozen=True, eq=False)

@@ -22,12 +22,14 @@ void require_triangles(const In<Index, 2>& faces, const auto&... tables) {
 void bind_frames(nb::module_& module) {
   module.def(
       "vertex_normals",
-      [](In<double, 2> vertices, In<Index, 2> faces) {
+      [](In<double, 2> vertices, In<Index, 2> faces, int n_threads) {
         require_triangles(faces);
         require(vertices.shape(1) == 3, "three coordinates for each vertex");
-        return give(unlocked([&] { return vertex_normals(span(vertices), span(faces)); }), 3);
+        require(n_threads > 0, "at least one thread");
+        return give(
+            unlocked([&] { return vertex_normals(span(vertices), span(faces), n_threads); }), 3);
       },
-      "vertices"_a.noconvert(), "faces"_a.noconvert());
+      "vertices"_a.noconvert(), "faces"_a.noconvert(), "n_threads"_a = 1);
   module.def(
       "tangent_axes",
       [](In<double, 2> normals) {

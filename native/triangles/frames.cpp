@@ -23,19 +23,6 @@ void put(Array<double>& table, Index row, const Vector3& a) {
   table[3 * row + 2] = a.z;
 }
 
-// The angles at all corners, (F, 3): Heron's formula as in `doubled_area`, of sorted edges.
-Array<double> corner_angles(std::span<const double> lengths) {
-  Array<double> angles(count(lengths));
-  for (Index f = 0; f < count(lengths); f += 3) {
-    const double p = lengths[f], q = lengths[f + 1], r = lengths[f + 2];
-    const double area = doubled_area(p, q, r);
-    angles[f] = angle((q * q + r * r - p * p) / 2, area);
-    angles[f + 1] = angle((r * r + p * p - q * q) / 2, area);
-    angles[f + 2] = angle((p * p + q * q - r * r) / 2, area);
-  }
-  return angles;
-}
-
 // The half-edges that leave each vertex, fan by fan: from one end of the surface to the other, or
 // around all of it, counter-clockwise as the faces run.
 class Fans {

@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "core/threads.hpp"
 #include "triangles/frames.hpp"
 #include "triangles/height_fits.hpp"
 #include "triangles/rings.hpp"
@@ -70,12 +71,9 @@ Array<double> weighted_normals(std::span<const double> vertices, std::span<const
   return normals;
 }
 
-}  // namespace
-
-Array<double> vertex_normals(std::span<const double> vertices, std::span<const Index> faces) {
-  Array<double> normals = weighted_normals(vertices, faces);
-  const Array<double> axes = tangent_axes(normals);
-  const Rings rings(faces, count(vertices) / 3);
+// Correct the normals of the vertices [begin, end).
+void correct_normals(Array<double>& normals, const Array<double>& axes, const Rings& rings,
+                     std::span<const double> vertices, Index begin, Index end) {
   TwoRings both(rings);
   HeightFits fits;
   Index fitted[HeightFits::kAtOnce];
@@ -87,7 +85,7 @@ Array<double> vertex_normals(std::span<const double> vertices, std::span<const I
       put(normals, fitted[k], unit(normal - slopes.of[k], normal));
     }
   };
-  for (Index v = 0; v < rings.n_vertices(); ++v) {
+  for (Index v = begin; v < end; ++v) {
     const std::span<const Row> near = both.of(v);
     if (near.empty()) continue;
     const Vector3 normal = at(normals, v), x = at(axes, v);
@@ -96,6 +94,19 @@ Array<double> vertex_normals(std::span<const double> vertices, std::span<const I
     if (fits.is_full()) correct();
   }
   if (fits.used() > 0) correct();
+}
+
+}  // namespace
+
+Array<double> vertex_normals(std::span<const double> vertices, std::span<const Index> faces,
+                             int n_threads) {
+  Array<double> normals = weighted_normals(vertices, faces);
+  const Array<double> axes = tangent_axes(normals);
+  const Rings rings(faces, count(vertices) / 3);
+  const Index n = rings.n_vertices(), share = n / n_threads + 1;
+  in_pieces(n, share, n_threads, [&](Index begin, Index end) {
+    correct_normals(normals, axes, rings, vertices, begin, end);
+  });
   return normals;
 }
 
