@@ -286,6 +286,9 @@ def vertex_normals(vertices: Numbers, faces: Indices, n_threads: int = 1) -> Num
 def tangent_axes(normals: Numbers) -> Numbers:
     """Return a unit vector at a right angle to each normal, (N, 3)."""
 
+def unit_vectors(angles: Numbers) -> Numbers:
+    """Return the cosines and sines (N, 2) of angles of up to 1e5."""
+
 def to_space(pairs: Numbers, x_axes: Numbers, y_axes: Numbers) -> Numbers:
     """Return vectors in space (N, 3) from coordinates (N, 2) along two axes of each vertex."""
 

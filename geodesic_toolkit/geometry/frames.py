@@ -24,7 +24,15 @@ from geodesic_toolkit.geometry.components import connected_by_faces
 from geodesic_toolkit.geometry.intrinsic import coherently_oriented
 from geodesic_toolkit.geometry.threads import threads_for
 
-__all__ = ["ComplexArray", "Fans", "Frames", "fans_of", "frames_in_space", "normals_of_faces"]
+__all__ = [
+    "ComplexArray",
+    "Fans",
+    "Frames",
+    "fans_of",
+    "frames_in_space",
+    "normals_of_faces",
+    "unit_vectors",
+]
 
 ComplexArray: TypeAlias = NDArray[np.complex128]
 
@@ -106,6 +114,12 @@ class Frames(FrozenArrays):
 
     def __getstate__(self) -> dict[str, NDArray[np.generic]]:
         return {name: value for name, value in self.__dict__.items() if name != "y_axes"}
+
+
+def unit_vectors(angles: FloatArray) -> ComplexArray:
+    """Return complex numbers of length 1 at angles (N,) of up to 1e5."""
+    pairs = _native.unit_vectors(np.ascontiguousarray(angles, dtype=np.float64))
+    return _complex(pairs)[:, 0]
 
 
 def _complex(pairs: FloatArray) -> ComplexArray:

@@ -38,6 +38,12 @@ void bind_frames(nb::module_& module) {
       },
       "normals"_a.noconvert());
   module.def(
+      "unit_vectors",
+      [](In<double> angles) {
+        return give(unlocked([&] { return unit_vectors(span(angles)); }), 2);
+      },
+      "angles"_a.noconvert());
+  module.def(
       "to_space",
       [](In<double, 2> pairs, In<double, 2> x_axes, In<double, 2> y_axes) {
         require(pairs.shape(1) == 2 && x_axes.shape(1) == 3 && n_rows(x_axes) == n_rows(pairs) &&

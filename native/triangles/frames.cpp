@@ -108,6 +108,16 @@ Array<double> tangent_axes(std::span<const double> normals) {
   return axes;
 }
 
+Array<double> unit_vectors(std::span<const double> angles) {
+  Array<double> pairs(2 * count(angles));
+  for (Index k = 0; k < count(angles); ++k) {
+    const auto [cosine, sine] = cosine_and_sine(angles[k]);
+    pairs[2 * k] = cosine;
+    pairs[2 * k + 1] = sine;
+  }
+  return pairs;
+}
+
 Array<double> to_space(std::span<const double> pairs, std::span<const double> x_axes,
                        std::span<const double> y_axes) {
   Array<double> result(count(x_axes));

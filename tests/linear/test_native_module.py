@@ -193,6 +193,7 @@ def calls():
         ),
         "vertex_normals": (_native.vertex_normals, VERTICES, FACES),
         "tangent_axes": (_native.tangent_axes, UPWARDS),
+        "unit_vectors": (_native.unit_vectors, np.ones(4)),
         "to_space": (_native.to_space, np.ones((4, 2)), UPWARDS, UPWARDS),
         "polar_form": (_native.polar_form, np.ones((4, 2))),
         "polar_directions": (

@@ -8,6 +8,7 @@ from numpy.typing import ArrayLike
 from geodesic_toolkit.analysis.directions.traced import refines, trace
 from geodesic_toolkit.core.types import FloatArray
 from geodesic_toolkit.errors import InvalidOptionError, InvalidSourceError
+from geodesic_toolkit.geometry.frames import unit_vectors
 from geodesic_toolkit.solver.solver import GeodesicSolver
 
 __all__ = ["parallel_transport"]
@@ -77,9 +78,8 @@ def parallel_transport(
     at_sources = traced.sources.to_frames(given)
     _check_directions(np.abs(at_sources), given)
     reached = traced.labels >= 0
-    turns = np.empty(len(reached), dtype=np.complex128)  # a power of 1j takes five times as long
-    turns.real, turns.imag = np.cos(traced.rotations), np.sin(traced.rotations)
-    return frames.to_space(np.where(reached, at_sources[traced.labels] * turns, 0.0))
+    turned = at_sources[traced.labels] * unit_vectors(traced.rotations)
+    return frames.to_space(np.where(reached, turned, 0.0))
 
 
 def _vectors(values: ArrayLike, count: int) -> FloatArray:
