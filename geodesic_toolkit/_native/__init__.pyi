@@ -280,11 +280,17 @@ def flip_edges_with_directions(
 ) -> int:
     """Flip edges, and update the directions of half-edges that `polar_directions` returns."""
 
-def vertex_normals(vertices: Numbers, faces: Indices) -> Numbers:
+def vertex_normals(vertices: Numbers, faces: Indices, n_threads: int = 1) -> Numbers:
     """Return unit normals at vertices (N, 3), which are exact for vertices on a sphere."""
 
 def tangent_axes(normals: Numbers) -> Numbers:
     """Return a unit vector at a right angle to each normal, (N, 3)."""
+
+def unit_vectors(angles: Numbers) -> Numbers:
+    """Return the cosines and sines (N, 2) of angles of up to 1e5."""
+
+def to_space(pairs: Numbers, x_axes: Numbers, y_axes: Numbers) -> Numbers:
+    """Return vectors in space (N, 3) from coordinates (N, 2) along two axes of each vertex."""
 
 def polar_directions(
     vertices: Numbers,
@@ -330,6 +336,9 @@ def real_form(
     indptr: Rows, indices: Rows, entries: Numbers, scale: Numbers, diagonal: Numbers
 ) -> tuple[Rows, Rows, Numbers]:
     """Return diag(diagonal) + diag(scale) A for complex A as a real matrix of 2 N unknowns."""
+
+def polar_form(pairs: Numbers) -> tuple[Numbers, Numbers]:
+    """Return the lengths (N,) of complex numbers (N, 2), and these numbers at length 1, or 0."""
 
 def poisson_load(
     faces: Indices, frames: Numbers, measure: Numbers, heat: Numbers, logarithmic: bool

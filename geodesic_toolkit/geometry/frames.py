@@ -22,8 +22,17 @@ from geodesic_toolkit.core.types import BoolArray, FloatArray, IndexArray, IntAr
 from geodesic_toolkit.errors import UnsupportedDomainError
 from geodesic_toolkit.geometry.components import connected_by_faces
 from geodesic_toolkit.geometry.intrinsic import coherently_oriented
+from geodesic_toolkit.geometry.threads import threads_for
 
-__all__ = ["ComplexArray", "Fans", "Frames", "fans_of", "frames_in_space", "normals_of_faces"]
+__all__ = [
+    "ComplexArray",
+    "Fans",
+    "Frames",
+    "fans_of",
+    "frames_in_space",
+    "normals_of_faces",
+    "unit_vectors",
+]
 
 ComplexArray: TypeAlias = NDArray[np.complex128]
 
@@ -82,13 +91,10 @@ class Frames(FrozenArrays):
     def to_space(
         self, vectors: ComplexArray, vertices: IntArray | slice = slice(None)
     ) -> FloatArray:
-        """Return tangent vectors (..., P) at vertices, by default all, as vectors in space."""
-        x, y = self.x_axes[vertices], self.y_axes[vertices]
-        real, imaginary = np.ascontiguousarray(vectors.real), np.ascontiguousarray(vectors.imag)
-        result = np.empty((*np.broadcast_shapes(real.shape, x.shape[:-1]), 3))
-        for d in range(3):  # whole vectors at a time take half as long again
-            result[..., d] = real * x[..., d] + imaginary * y[..., d]
-        return result
+        """Return tangent vectors (P,) at vertices, by default all, as vectors in space, (P, 3)."""
+        pairs = np.ascontiguousarray(vectors).view(np.float64).reshape(-1, 2)
+        axes = (np.ascontiguousarray(each[vertices]) for each in (self.x_axes, self.y_axes))
+        return _native.to_space(pairs, *axes)
 
     def to_frames(
         self, vectors: FloatArray, vertices: IndexArray | IntArray | slice = slice(None)
@@ -108,6 +114,12 @@ class Frames(FrozenArrays):
 
     def __getstate__(self) -> dict[str, NDArray[np.generic]]:
         return {name: value for name, value in self.__dict__.items() if name != "y_axes"}
+
+
+def unit_vectors(angles: FloatArray) -> ComplexArray:
+    """Return complex numbers of length 1 at angles (N,) of up to 1e5."""
+    pairs = _native.unit_vectors(np.ascontiguousarray(angles, dtype=np.float64))
+    return _complex(pairs)[:, 0]
 
 
 def _complex(pairs: FloatArray) -> ComplexArray:
@@ -252,7 +264,8 @@ def normals_of_faces(vertices: FloatArray, faces: IntArray) -> FloatArray:
 
 def _normals(vertices: FloatArray, parts: Sequence["_Oriented"]) -> FloatArray:
     faces = np.concatenate([part.by_normals() for part in parts])
-    return _native.vertex_normals(np.ascontiguousarray(vertices), faces)
+    n_threads = threads_for(len(vertices))
+    return _native.vertex_normals(np.ascontiguousarray(vertices), faces, n_threads)
 
 
 @dataclass(frozen=True, eq=False)

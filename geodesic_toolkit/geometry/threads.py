@@ -1,4 +1,4 @@
-"""The number of threads of kernels over the points of a cloud."""
+"""The number of threads of kernels over points."""
 
 import os
 

@@ -123,10 +123,18 @@ class HeatFlow:
         log_heat, _ = log_solve(system.matrix, system.factor, loads)
         return log_heat
 
-    def is_warm(self, load: FloatArray) -> bool:
-        """Return whether one solve finds positive heat of a load (N,) at every vertex."""
+    def is_positive(self, load: FloatArray) -> bool:
+        """Return True if heat of a load (N,) is positive at every vertex that it is connected to.
+
+        One solve is enough where heat stays in the range of floats, or is negative within it.
+        """
         system = (self if self.boundary == "neumann" else self._free).systems()[0]
-        return bool(system.factor.solve(load).min() > system.smallest_final)
+        lowest = float(system.factor.solve(load).min())
+        if lowest > system.smallest_final or not self.solver.componentwise:
+            return True
+        if lowest < -system.smallest_final:
+            return False
+        return not self.is_cold(self.log_solve(load[:, None]), load[:, None])
 
     def is_cold(self, log_heat: FloatArray, loads: FloatArray) -> bool:
         """Return True if heat (N, K) is not positive at a vertex that its load is connected to."""

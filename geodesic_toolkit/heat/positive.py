@@ -98,10 +98,8 @@ class PositiveFlow:
         return self._positive().log_solve(loads), False
 
     def is_positive(self, load: FloatArray) -> bool:
-        """Return whether all heat of a load (N,) is positive: at once where no weight is wrong."""
-        return (
-            not self._has_wrong_signs or self.own.is_warm(load) or self.log_solve(load[:, None])[1]
-        )
+        """Return True if all heat of a load (N,) is positive; at once if no weight is wrong."""
+        return not self._has_wrong_signs or self.own.is_positive(load)
 
     @cached_property
     def _has_wrong_signs(self) -> bool:

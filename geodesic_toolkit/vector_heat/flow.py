@@ -1,10 +1,11 @@
 """Diffusion of vectors, over a range of magnitudes beyond that of floating point."""
 
+from dataclasses import dataclass
 from functools import cached_property
-from typing import NamedTuple
 
 import numpy as np
 
+from geodesic_toolkit import _native
 from geodesic_toolkit.core.rows import CompressedRows
 from geodesic_toolkit.core.types import BoolArray, FloatArray
 from geodesic_toolkit.geometry.frames import ComplexArray
@@ -15,19 +16,29 @@ from geodesic_toolkit.linear.patterns import factorize_pairs
 __all__ = ["LogVectors", "VectorFlow"]
 
 
-class LogVectors(NamedTuple):
-    """Vectors by the logarithms of their lengths, and by their directions.
+@dataclass(frozen=True, eq=False)
+class LogVectors:
+    """Vectors by their directions, and by lengths of any magnitude.
 
     Attributes
     ----------
-    log_sizes : ndarray of shape (N,), float64
-        ``-inf`` where nothing comes.
     directions : ndarray of shape (N,), complex128
         Of length 1, and 0 where nothing comes.
+    scaled_sizes : ndarray of shape (N,), float64
+        Lengths in units of their scales; 0 where nothing comes.
+    log_scales : ndarray of shape (N,), float64, or float
+        The logarithms of the scales.
     """
 
-    log_sizes: FloatArray
     directions: ComplexArray
+    scaled_sizes: FloatArray
+    log_scales: FloatArray | float = 0.0
+
+    @property
+    def log_sizes(self) -> FloatArray:
+        """The logarithms of the lengths, (N,); ``-inf`` where nothing comes."""
+        with np.errstate(divide="ignore"):
+            return np.asarray(np.log(self.scaled_sizes) + self.log_scales)
 
 
 class VectorFlow:
@@ -70,22 +81,21 @@ class VectorFlow:
         return smallest_final_value(self.matrix.diagonal())
 
     def log_solve(self, load: ComplexArray) -> LogVectors:
-        """Return the solution as logarithms of lengths, however small, and directions.
+        """Return the solution as directions, and lengths however small.
 
         As in :func:`geodesic_toolkit.heat.log_range.log_solve`: where a vector has sunk below a
         threshold, the solve starts again with the load of those above it on the others, scaled.
         """
-        vectors = self.solve(load)
-        sizes = np.abs(vectors)
+        sizes, own, vectors = self._polar_solve(load)
         if sizes.min() > self._least:  # as on most shapes
-            return LogVectors(np.log(sizes), vectors / sizes)
+            return LogVectors(own, sizes)
         count = len(load)
-        log_sizes, directions = np.full(count, -np.inf), np.zeros(count, dtype=np.complex128)
+        scaled_sizes, log_scales = np.zeros(count), np.zeros(count)
+        directions = np.zeros(count, dtype=np.complex128)
         settled, log_scale = np.zeros(count, dtype=np.bool_), 0.0
         for _ in range(count + 1):  # each stage finishes a vertex at least
             new = ~settled & (sizes > self._least)
-            log_sizes[new] = np.log(sizes[new]) + log_scale
-            directions[new] = vectors[new] / sizes[new]
+            scaled_sizes[new], log_scales[new], directions[new] = sizes[new], log_scale, own[new]
             settled |= new
             if settled.all() or not new.any() or not self._restarts:
                 break
@@ -95,9 +105,14 @@ class VectorFlow:
                 break
             load /= largest
             log_scale += float(np.log(largest))
-            vectors = self.solve(load)
-            sizes = np.abs(vectors)
-        return LogVectors(log_sizes, directions)
+            sizes, own, vectors = self._polar_solve(load)
+        return LogVectors(directions, scaled_sizes, log_scales)
+
+    def _polar_solve(self, load: ComplexArray) -> tuple[FloatArray, ComplexArray, ComplexArray]:
+        """Return the lengths and directions of a solution, (N,), and the solution itself."""
+        vectors = self.solve(load)
+        sizes, directions = _native.polar_form(vectors.view(np.float64).reshape(-1, 2))
+        return sizes, directions.view(np.complex128)[:, 0], vectors
 
     def _interface(self, vectors: ComplexArray, near: BoolArray) -> ComplexArray:
         """Return ``A w`` for w = (0, x_far), which is not zero at the interface only."""

@@ -33,11 +33,11 @@ def signed_potential(heat: VectorHeatMethod, curves: list[LaidCurve]) -> FloatAr
             f"a signed distance needs triangles, and this discretization has {gradient!r}"
         )
     load = np.sum([_normals(curve, frames) for curve in curves], axis=0)
-    log_sizes, directions = heat.diffuse(load)
-    corners = log_sizes[gradient.elements]  # only their ratio inside an element counts
+    vectors = heat.diffuse(load)
+    corners = vectors.log_sizes[gradient.elements]  # only their ratio inside an element counts
     largest = corners.max(axis=1, keepdims=True)
     sizes = np.exp(corners - np.where(np.isfinite(largest), largest, 0.0))
-    mean = (frames.turns * directions[gradient.elements] * sizes).sum(axis=1)
+    mean = (frames.turns * vectors.directions[gradient.elements] * sizes).sum(axis=1)
     length = np.abs(mean)
     mean = np.divide(mean, length, out=np.zeros_like(mean), where=length > 0)
     field = np.column_stack([mean.real, np.where(frames.mirrored, -mean.imag, mean.imag)])

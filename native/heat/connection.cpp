@@ -1,24 +1,34 @@
 #include "heat/connection.hpp"
 
 #include <algorithm>
+#include <cmath>
+
+#include "core/processor.hpp"
 
 namespace geodesic {
 namespace {
 
-// Entries of a row up to which all are counted: no branch depends on what they are.
-constexpr Index kFewEntries = 24;
+constexpr Index kPrefetchDistance = 6;  // elements, or entries of a pattern, of prefetch distance
+constexpr Index kFarther = 16;          // entries, where little is done for each
+constexpr Index kPrefetched = 8;        // entries of a row that are asked for: most have seven
+
+// Entries of a row that are counted at once, without a branch that depends on what they are.
+constexpr Index kAtOnce = 16;
 
 // Where the entry (row, column) is, or -1.
 Index place_of(const Pattern& pattern, Index row, Index column) {
-  const Row* const begin = pattern.indices.data() + pattern.indptr[row];
-  const Row* const end = pattern.indices.data() + pattern.indptr[row + 1];
+  const Index begin = pattern.indptr[row], n = pattern.indptr[row + 1] - begin;
+  const Row* const entries = pattern.indices.data() + begin;
   const Row wanted = static_cast<Row>(column);
-  const Row* found = begin;
-  if (end - begin > kFewEntries)
-    found = std::lower_bound(begin, end, wanted);
-  else
-    for (const Row* at = begin; at < end; ++at) found += *at < wanted;
-  return found != end && *found == wanted ? found - pattern.indices.data() : -1;
+  Index found = 0;
+  if (n > kAtOnce || begin + kAtOnce > count(pattern.indices)) {
+    found = std::lower_bound(entries, entries + n, wanted) - entries;
+  } else {
+    Row smaller = 0;
+    for (Row k = 0; k < kAtOnce; ++k) smaller += (entries[k] < wanted) & (k < n);
+    found = smaller;
+  }
+  return found < n && entries[found] == wanted ? begin + found : -1;
 }
 
 // Add to a complex number by conj(one) other, times a real one.
@@ -30,12 +40,14 @@ void add(double* sum, const double* one, const double* other, double by) {
 // Fill in the entries left of the diagonal; return whether each has its mirror image. Rows visited
 // in order meet those of each column in order.
 bool mirror(const Pattern& pattern, const Array<Index>& diagonal, Array<double>& entries) {
+  const Index n_entries = count(pattern.indices);
   Array<Index> place(pattern.size());
   for (Index v = 0; v < pattern.size(); ++v) place[v] = diagonal[v] + 1;
   for (Index row = 0; row < pattern.size(); ++row)
     for (Index k = pattern.indptr[row]; k < pattern.indptr[row + 1]; ++k) {
       if (pattern.indices[k] >= row) break;
       const Row column = pattern.indices[k];
+      prefetch(&entries[2 * place[pattern.indices[std::min(k + kFarther, n_entries - 1)]]]);
       const Index other = place[column]++;
       if (other >= pattern.indptr[column + 1] || pattern.indices[other] != row) return false;
       entries[2 * k] = entries[2 * other];
@@ -60,21 +72,29 @@ std::optional<Array<double>> connection_laplacian(const Pattern& pattern,
     if (diagonal[v] < 0) return std::nullopt;
   }
   for (Index e = 0; e < count(measure); ++e) {
+    for (const Index soon : elements.subspan(
+             static_cast<std::size_t>(3 * std::min(e + kPrefetchDistance, count(measure) - 1)),
+             3)) {
+      const Row begin = pattern.indptr[soon];
+      prefetch(pattern.indices.data() + begin);
+      for (Index k = 0; k < kPrefetched; k += 4) prefetch(entries.data() + 2 * (begin + k));
+    }
     const Index* const corner = elements.data() + 3 * e;
     const double p = frames[3 * e], q = frames[3 * e + 1], r = frames[3 * e + 2];
     const double gradient[3][2] = {{-p, -q - r}, {p, q}, {0.0, r}};
     const double* const own = turns.data() + 6 * e;
-    const auto put = [&](int i, int j) {
-      const double product = gradient[i][0] * gradient[j][0] + gradient[i][1] * gradient[j][1];
-      const Index place =
-          corner[i] == corner[j] ? diagonal[corner[i]] : place_of(pattern, corner[i], corner[j]);
-      if (place < 0) return false;
-      add(&entries[2 * place], own + 2 * i, own + 2 * j, measure[e] * product);
-      return true;
-    };
     for (int i = 0; i < 3; ++i)
-      for (int j = 0; j < 3; ++j)
-        if (corner[i] <= corner[j] && !put(i, j)) return std::nullopt;
+      for (int j = i; j < 3; ++j) {
+        const double product = gradient[i][0] * gradient[j][0] + gradient[i][1] * gradient[j][1];
+        const bool is_upper = corner[i] <= corner[j];  // in half of all cases: no branch
+        const Index low = is_upper ? corner[i] : corner[j], high = is_upper ? corner[j] : corner[i];
+        const Index place = low == high ? diagonal[low] : place_of(pattern, low, high);
+        if (place < 0) return std::nullopt;
+        double sum[2] = {0, 0};
+        add(sum, own + 2 * i, own + 2 * j, measure[e] * product);
+        entries[2 * place] += low == high && i != j ? 2 * sum[0] : sum[0];
+        entries[2 * place + 1] += low == high ? 0.0 : is_upper ? sum[1] : -sum[1];
+      }
   }
   if (!mirror(pattern, diagonal, entries)) return std::nullopt;
   return entries;
@@ -113,6 +133,23 @@ Matrix real_form(const Pattern& pattern, std::span<const double> entries,
       }
     }
   result.indptr[2 * n] = place;
+  return result;
+}
+
+// Squares of small numbers would be 0.
+Polar polar_form(std::span<const double> pairs) {
+  const Index n = count(pairs) / 2;
+  Polar result{Array<double>(n), Array<double>(2 * n)};
+  for (Index k = 0; k < n; ++k) {
+    const double real = pairs[2 * k], imaginary = pairs[2 * k + 1];
+    const double one = std::abs(real), other = std::abs(imaginary);
+    const double most = one > other ? one : other, per_most = 1 / (most > 0 ? most : 1.0);
+    const double x = real * per_most, y = imaginary * per_most;
+    const double size = std::sqrt(x * x + y * y), per_size = 1 / (size > 0 ? size : 1.0);
+    result.sizes[k] = most * size;
+    result.directions[2 * k] = x * per_size;
+    result.directions[2 * k + 1] = y * per_size;
+  }
   return result;
 }
 

@@ -29,4 +29,10 @@ Array<double> edge_turns(const Pattern& pattern, std::span<const Index> elements
 Matrix real_form(const Pattern& pattern, std::span<const double> entries,
                  std::span<const double> scale, std::span<const double> diagonal);
 
+// Lengths of complex numbers in pairs, and the same numbers at length 1; both are 0 for zeros.
+struct Polar {
+  Array<double> sizes, directions;
+};
+Polar polar_form(std::span<const double> pairs);
+
 }  // namespace geodesic

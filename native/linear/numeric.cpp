@@ -17,6 +17,7 @@
 #include <vector>
 
 #include "core/processor.hpp"
+#include "core/vectors.hpp"
 #include "core/workspace.hpp"
 #include "linear/front.hpp"
 #include "linear/substitution.hpp"
@@ -78,6 +79,7 @@ class Eliminator {
 
  private:
   static constexpr bool kCopies = Every == 2 || !std::is_same_v<T, double>;
+  using Entry = Pack<Every>;
 
   double* panel_of(Index s) {
     if constexpr (kCopies)
@@ -94,9 +96,10 @@ class Eliminator {
     for (Index k = 0; k < height; ++k) local_[rows[k]] = static_cast<Row>(k);
     std::fill_n(panel, height * width, 0.0);
     for (Index j = 0; j < width; j += Every) {
-      for (Index p = its_.starts[begin + j]; p < its_.starts[begin + j + 1]; ++p) {
+      for (Index p = its_.starts[begin + j]; p < its_.starts[begin + j + 1]; p += Every) {
         prefetch(&data_[its_.places[std::min(p + kPrefetchDistance, last)]]);
-        panel[j * height + local_[its_.lower_rows[p]]] += data_[its_.places[p]];
+        double* const place = panel + j * height + local_[its_.lower_rows[p]];
+        (Entry::load(place) + Entry::load(&data_[its_.places[p]])).store(place);
       }
       pivots_[begin + j] = panel[j * height + j];
     }
@@ -120,7 +123,10 @@ class Eliminator {
     for (Index j = begin; j < end; j += Every) {
       const double* const source = child + j * count;
       double* const column = target + places[j] * stride;
-      for (Index i = j; i < count; ++i) column[places[i]] += source[i];
+      for (Index i = j; i < count; i += Every) {  // both parts of a pair lie together
+        double* const place = column + places[i];
+        (Entry::load(place) + Entry::load(source + i)).store(place);
+      }
     }
   }
 

@@ -76,6 +76,14 @@ void bind_heat(nb::module_& module) {
       },
       "indptr"_a.noconvert(), "indices"_a.noconvert(), "entries"_a.noconvert(),
       "scale"_a.noconvert(), "diagonal"_a.noconvert());
+  module.def(
+      "polar_form",
+      [](In<double, 2> pairs) {
+        require(pairs.shape(1) == 2, "two parts of each number");
+        Polar its = unlocked([&] { return polar_form(span(pairs)); });
+        return nb::make_tuple(give(std::move(its.sizes)), give(std::move(its.directions), 2));
+      },
+      "pairs"_a.noconvert());
 }
 
 }  // namespace geodesic

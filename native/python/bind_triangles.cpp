@@ -22,12 +22,14 @@ void require_triangles(const In<Index, 2>& faces, const auto&... tables) {
 void bind_frames(nb::module_& module) {
   module.def(
       "vertex_normals",
-      [](In<double, 2> vertices, In<Index, 2> faces) {
+      [](In<double, 2> vertices, In<Index, 2> faces, int n_threads) {
         require_triangles(faces);
         require(vertices.shape(1) == 3, "three coordinates for each vertex");
-        return give(unlocked([&] { return vertex_normals(span(vertices), span(faces)); }), 3);
+        require(n_threads > 0, "at least one thread");
+        return give(
+            unlocked([&] { return vertex_normals(span(vertices), span(faces), n_threads); }), 3);
       },
-      "vertices"_a.noconvert(), "faces"_a.noconvert());
+      "vertices"_a.noconvert(), "faces"_a.noconvert(), "n_threads"_a = 1);
   module.def(
       "tangent_axes",
       [](In<double, 2> normals) {
@@ -35,6 +37,21 @@ void bind_frames(nb::module_& module) {
         return give(unlocked([&] { return tangent_axes(span(normals)); }), 3);
       },
       "normals"_a.noconvert());
+  module.def(
+      "unit_vectors",
+      [](In<double> angles) {
+        return give(unlocked([&] { return unit_vectors(span(angles)); }), 2);
+      },
+      "angles"_a.noconvert());
+  module.def(
+      "to_space",
+      [](In<double, 2> pairs, In<double, 2> x_axes, In<double, 2> y_axes) {
+        require(pairs.shape(1) == 2 && x_axes.shape(1) == 3 && n_rows(x_axes) == n_rows(pairs) &&
+                    have_one_shape(x_axes, y_axes),
+                "two coordinates and two axes for each vector");
+        return give(unlocked([&] { return to_space(span(pairs), span(x_axes), span(y_axes)); }), 3);
+      },
+      "pairs"_a.noconvert(), "x_axes"_a.noconvert(), "y_axes"_a.noconvert());
   module.def(
       "polar_directions",
       [](In<double, 2> vertices, In<Index, 2> faces, In<double, 2> lengths, In<Index> twin,

@@ -165,3 +165,15 @@ TEST(a_connection_without_turning_is_the_stiffness_and_its_real_form_has_it_twic
     for (Row k = real.indptr[i]; k < real.indptr[i + 1]; ++k)
       if ((real.indices[k] - i) % 2 != 0) CHECK(std::abs(real.data[k]) < 1e-12);
 }
+
+TEST(the_polar_form_of_small_and_large_numbers_is_exact_to_rounding) {
+  for (const double scale : {1.0, 1e-290, 1e290}) {
+    const std::vector<double> pairs = {3 * scale, -4 * scale, 0.0, 2 * scale, 0.0, 0.0};
+    const Polar its = polar_form(pairs);
+    CHECK(std::abs(its.sizes[0] / (5 * scale) - 1) < 1e-15);
+    CHECK(std::abs(its.sizes[1] / (2 * scale) - 1) < 1e-15);
+    CHECK(its.sizes[2] == 0.0);
+    const double wanted[6] = {0.6, -0.8, 0.0, 1.0, 0.0, 0.0};
+    for (Index k = 0; k < 6; ++k) CHECK(std::abs(its.directions[k] - wanted[k]) < 1e-15);
+  }
+}

@@ -11,6 +11,7 @@
 #include "triangles/measures.hpp"
 #include "triangles/normals.hpp"
 #include "triangles/proper.hpp"
+#include "triangles/rings.hpp"
 #include "triangles/stiffness.hpp"
 #include "triangles/vector3.hpp"
 
@@ -339,4 +340,50 @@ TEST(where_a_plane_is_folded_its_normals_stay) {
     const Vector3 exact = unit({0, aside > 0 ? -1.0 : 1.0, 1}, {});
     CHECK(length(cross(at(normals, v), exact)) < kClose);
   }
+}
+
+TEST(normals_are_the_same_on_any_number_of_threads) {
+  const Mesh mesh = rolled(20, 0.05);
+  const Array<double> alone = vertex_normals(mesh.vertices, mesh.faces);
+  for (const int n_threads : {2, 3, 7})
+    CHECK(std::ranges::equal(alone, vertex_normals(mesh.vertices, mesh.faces, n_threads)));
+}
+
+TEST(two_rings_have_each_vertex_once) {
+  const Index side = 9;
+  const Mesh mesh = sheared_grid(side, 0.0);
+  const Rings rings(mesh.faces, mesh.n_vertices());
+  TwoRings both(rings);
+  for (Index v = 0; v < mesh.n_vertices(); ++v) {
+    const std::span<const Row> near = both.of(v);
+    std::vector<Row> sorted(near.begin(), near.end());
+    std::ranges::sort(sorted);
+    CHECK(std::ranges::adjacent_find(sorted) == sorted.end());
+    const Index row = v / side, column = v % side;
+    const auto is_between = [](Index k, Index from, Index to) { return from <= k && k <= to; };
+    if (!is_between(row, 1, side - 2) || !is_between(column, 1, side - 2)) CHECK(near.empty());
+    if (is_between(row, 2, side - 3) && is_between(column, 2, side - 3)) CHECK(count(near) == 18);
+  }
+}
+
+TEST(where_many_edges_meet_there_are_no_rings) {
+  const Index n = Rings::kMostNeighbours + 1;  // around vertex n, and all of these around n + 1
+  std::vector<Index> faces;
+  for (Index k = 0; k < n; ++k)
+    for (const Index v : {k, (k + 1) % n, n, (k + 1) % n, k, n + 1}) faces.push_back(v);
+  const Rings rings(faces, n + 2);
+  TwoRings both(rings);
+  CHECK(rings.size(n) == n && rings.is_inside(n));
+  CHECK(both.of(n).empty());
+  CHECK(count(both.of(0)) == 6);  // two neighbours on the rim, both hubs, and two beyond
+}
+
+TEST(fits_do_without_neighbours_at_the_place_of_a_vertex) {
+  Mesh mesh = rolled(9, 0.05);
+  const Array<double> before = vertex_normals(mesh.vertices, mesh.faces);
+  const Index middle = 4 * 9 + 4;
+  for (Index d = 0; d < 3; ++d) mesh.vertices[3 * (middle + 1) + d] = mesh.vertices[3 * middle + d];
+  const Array<double> normals = vertex_normals(mesh.vertices, mesh.faces);
+  for (const double part : normals) CHECK(std::isfinite(part));
+  CHECK(length(cross(at(normals, middle), at(before, middle))) < 0.01);
 }

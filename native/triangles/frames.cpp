@@ -23,19 +23,6 @@ void put(Array<double>& table, Index row, const Vector3& a) {
   table[3 * row + 2] = a.z;
 }
 
-// The angles at all corners, (F, 3): Heron's formula as in `doubled_area`, of sorted edges.
-Array<double> corner_angles(std::span<const double> lengths) {
-  Array<double> angles(count(lengths));
-  for (Index f = 0; f < count(lengths); f += 3) {
-    const double p = lengths[f], q = lengths[f + 1], r = lengths[f + 2];
-    const double area = doubled_area(p, q, r);
-    angles[f] = angle((q * q + r * r - p * p) / 2, area);
-    angles[f + 1] = angle((r * r + p * p - q * q) / 2, area);
-    angles[f + 2] = angle((p * p + q * q - r * r) / 2, area);
-  }
-  return angles;
-}
-
 // The half-edges that leave each vertex, fan by fan: from one end of the surface to the other, or
 // around all of it, counter-clockwise as the faces run.
 class Fans {
@@ -119,6 +106,25 @@ Array<double> tangent_axes(std::span<const double> normals) {
     put(axes, v, {1 + sign * n.x * n.x * c, 0.0 + sign * n.x * n.y * c, 0.0 - sign * n.x});
   }
   return axes;
+}
+
+Array<double> unit_vectors(std::span<const double> angles) {
+  Array<double> pairs(2 * count(angles));
+  for (Index k = 0; k < count(angles); ++k) {
+    const auto [cosine, sine] = cosine_and_sine(angles[k]);
+    pairs[2 * k] = cosine;
+    pairs[2 * k + 1] = sine;
+  }
+  return pairs;
+}
+
+Array<double> to_space(std::span<const double> pairs, std::span<const double> x_axes,
+                       std::span<const double> y_axes) {
+  Array<double> result(count(x_axes));
+  for (Index v = 0; v < count(x_axes) / 3; ++v)
+    for (Index d = 3 * v; d < 3 * v + 3; ++d)
+      result[d] = pairs[2 * v] * x_axes[d] + pairs[2 * v + 1] * y_axes[d];
+  return result;
 }
 
 Directions polar_directions(std::span<const double> vertices, std::span<const Index> faces,

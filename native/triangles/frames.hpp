@@ -18,6 +18,13 @@ namespace geodesic {
 // Techniques 6, 2017, https://jcgt.org/published/0006/01/01/
 Array<double> tangent_axes(std::span<const double> normals);
 
+// The cosines and sines of angles of up to 1e5, (N, 2); NaN of what is not a number.
+Array<double> unit_vectors(std::span<const double> angles);
+
+// Vectors in space, (N, 3), from their coordinates, (N, 2), along two axes of each vertex.
+Array<double> to_space(std::span<const double> pairs, std::span<const double> x_axes,
+                       std::span<const double> y_axes);
+
 // The direction of each half-edge 3 f + c, which leaves corner c + 1, as an angle in the frame of
 // that vertex, and the factor of angles between half-edges there.
 struct Directions {

@@ -58,4 +58,16 @@ Array<double> edge_lengths(std::span<const double> frames) {
   return lengths;
 }
 
+Array<double> corner_angles(std::span<const double> lengths) {
+  Array<double> angles(count(lengths));
+  for (Index f = 0; f < count(lengths); f += 3) {
+    const double p = lengths[f], q = lengths[f + 1], r = lengths[f + 2];
+    const double area = doubled_area(p, q, r);
+    angles[f] = angle((q * q + r * r - p * p) / 2, area);
+    angles[f + 1] = angle((r * r + p * p - q * q) / 2, area);
+    angles[f + 2] = angle((p * p + q * q - r * r) / 2, area);
+  }
+  return angles;
+}
+
 }  // namespace geodesic

@@ -35,6 +35,8 @@ inline double doubled_area(double p, double q, double r) {
   const double product = (a + (b + c)) * (c - (a - b)) * (c + (a - b)) * (a + (b - c));
   return std::sqrt(product < 0 ? 0.0 : product) / 2;
 }
+// The angles at all corners, (F, 3), by the edges opposite them: Heron's formula as above.
+Array<double> corner_angles(std::span<const double> lengths);
 // The angle between two edges of a triangle, by the third.
 inline double angle_between(double one, double other, double opposite) {
   return angle((one * one + other * other - opposite * opposite) / 2,

@@ -18,6 +18,8 @@ namespace geodesic {
 // 1999, https://doi.org/10.1080/10867651.1999.10487501
 // F. Cazals, M. Pouget, Estimating Differential Quantities Using Polynomial Fitting of Osculating
 // Jets, Computer Aided Geometric Design 22, 2005, https://doi.org/10.1016/j.cagd.2004.09.004
-Array<double> vertex_normals(std::span<const double> vertices, std::span<const Index> faces);
+// They are the same for any number of threads.
+Array<double> vertex_normals(std::span<const double> vertices, std::span<const Index> faces,
+                             int n_threads = 1);
 
 }  // namespace geodesic

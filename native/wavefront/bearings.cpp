@@ -4,6 +4,7 @@
 #include <limits>
 
 #include "core/angles.hpp"
+#include "core/processor.hpp"
 #include "triangles/measures.hpp"
 
 namespace geodesic {
@@ -12,9 +13,10 @@ namespace {
 Index next(Index corner) { return corner % 3 == 2 ? corner - 2 : corner + 1; }
 Index previous(Index corner) { return corner % 3 == 0 ? corner + 2 : corner - 1; }
 
-double angle_at(std::span<const double> lengths, Index corner) {
-  return angle_between(lengths[next(corner)], lengths[previous(corner)], lengths[corner]);
-}
+constexpr Index kPrefetchDistance = 12;  // corners of prefetch distance: vertices come in no order
+
+// The angle of (x, y), in (-pi, pi].
+double signed_angle(double x, double y) { return std::copysign(angle(x, std::abs(y)), y); }
 
 }  // namespace
 
@@ -23,14 +25,14 @@ Directions directions_of(std::span<const Index> elements, std::span<const double
                          std::span<const Index> twin) {
   const Index n_corners = count(elements);
   Directions result{Array<double>(n_corners), Array<double>(n_corners)};
-  Array<double> angles(n_corners), bisectors(n_corners);
+  const Array<double> angles = corner_angles(lengths);
+  Array<double> bisectors(n_corners);
+  for (Index c = 0; c < n_corners; ++c) bisectors[c] = signed_angle(turns[2 * c], turns[2 * c + 1]);
   for (Index f = 0; f < n_corners; f += 3) {
-    for (Index c = f; c < f + 3; ++c) angles[c] = angle_at(lengths, c);
     const double inside[3] = {angles[f] / 2, kPi - angles[f + 1] / 2,
                               kPi + angles[f] + angles[f + 2] / 2};
     for (Index c = 0; c < 3; ++c)
-      bisectors[f + c] = (mirrored[f / 3] ? -inside[c] : inside[c]) -
-                         std::atan2(turns[2 * (f + c) + 1], turns[2 * (f + c)]);
+      bisectors[f + c] = (mirrored[f / 3] ? -inside[c] : inside[c]) - bisectors[f + c];
   }
   // From bisector to bisector the frame turns by half of both angles, scaled.
   const auto scale_at = [&](Index corner, bool is_mirrored) {
@@ -63,7 +65,12 @@ Array<Bearing> bearings_of(const Corners& corners, std::span<const Index> elemen
                            const DirectionsView& directions) {
   constexpr double kNoNumber = std::numeric_limits<double>::quiet_NaN();
   Array<Bearing> bearings(corners.around.size(), Bearing{kNoNumber, kNoNumber});
+  const Array<double> angles = corner_angles(flat);
   for (Index corner = 0; corner < count(elements); ++corner) {
+    const Row soon =
+        corners.starts[elements[std::min(corner + kPrefetchDistance, count(elements) - 1)]];
+    for (Index k = 0; k < 6; k += 2) prefetch(corners.around.data() + soon + k);
+    prefetch(bearings.data() + soon);
     const Index v = elements[corner];
     const auto a = static_cast<std::uint32_t>(elements[next(corner)]);
     const auto b = static_cast<std::uint32_t>(elements[previous(corner)]);
@@ -80,7 +87,7 @@ Array<Bearing> bearings_of(const Corners& corners, std::span<const Index> elemen
     }
     if (found == kNone) continue;
     const Index half = previous(corner);  // which leaves the corner
-    bearings[found] = {directions.angles[half], directions.scales[half] * angle_at(flat, corner)};
+    bearings[found] = {directions.angles[half], directions.scales[half] * angles[corner]};
   }
   return bearings;
 }

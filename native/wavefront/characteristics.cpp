@@ -1,17 +1,20 @@
 #include "wavefront/characteristics.hpp"
 
 #include <cmath>
+#include <cstring>
 #include <limits>
 #include <optional>
 
 #include "core/angles.hpp"
+#include "core/processor.hpp"
 #include "wavefront/crossing.hpp"
 #include "wavefront/falling.hpp"
 
 namespace geodesic {
 namespace {
 
-constexpr int kAtOnce = 8;  // corners that are looked at together
+constexpr int kAtOnce = 8;              // corners that are looked at together
+constexpr Index kPrefetchDistance = 8;  // vertices of prefetch distance
 using Lanes = Pack<kAtOnce>;
 
 // Up to this many times the least distance an edge goes before what comes across one, as in sweeps.
@@ -32,9 +35,9 @@ constexpr double kMeeting = 0.75;
 // Change of an angle after which those that were carried on from it are carried again.
 constexpr double kSettled = 1e-9;
 
-// Times that all is carried at most: ends of edges that are farther than the vertex opposite take
-// from it in turn, and their angles are constant after five to eight.
-constexpr Index kMostRounds = 30;
+// Times that data are carried to a vertex at most: ends of edges that are farther than the vertex
+// opposite take from it in turn, and their angles are constant after five to eight.
+constexpr std::uint8_t kMostTimes = 30;
 
 // Spread of geodesics that turn about a corner of the boundary: all leave their source at one
 // angle.
@@ -59,6 +62,11 @@ struct Characteristic {
   double arrival = 0;
   Row corner = kNone;    // of the vertex
   bool along_b = false;  // whether it is the second edge of that corner along which it came
+};
+
+// The vertices that a vertex takes its data from.
+struct Ends {
+  Row a = kNone, b = kNone;
 };
 
 // The data of a vertex. The slope is the derivative of the spread by distance.
@@ -100,6 +108,9 @@ class Way {
         front_(curvature.size()),
         ways_(curvature.size(), Characteristic{}),
         states_(curvature.size()),
+        ends_(curvature.size(), Ends{}),
+        place_of_(count(curvature)),
+        n_times_(count(curvature), 0),
         is_pending_(count(curvature), false) {
     constexpr double kNoNumber = std::numeric_limits<double>::quiet_NaN();
     for (Index v = 0; v < n_vertices(); ++v) {
@@ -131,22 +142,29 @@ class Way {
       if (is_point(seeds, p)) begin_about(static_cast<Row>(seeds.vertices[p]), seeds.labels[p]);
   }
 
-  // In the order of the distance, and then again for vertices whose predecessors have changed.
+  // In the order of the distance, and at once again for vertices whose predecessors have changed:
+  // so the others take from them when they are settled.
   void carry_on() {
-    Array<double> later(n_vertices());
-    for (Index v = 0; v < n_vertices(); ++v) later[v] = -front_[v].distance;
+    const Index n = n_vertices();
+    Array<double> later(n);
+    for (Index v = 0; v < n; ++v) later[v] = -front_[v].distance;
     const Array<Row> order = falling({later, 1, true}, 0, 1);
-    Index n_pending = 0;
-    for (const Row v : order) n_pending += await(v);
-    for (Index round = 0; round < kMostRounds && n_pending > 0; ++round) {
-      for (const Row v : order) {
-        if (!is_pending_[v]) continue;
-        is_pending_[v] = false;
-        --n_pending;
-        const State before = states_[v];
-        carry_to(v);
-        if (has_changed(before, states_[v])) n_pending += await_followers(v);
-      }
+    for (Index k = 0; k < n; ++k) {
+      const Row v = order[k];
+      place_of_[v] = static_cast<Row>(k);
+      if (!states_[v].is_fixed) ends_[v] = {ways_[v].a, ways_[v].b};
+      await(v);
+    }
+    for (Index k = 0; k < n;) {
+      const void* const found = std::memchr(&is_pending_[k], true, static_cast<std::size_t>(n - k));
+      if (!found) break;
+      k = static_cast<const bool*>(found) - is_pending_.data();
+      prefetch_soon(order[std::min(k + kPrefetchDistance, n - 1)]);
+      const Row v = order[k];
+      is_pending_[k++] = false;
+      const State before = states_[v];
+      carry_to(v);
+      if (has_changed(before, states_[v])) k = std::min(k, await_followers(v));
     }
     for (const Row v : order) carry_to_left(v);
   }
@@ -344,22 +362,40 @@ class Way {
     }
   }
 
-  bool await(Row v) {
-    if (is_pending_[v] || states_[v].is_fixed || ways_[v].a == kNone) return false;
-    return is_pending_[v] = true;
+  // Vertices come in an order in which their neighbours in memory are far away.
+  void prefetch_soon(Row v) const {
+    const Characteristic& way = ways_[v];
+    prefetch(&way);
+    prefetch(&way.radius);
+    prefetch(&states_[v]);
+    prefetch(&corners_.around[corners_.starts[v]]);
   }
 
+  // Return where in the order a vertex is that waits now, or the end where it does not.
+  Index await(Row v) {
+    const Index place = place_of_[v];
+    if (is_pending_[place]) return place;
+    if (ends_[v].a == kNone || n_times_[v] == kMostTimes) return n_vertices();
+    ++n_times_[v];
+    is_pending_[place] = true;
+    return place;
+  }
+
+  // Return where the first one of them is. In a fan each neighbour is in two corners, one after the
+  // other.
   Index await_followers(Row v) {
-    Index n = 0;
+    Index first = n_vertices();
     const auto look_at = [&](std::uint32_t near) {
-      const Characteristic& way = ways_[near];
-      if (way.a == v || way.b == v) n += await(static_cast<Row>(near));
+      const Ends& from = ends_[near];
+      if (from.a == v || from.b == v) first = std::min(first, await(static_cast<Row>(near)));
     };
-    for (Row place = corners_.starts[v]; place < corners_.starts[v + 1]; ++place) {
-      look_at(corners_.around[place].a);
-      look_at(corners_.around[place].b);
+    const Row end = corners_.starts[v + 1];
+    for (Row place = corners_.starts[v]; place < end; ++place) {
+      const Corner& corner = corners_.around[place];
+      look_at(corner.a);
+      if (place + 1 == end || corners_.around[place + 1].a != corner.b) look_at(corner.b);
     }
-    return n;
+    return first;
   }
 
   static bool has_changed(const State& before, const State& now) {
@@ -629,7 +665,10 @@ class Way {
   Array<Front> front_;
   Array<Characteristic> ways_;
   Array<State> states_;
-  Array<bool> is_pending_;  // apart: all are looked at in every round
+  Array<Ends> ends_;     // kNone at fixed vertices; apart, as many look at them
+  Array<Row> place_of_;  // of vertices in the order
+  Array<std::uint8_t> n_times_;
+  Array<bool> is_pending_;  // in the order
 };
 
 }  // namespace

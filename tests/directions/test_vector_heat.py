@@ -243,6 +243,39 @@ def test_values_are_extended_in_positive_heat_where_the_own_turns_negative():
     assert 0 <= got.min() < got.max() <= 1
 
 
+def bent_tube(rings, *, twisted=0):
+    """A tube with some obtuse angles, each of the last rings turned by three more sides."""
+    mesh = gt.testing.shapes.tube(rings, 24)
+    x, y, z = mesh.vertices.T
+    ring = np.arange(mesh.n_vertices) // 24
+    turned = (x + 1j * y) * np.exp(2j * np.pi / 8 * np.maximum(ring - (rings - twisted), 0))
+    shift = np.random.default_rng(0).uniform(-0.45, 0.45, mesh.n_vertices)
+    height = z + shift * np.ptp(z) / (rings - 1)
+    return gt.TriangleMesh(np.column_stack([turned.real, turned.imag, height]), mesh.faces)
+
+
+WITH_WRONG_SIGNS = {
+    "positive": (bent_tube(30), True),
+    "negative": (gt.testing.shapes.grid(20, shear=4.0), False),
+    "positive beyond floats": (bent_tube(1200), True),
+    "negative beyond floats": (bent_tube(1200, twisted=20), False),
+}
+
+
+@pytest.mark.parametrize("case", WITH_WRONG_SIGNS)
+def test_heat_is_found_positive_where_no_vertex_has_other_heat(case):
+    mesh, is_positive = WITH_WRONG_SIGNS[case]
+    method = gt.GeodesicSolver(
+        mesh, operator=gt.CotanLaplacian(intrinsic_delaunay=False), refine=False
+    ).method
+    load = np.zeros(mesh.n_vertices)
+    load[5] = 1.0
+    rows = method.diffusion.rows
+    assert (rows.data[rows.row_of_entry != rows.indices] > 0).any()
+    assert (method.heat_report(5).non_positive == 0) == is_positive
+    assert method.stays_positive(load) == is_positive
+
+
 # -- the logarithm ---------------------------------------------------------------------------------
 
 

@@ -9,7 +9,7 @@ from geodesic_toolkit.analysis.directions.traced import refines, trace
 from geodesic_toolkit.core.frozen import FrozenArrays, freeze
 from geodesic_toolkit.core.types import FloatArray
 from geodesic_toolkit.errors import InvalidSourceError
-from geodesic_toolkit.geometry.frames import ComplexArray
+from geodesic_toolkit.geometry.frames import ComplexArray, unit_vectors
 from geodesic_toolkit.solver.solver import GeodesicSolver
 from geodesic_toolkit.sources.points import SourcePoints
 
@@ -126,12 +126,12 @@ def _refined(solver: GeodesicSolver, points: SourcePoints) -> LogMap:
     traced = trace(solver, points)
     distance = traced.distances
     reached = (traced.labels >= 0) & np.isfinite(distance)
-    direction = np.where(reached, np.exp(1j * traced.angles), np.nan)
-    arrival = np.where(distance == 0, 0.0, np.exp(1j * traced.arrivals))
+    angle = np.where(reached, traced.angles, np.nan)
+    arrival = np.where(distance == 0, 0.0, unit_vectors(traced.arrivals))
     return LogMap(
-        coordinates=_pairs(np.where(reached, distance, np.nan) * direction),
+        coordinates=_pairs(np.where(reached, distance, np.nan) * unit_vectors(angle)),
         distance=distance,
-        angle=np.angle(direction),
+        angle=angle - 2 * np.pi * np.ceil(angle / (2 * np.pi) - 0.5),
         arrival=np.where(reached[:, None], traced.frames.to_space(arrival), np.nan),
         spread=np.where(traced.spreads > SHADOW, np.inf, traced.spreads),
         frame=traced.sources.axes[0].copy(),

@@ -19,6 +19,7 @@ from geodesic_toolkit.errors import (
     UnreachableError,
     UnsupportedDomainError,
 )
+from geodesic_toolkit.geometry.frames import unit_vectors
 from geodesic_toolkit.solver.solver import GeodesicSolver, check_solver
 from geodesic_toolkit.sources.points import SourcePoints
 from geodesic_toolkit.sources.surface_point import SurfacePoint
@@ -211,7 +212,7 @@ def _logarithms(
     """Return the distances of sites from a place, (P,), and their logarithms in space, (P, 3)."""
     traced = trace(solver, place)
     around = sites.vertices
-    where = traced.distances[around] * np.exp(1j * traced.angles[around])
+    where = traced.distances[around] * unit_vectors(traced.angles[around])
     between = np.add.reduceat(sites.shares * where, sites.begins[:-1])
     pairs = np.column_stack([between.real, between.imag])
     return np.abs(between), pairs @ traced.sources.axes[0]

@@ -9,6 +9,7 @@ from geodesic_toolkit.analysis.directions.traced import refines, trace
 from geodesic_toolkit.core.checks import real_numbers
 from geodesic_toolkit.core.types import FloatArray
 from geodesic_toolkit.errors import InvalidOptionError, InvalidSourceError
+from geodesic_toolkit.geometry.frames import unit_vectors
 from geodesic_toolkit.solver.solver import GeodesicSolver
 
 __all__ = ["parallel_transport"]
@@ -78,7 +79,7 @@ def parallel_transport(
     at_sources = traced.sources.to_frames(given)
     _check_directions(np.abs(at_sources), given)
     reached = traced.labels >= 0
-    turned = at_sources[traced.labels] * np.exp(1j * traced.rotations)
+    turned = at_sources[traced.labels] * unit_vectors(traced.rotations)
     return frames.to_space(np.where(reached, turned, 0.0))
 
 

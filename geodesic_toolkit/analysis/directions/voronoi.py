@@ -15,6 +15,7 @@ from geodesic_toolkit.core.types import FloatArray, IntArray
 from geodesic_toolkit.core.words import a_kind_of
 from geodesic_toolkit.domains import TriangleMesh
 from geodesic_toolkit.errors import InvalidOptionError, InvalidSourceError, UnsupportedDomainError
+from geodesic_toolkit.geometry.frames import unit_vectors
 from geodesic_toolkit.heat.method import Progress
 from geodesic_toolkit.solver.solver import GeodesicSolver, check_solver
 from geodesic_toolkit.sources.points import SourcePoints
@@ -208,7 +209,7 @@ def _to_centres(traced: Traced, mass: FloatArray, count: int) -> FloatArray:
     """Return the mean logarithm of each cell as a vector in space, (P, 3)."""
     reached = traced.labels >= 0
     labels, own = traced.labels[reached], mass[reached]
-    logarithms = own * traced.distances[reached] * np.exp(1j * traced.angles[reached])
+    logarithms = own * traced.distances[reached] * unit_vectors(traced.angles[reached])
     total = np.bincount(labels, own, count)
     pull = np.bincount(labels, logarithms.real, count) + 1j * np.bincount(
         labels, logarithms.imag, count
