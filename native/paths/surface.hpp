@@ -21,6 +21,7 @@ class Surface {
 
   Index n_vertices() const { return starts_.size() - 1; }
   Index n_faces() const { return count(faces_) / 3; }
+  std::span<const Index> faces() const { return faces_; }
   const Index* corners(Index face) const { return &faces_[3 * face]; }
   std::span<const Index> around(Index vertex) const {
     return {around_.data() + starts_[vertex], around_.data() + starts_[vertex + 1]};

@@ -1,0 +1,24 @@
+// The shortest loop that does not shrink to a point, through a vertex or anywhere.
+//
+// J. Erickson, S. Har-Peled, Optimally cutting a surface into a disk, Discrete & Computational
+// Geometry 31, 2004, https://doi.org/10.1007/s00454-003-2948-z: the shortest loop of edges through a
+// vertex consists of two shortest paths and an edge, and every loop meets a cut of the surface.
+#pragma once
+
+#include "paths/chains.hpp"
+
+namespace geodesic {
+
+// A loop, pulled taut; without points where every loop shrinks.
+struct ShortestLoop {
+  Line line;
+  // The ends of an edge of more than two faces, beside which loops have no classes, or kNone.
+  Index crowded[2] = {kNone, kNone};
+};
+
+// Held at a vertex.
+ShortestLoop shortest_loop_through(const Surface& surface, Index vertex);
+
+ShortestLoop shortest_loop_anywhere(const Surface& surface);
+
+}  // namespace geodesic
