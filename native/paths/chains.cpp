@@ -78,8 +78,7 @@ void append(std::vector<Crossing>& points, const std::vector<Crossing>& more) {
 Line pulled_along(const Surface& surface, const Chain& chain) {
   Line line;
   for (const Leg& leg : legs_of(surface, chain)) {
-    const Path path =
-        beside_cones(surface, shortest_path(surface, leg.strip, leg.first, leg.last));
+    const Path path = beside_cones(surface, shortest_path(surface, leg.strip, leg.first, leg.last));
     append(line.points, crossings(surface, path));
     line.length += path.length;
   }

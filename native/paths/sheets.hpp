@@ -15,8 +15,8 @@ struct SheetEdge {
   Row other_face(Row face) const { return faces[0] == face ? faces[1] : faces[0]; }
 };
 
-// A vertex of the surface has a copy for each of the fans of faces around it that share edges of two
-// faces. Sheets of a surface without edges of three faces or more are manifolds.
+// A vertex of the surface has a copy for each of the fans of faces around it that share edges of
+// two faces. Sheets of a surface without edges of three faces or more are manifolds.
 class Sheets {
  public:
   explicit Sheets(const Surface& surface);

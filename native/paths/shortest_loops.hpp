@@ -1,8 +1,8 @@
 // The shortest loop that does not shrink to a point, through a vertex or anywhere.
 //
 // J. Erickson, S. Har-Peled, Optimally cutting a surface into a disk, Discrete & Computational
-// Geometry 31, 2004, https://doi.org/10.1007/s00454-003-2948-z: the shortest loop of edges through a
-// vertex consists of two shortest paths and an edge, and every loop meets a cut of the surface.
+// Geometry 31, 2004, https://doi.org/10.1007/s00454-003-2948-z: the shortest loop of edges through
+// a vertex consists of two shortest paths and an edge, and every loop meets a cut of the surface.
 #pragma once
 
 #include "paths/chains.hpp"

@@ -127,45 +127,43 @@ std::pair<Row, Row> TreeLoops::parts(Row e) const {
   return std::minmax(part_[edge.ends[0]], part_[edge.ends[1]]);
 }
 
-Closing TreeLoops::shortest_of_class(Row first) {
+std::vector<Closing> TreeLoops::class_of(Row first) {
   const std::pair<Row, Row> own = parts(first);
-  Closing shortest{length(first), first};
-  std::vector<Row> next{first};
+  std::vector<Closing> found{{length(first), first}};
   state_[first] = kKnown;
-  while (!next.empty()) {
-    const Row at = next.back();
-    next.pop_back();
-    if (length(at) < shortest.length) shortest = {length(at), at};
-    for (const Row face : sheets_.edge(at).faces) {
+  for (std::size_t i = 0; i < found.size(); ++i) {
+    for (const Row face : sheets_.edge(found[i].edge).faces) {
       if (face == kNone || n_left_[face] != 2) continue;
       for (const Row e : sheets_.edges_of(face)) {
         if (state_[e] != kLeft || parts(e) != own) continue;
         state_[e] = kKnown;
-        next.push_back(e);
+        found.push_back({length(e), e});
       }
     }
   }
-  return shortest;
+  return found;
 }
 
-std::vector<Closing> TreeLoops::shortest_of_classes() {
-  std::vector<Closing> found;
+std::vector<Closing> TreeLoops::shortest_of_classes(double spread) {
+  std::vector<Closing> shortest;
+  const auto add = [&](std::span<const Closing> loops) {
+    const double least = std::ranges::min(loops, {}, &Closing::length).length;
+    for (const Closing& loop : loops)
+      if (loop.length <= (1 + spread) * least) shortest.push_back(loop);
+  };
   for (const Row e : edges_)
-    if (state_[e] == kLeft) found.push_back(shortest_of_class(e));
+    if (state_[e] == kLeft) add(class_of(e));
   if (n_parts_ > 1) {
     // Loops through vertices at which sheets meet do not shrink, be their edge taken away or not.
-    std::map<std::pair<Row, Row>, Closing> of_parts;
-    for (const Row e : edges_) {
-      const std::pair<Row, Row> between = parts(e);
-      if (state_[e] != kGone || between.first == between.second) continue;
-      const Closing one{length(e), e};
-      Closing& least = of_parts.try_emplace(between, one).first->second;
-      if (one.length < least.length) least = one;
-    }
-    for (const auto& [_, closing] : of_parts) found.push_back(closing);
+    std::map<std::pair<Row, Row>, std::vector<Closing>> of_parts;
+    for (const Row e : edges_)
+      if (const auto [one, other] = parts(e); state_[e] == kGone && one != other)
+        of_parts[{one, other}].push_back({length(e), e});
+    for (const auto& [_, loops] : of_parts) add(loops);
   }
-  std::ranges::sort(found, {}, [](const Closing& one) { return std::pair(one.length, one.edge); });
-  return found;
+  std::ranges::sort(shortest, {},
+                    [](const Closing& loop) { return std::pair(loop.length, loop.edge); });
+  return shortest;
 }
 
 std::vector<Index> TreeLoops::path(Row vertex) const {

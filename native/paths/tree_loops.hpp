@@ -30,16 +30,15 @@ class TreeLoops {
   // An edge of more than two faces that is reached, or kNone. There the classes are not right.
   Row crowded_edge() const { return crowded_; }
 
-  // The shortest of the loops that do not shrink to a point, one of each class, the shortest first.
-  std::vector<Closing> shortest_of_classes();
+  // The loops that do not shrink to a point, the shortest of each class and those that are longer
+  // by a share `spread` at most, the shortest first.
+  std::vector<Closing> shortest_of_classes(double spread = 0.0);
   // The loop of an edge as vertices of the surface, from the root back to it.
   std::vector<Index> loop(Row edge) const;
   // Vertices of lines along edges, from the root on, which every loop that does not shrink meets.
   std::vector<Row> cut();
 
  private:
-  using EdgeState = std::int8_t;
-
   void grow(Index original);
   void list_edges();
   void join_branches();
@@ -48,17 +47,17 @@ class TreeLoops {
   double length(Row edge) const;
   // The parts of the tree that an edge lies between, the lesser number first.
   std::pair<Row, Row> parts(Row edge) const;
-  Closing shortest_of_class(Row edge);
+  std::vector<Closing> class_of(Row edge);
 
   const Sheets& sheets_;
-  Array<double> distance_;        // from the root
-  Array<Row> before_, up_;        // the next vertex on the path to the root, and the edge to it
-  Array<Row> part_;               // parts of the tree each lie in one sheet
-  std::vector<Row> order_;        // vertices
-  std::vector<Row> edges_;        // between vertices that are reached
-  std::vector<Row> joins_;        // edges that join parts of the tree that lie in one sheet
-  Array<EdgeState> state_;
-  Array<std::int8_t> n_left_;     // edges of a face that are left
+  Array<double> distance_;  // from the root
+  Array<Row> before_, up_;  // the next vertex on the path to the root, and the edge to it
+  Array<Row> part_;         // parts of the tree each lie in one sheet
+  std::vector<Row> order_;  // vertices
+  std::vector<Row> edges_;  // between vertices that are reached
+  std::vector<Row> joins_;  // edges that join parts of the tree that lie in one sheet
+  Array<std::int8_t> state_;
+  Array<std::int8_t> n_left_;  // edges of a face that are left
   Row n_parts_ = 0, crowded_ = kNone;
 };
 

@@ -20,7 +20,15 @@ from geodesic_toolkit.solver.solver import GeodesicSolver
 from geodesic_toolkit.sources.kinds import Curve, OffsetSources
 from geodesic_toolkit.sources.points import SourcePoints
 
-__all__ = ["Course", "located_stops", "path_through", "unreachable_error"]
+__all__ = [
+    "Course",
+    "located_places",
+    "located_stops",
+    "mesh_to_pull_over",
+    "passable_faces",
+    "path_through",
+    "unreachable_error",
+]
 
 
 SAME_SHARES = 1e-8
@@ -58,18 +66,10 @@ def located_stops(
     InvalidSourceError
         Places that are none, too few, or twice the same in a row.
     """
-    if not isinstance(solver.domain, TriangleMesh):
-        raise UnsupportedDomainError(
-            "loops and paths through places need a triangle mesh; "
-            f"{a_kind_of(solver.domain)} has no surface to pull them over"
-        )
+    mesh_to_pull_over(solver)
     groups = []
     for given, name in places:
-        if isinstance(given, Curve | OffsetSources):
-            raise InvalidSourceError(
-                f"{name}: a path runs through places, not through {a_kind_of(given)}"
-            )
-        groups.append(solver.locate(given, name))
+        groups.append(located_places(solver, given, name))
         if name in {"source", "target"} and groups[-1].count != 1:
             raise InvalidSourceError(
                 f"{name}: a path via places has one {name}, not {groups[-1].count}"
@@ -81,6 +81,25 @@ def located_stops(
         raise InvalidSourceError(f"way points: {what}, not {stops.count}")
     _check_steps(stops, closed=closed)
     return stops
+
+
+def mesh_to_pull_over(solver: GeodesicSolver) -> TriangleMesh:
+    """Return the mesh of a solver, or raise that paths through places need one."""
+    if not isinstance(solver.domain, TriangleMesh):
+        raise UnsupportedDomainError(
+            "loops and paths through places need a triangle mesh; "
+            f"{a_kind_of(solver.domain)} has no surface to pull them over"
+        )
+    return solver.domain
+
+
+def located_places(solver: GeodesicSolver, given: Any, name: str) -> SourcePoints:
+    """Return located places, or raise where something else is given than places."""
+    if isinstance(given, Curve | OffsetSources):
+        raise InvalidSourceError(
+            f"{name}: a path runs through places, not through {a_kind_of(given)}"
+        )
+    return solver.locate(given, name)
 
 
 def path_through(
@@ -95,9 +114,8 @@ def path_through(
     UnreachableError
         No face connects a stop with the next.
     """
-    mesh = solver.domain
-    assert isinstance(mesh, TriangleMesh)  # for the type checker; located_stops has raised
-    original = _passable_faces(solver, mesh)
+    mesh = mesh_to_pull_over(solver)
+    original = passable_faces(solver, mesh)
     split = insert_points(mesh.vertices, mesh.faces[original], stops.weights)
     (faces, ends, shares), unreached = _native.geodesic_through(
         np.ascontiguousarray(split.vertices),
@@ -128,7 +146,7 @@ def unreachable_error(solver: GeodesicSolver, what: str) -> UnreachableError:
     )
 
 
-def _passable_faces(solver: GeodesicSolver, mesh: TriangleMesh) -> IntArray:
+def passable_faces(solver: GeodesicSolver, mesh: TriangleMesh) -> IntArray:
     """Return the proper faces that touch no masked vertex."""
     conducting = proper_faces(mesh.faces)
     passable = solver.passable
