@@ -587,12 +587,13 @@ def geodesic_through(
     """
 
 def shortest_loop(
-    vertices: Numbers, faces: Indices, vertex: int | None = None
+    vertices: Numbers, faces: Indices, vertex: int | None = None, *, min_hole: float = 0.0
 ) -> tuple[tuple[Indices, Indices, Numbers], int, int]:
     """Return the shortest loop that does not shrink to a point, held at a vertex or anywhere.
 
     Its points are as those of `geodesic_through`; there are none where every loop shrinks. The two
     numbers are the ends of an edge of more than two faces, where there is no loop, or both -1.
+    Holes with a boundary shorter than `min_hole` count as filled.
     """
 
 def distinct_triangles(elements: Indices) -> tuple[Indices, Indices]:

@@ -100,8 +100,8 @@ ShortestLoop crowded_at(const Sheets& sheets, Row edge) {
 
 }  // namespace
 
-ShortestLoop shortest_loop_through(const Surface& surface, Index vertex) {
-  const Sheets sheets(surface);
+ShortestLoop shortest_loop_through(const Surface& surface, Index vertex, double min_hole) {
+  const Sheets sheets(surface, min_hole);
   TreeLoops loops(sheets);
   loops.set_root(vertex);
   if (loops.crowded_edge() != kNone) return crowded_at(sheets, loops.crowded_edge());
@@ -112,8 +112,8 @@ ShortestLoop shortest_loop_through(const Surface& surface, Index vertex) {
   return {pulled_along(surface, std::ranges::min(held, {}, &HeldLoop::length).chain)};
 }
 
-ShortestLoop shortest_loop_anywhere(const Surface& surface) {
-  const Sheets sheets(surface);
+ShortestLoop shortest_loop_anywhere(const Surface& surface, double min_hole) {
+  const Sheets sheets(surface, min_hole);
   TreeLoops loops(sheets);
   double best = kInfinity;
   std::vector<HeldLoop> held;

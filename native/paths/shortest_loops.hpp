@@ -16,9 +16,10 @@ struct ShortestLoop {
   Index crowded[2] = {kNone, kNone};
 };
 
-// Held at a vertex.
-ShortestLoop shortest_loop_through(const Surface& surface, Index vertex);
+// Held at a vertex. Holes whose boundary is shorter than `min_hole` count as filled: a loop around
+// nothing else shrinks.
+ShortestLoop shortest_loop_through(const Surface& surface, Index vertex, double min_hole);
 
-ShortestLoop shortest_loop_anywhere(const Surface& surface);
+ShortestLoop shortest_loop_anywhere(const Surface& surface, double min_hole);
 
 }  // namespace geodesic

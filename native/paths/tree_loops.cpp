@@ -24,7 +24,7 @@ TreeLoops::TreeLoops(const Sheets& sheets)
       up_(sheets.n_vertices(), kNone),
       part_(sheets.n_vertices(), kNone),
       state_(sheets.n_edges(), kGone),
-      n_left_(sheets.n_faces(), std::int8_t{0}) {}
+      n_left_(sheets.n_faces(), 0) {}
 
 void TreeLoops::set_root(Index original) {
   grow(original);
@@ -92,7 +92,7 @@ void TreeLoops::join_branches() {
 void TreeLoops::take_away() {
   const auto faces = [&](Row e) -> std::span<const Row> {
     const SheetEdge& edge = sheets_.edge(e);
-    return {edge.faces, edge.faces[1] == kNone ? 1U : 2U};
+    return {edge.faces, edge.faces[1] == kNone ? std::size_t{1} : std::size_t{2}};
   };
   for (const Row e : edges_)
     for (const Row face : faces(e)) n_left_[face] = 0;

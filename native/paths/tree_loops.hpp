@@ -57,7 +57,7 @@ class TreeLoops {
   std::vector<Row> edges_;  // between vertices that are reached
   std::vector<Row> joins_;  // edges that join parts of the tree that lie in one sheet
   Array<std::int8_t> state_;
-  Array<std::int8_t> n_left_;  // edges of a face that are left
+  Array<Row> n_left_;  // edges of a face that are left
   Row n_parts_ = 0, crowded_ = kNone;
 };
 

@@ -1,5 +1,6 @@
 """Paths through places in order: chains of edges that are pulled taut."""
 
+import math
 from collections.abc import Iterable
 from dataclasses import dataclass
 from itertools import pairwise
@@ -14,7 +15,12 @@ from geodesic_toolkit.analysis.paths.path import GeodesicPath, closed_path, path
 from geodesic_toolkit.core.types import IntArray
 from geodesic_toolkit.core.words import a_kind_of
 from geodesic_toolkit.domains import TriangleMesh
-from geodesic_toolkit.errors import InvalidSourceError, UnreachableError, UnsupportedDomainError
+from geodesic_toolkit.errors import (
+    InvalidOptionError,
+    InvalidSourceError,
+    UnreachableError,
+    UnsupportedDomainError,
+)
 from geodesic_toolkit.geometry.triangles import proper_faces
 from geodesic_toolkit.solver.solver import GeodesicSolver
 from geodesic_toolkit.sources.kinds import Curve, OffsetSources
@@ -22,6 +28,7 @@ from geodesic_toolkit.sources.points import SourcePoints
 
 __all__ = [
     "Course",
+    "check_length",
     "located_places",
     "located_stops",
     "mesh_to_pull_over",
@@ -135,6 +142,14 @@ def path_through(
     if not course.closed:
         return path
     return closed_path(path)
+
+
+def check_length(length: object, name: str) -> None:
+    """Raise where an option is not a finite length."""
+    if isinstance(length, bool) or not isinstance(length, int | float):
+        raise InvalidOptionError(f"{name} is a length, not {length!r}")
+    if not (length >= 0 and math.isfinite(length)):
+        raise InvalidOptionError(f"{name} must be finite and not negative, not {length!r}")
 
 
 def unreachable_error(solver: GeodesicSolver, what: str) -> UnreachableError:

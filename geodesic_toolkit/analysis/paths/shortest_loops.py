@@ -8,6 +8,7 @@ from scipy.sparse import csr_array
 from geodesic_toolkit import _native
 from geodesic_toolkit.analysis.paths.candidates import Candidate
 from geodesic_toolkit.analysis.paths.chains import (
+    check_length,
     located_places,
     mesh_to_pull_over,
     passable_faces,
@@ -33,13 +34,14 @@ CURES_WITHOUT_LOOPS = (
 """What the error of surfaces without loops advises."""
 
 
-def shortest_loop(solver: GeodesicSolver, at: Any = None) -> GeodesicPath:
+def shortest_loop(solver: GeodesicSolver, at: Any = None, *, min_hole: float = 0.0) -> GeodesicPath:
     """Return the shortest loop on a mesh that does not shrink to a point: its girth.
 
     The loop goes around a handle or a hole: of the whole mesh, or through a place. Boundaries are
     holes: a tube that is open at both ends has a girth, a disc has none. Regions that the solver's
     mask covers are holes, too, as no path crosses them, be it a single vertex; masks at both ends
-    of a limb make a tube of it. Seams that are not welded are boundaries.
+    of a limb make a tube of it. Seams that are not welded are boundaries. In a scan the girth is
+    often the outline of a missing face: give `min_hole` to go around larger holes only.
 
     Loops of edges are sorted into classes by the connectivity of the faces, not by their lengths.
     Through a place, the shortest of each class consists of two shortest paths along edges, and
@@ -55,6 +57,9 @@ def shortest_loop(solver: GeodesicSolver, at: Any = None) -> GeodesicPath:
     at : int, array-like of float, or SurfacePoint, optional
         One place, as :meth:`GeodesicSolver.distance` takes it, where the loop is held: it may have
         a corner there, and lead to a distant handle and back.
+    min_hole : float
+        Holes whose boundary is shorter, in the unit of the mesh, count as filled: a loop around
+        nothing else shrinks. The loop still passes beside them.
 
     Returns
     -------
@@ -64,10 +69,10 @@ def shortest_loop(solver: GeodesicSolver, at: Any = None) -> GeodesicPath:
     Raises
     ------
     ContractibleLoopError
-        Every loop shrinks to a point: the component of the place, or each one, is a sphere or has
-        no handle and a single hole.
+        Every loop shrinks to a point: the component of the place, or each one, has no handle and
+        one hole at most.
     InvalidOptionError
-        Something else than a solver.
+        Something else than a solver, a length that is none.
     InvalidSourceError
         Not one place.
     UnreachableError
@@ -98,6 +103,7 @@ def shortest_loop(solver: GeodesicSolver, at: Any = None) -> GeodesicPath:
     array([ True,  True,  True])
     """
     check_solver(solver, "a loop")
+    check_length(min_hole, "min_hole")
     mesh = mesh_to_pull_over(solver)
     original = passable_faces(solver, mesh)
     weights = csr_array((0, mesh.n_vertices))
@@ -113,12 +119,15 @@ def shortest_loop(solver: GeodesicSolver, at: Any = None) -> GeodesicPath:
     if start is not None and start not in split.faces:
         raise unreachable_error(solver, "anything with the place of the loop")
     (faces, ends, shares), *crowded = _native.shortest_loop(
-        np.ascontiguousarray(split.vertices), np.ascontiguousarray(split.faces), start
+        np.ascontiguousarray(split.vertices),
+        np.ascontiguousarray(split.faces),
+        start,
+        min_hole=float(min_hole),
     )
     if crowded[0] >= 0:
         raise _crowded_error(split, original, crowded)
     if not len(faces):
-        raise _contractible_error(solver, through_place=at is not None)
+        raise _contractible_error(solver, through_place=at is not None, min_hole=min_hole)
     way = Candidate(faces, ends, np.column_stack([1 - shares, shares]))
     return closed_path(path_from_candidate(mesh, original, split, way))
 
@@ -136,12 +145,16 @@ def _crowded_error(
     )
 
 
-def _contractible_error(solver: GeodesicSolver, *, through_place: bool) -> ContractibleLoopError:
+def _contractible_error(
+    solver: GeodesicSolver, *, through_place: bool, min_hole: float
+) -> ContractibleLoopError:
     """Return the error of a surface on which every loop shrinks."""
     where = "through this place shrinks to a point: its component"
     if not through_place:
         where = "on the mesh shrinks to a point: each component"
+    small = f" of {min_hole:g} or more" if min_hole else ""
     seams = f". {solver.seams.finding}; {solver.seams.cure}" if solver.seams else ""
     return ContractibleLoopError(
-        f"every loop {where} has no handle, and one hole at most; {CURES_WITHOUT_LOOPS}{seams}"
+        f"every loop {where} has no handle, and one hole{small} at most; "
+        f"{CURES_WITHOUT_LOOPS}{seams}"
     )
