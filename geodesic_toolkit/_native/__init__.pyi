@@ -592,8 +592,9 @@ def shortest_loop(
     """Return the shortest loop that does not shrink to a point, held at a vertex or anywhere.
 
     Its points are as those of `geodesic_through`; there are none where every loop shrinks. The two
-    numbers are the ends of an edge of more than two faces, where there is no loop, or both -1.
-    Holes with a boundary shorter than `min_hole` count as filled.
+    numbers are -1, or where there is no loop for another reason the ends of an edge of more than
+    two faces, or a vertex and -1 where holes meet that are to be filled: those shorter than
+    `min_hole`.
     """
 
 def distinct_triangles(elements: Indices) -> tuple[Indices, Indices]:

@@ -6,6 +6,9 @@ namespace geodesic {
 
 namespace {
 
+// The place of a vertex on a line whose hole has been closed.
+constexpr Row kClosed = -2;
+
 // The number of a corner of a face.
 Index corner(const Surface& surface, Row face, Index vertex) {
   const Index* const c = surface.corners(face);
@@ -50,55 +53,80 @@ void Sheets::join_edges(const Surface& surface) {
   }
 }
 
-// Lines along the boundary are closed; what lies between two passes of a vertex is a hole of its
-// own.
+// Boundary lines are closed, and what lies between two passes of a vertex is a hole of its own:
+// where fans of a vertex are on several lines, or passes cross, it is not known which fans a hole
+// joins.
 void Sheets::fill_holes(const Surface& surface, DisjointSets& fans, double min_hole) {
+  Array<Row> n_fans(surface.n_vertices(), 0);
+  for (Row v = 0; v < surface.n_vertices(); ++v)
+    for (const Index face : surface.around(v))
+      if (const Index at = corner(surface, static_cast<Row>(face), v); fans.find(at) == at)
+        ++n_fans[v];
+  Array<Row> n_passes(surface.n_vertices(), 0), place(surface.n_vertices(), kNone);
+  for (const std::vector<Pass>& line : boundary_lines(surface, fans)) {
+    for (const Pass& pass : line) ++n_passes[pass.vertex];
+    std::vector<Pass> open;  // passes of vertices that no hole is closed at
+    const auto close = [&](std::size_t begin) {
+      double length = 0;
+      std::vector<Row> hole;
+      Row unclear = kNone;
+      for (std::size_t i = begin; i < open.size(); ++i) {
+        hole.push_back(open[i].edge);
+        length += edge(open[i].edge).length;
+        if (n_passes[open[i].vertex] != n_fans[open[i].vertex]) unclear = open[i].vertex;
+        place[open[i].vertex] = kClosed;
+      }
+      open.resize(begin);
+      if (length >= min_hole) return;
+      if (unclear == kNone)
+        fill(surface, fans, hole);
+      else
+        unclear_ = unclear;
+    };
+    for (const Pass& pass : line) {
+      if (place[pass.vertex] == kClosed) ++n_passes[pass.vertex];  // passes cross
+      if (place[pass.vertex] >= 0) close(static_cast<std::size_t>(place[pass.vertex]));
+      place[pass.vertex] = static_cast<Row>(open.size());
+      open.push_back(pass);
+    }
+    close(0);
+    for (const Pass& pass : line) n_passes[pass.vertex] = 0, place[pass.vertex] = kNone;
+  }
+}
+
+std::vector<std::vector<Sheets::Pass>> Sheets::boundary_lines(const Surface& surface,
+                                                              DisjointSets& fans) const {
   struct Rim {
     Row edges[2] = {kNone, kNone};
   };
   std::vector<Rim> rims(static_cast<std::size_t>(3 * surface.n_faces()));  // of fans
   const auto rim = [&](Row e, Row end) -> Rim& {
-    const Index at = fans.find(corner(surface, edges_[static_cast<std::size_t>(e)].faces[0], end));
-    return rims[static_cast<std::size_t>(at)];
+    return rims[static_cast<std::size_t>(fans.find(corner(surface, edge(e).faces[0], end)))];
   };
-  const auto n = static_cast<Row>(edges_.size());
-  for (Row e = 0; e < n; ++e)
-    if (const SheetEdge& edge = edges_[static_cast<std::size_t>(e)]; edge.n_faces == 1)
-      for (const Row end : edge.ends) {
-        Rim& at = rim(e, end);
-        (at.edges[0] == kNone ? at.edges[0] : at.edges[1]) = e;
-      }
-  std::vector<std::vector<Row>> holes;
-  std::vector<bool> is_known(edges_.size(), false);
-  Array<Row> place(surface.n_vertices(), kNone);  // on the line at hand, in edges from its start
-  for (Row first = 0; first < n; ++first) {
-    if (edges_[static_cast<std::size_t>(first)].n_faces != 1) continue;
-    std::vector<Row> line, passed{edges_[static_cast<std::size_t>(first)].ends[0]};
-    place[passed.front()] = 0;
-    for (Row e = first; e != kNone && !is_known[static_cast<std::size_t>(e)];) {
-      is_known[static_cast<std::size_t>(e)] = true;
-      line.push_back(e);
-      const Row vertex = edges_[static_cast<std::size_t>(e)].other_end(passed.back());
-      const Rim& next = rim(e, vertex);
-      e = next.edges[next.edges[0] == e ? 1 : 0];
-      if (place[vertex] == kNone) {
-        place[vertex] = static_cast<Row>(line.size());
-        passed.push_back(vertex);
-        continue;
-      }
-      const auto begin = static_cast<std::size_t>(place[vertex]);
-      holes.emplace_back(line.begin() + place[vertex], line.end());
-      line.resize(begin);
-      for (std::size_t i = begin + 1; i < passed.size(); ++i) place[passed[i]] = kNone;
-      passed.resize(begin + 1);
+  for (Row e = 0; e < n_edges(); ++e) {
+    if (edge(e).n_faces != 1) continue;
+    for (const Row end : edge(e).ends) {
+      Rim& at = rim(e, end);
+      (at.edges[0] == kNone ? at.edges[0] : at.edges[1]) = e;
     }
-    for (const Row vertex : passed) place[vertex] = kNone;
   }
-  for (const std::vector<Row>& hole : holes) {
-    double length = 0;
-    for (const Row e : hole) length += edges_[static_cast<std::size_t>(e)].length;
-    if (length < min_hole) fill(surface, fans, hole);
+  std::vector<std::vector<Pass>> lines;
+  std::vector<bool> is_known(edges_.size(), false);
+  for (Row first = 0; first < n_edges(); ++first) {
+    if (edge(first).n_faces != 1 || is_known[static_cast<std::size_t>(first)]) continue;
+    std::vector<Pass> line{{edge(first).ends[0], first}};
+    for (;;) {
+      const Pass last = line.back();
+      is_known[static_cast<std::size_t>(last.edge)] = true;
+      const Row vertex = edge(last.edge).other_end(last.vertex);
+      const Rim& at = rim(last.edge, vertex);
+      const Row next = at.edges[at.edges[0] == last.edge ? 1 : 0];
+      if (next == first) lines.push_back(line);
+      if (next == kNone || is_known[static_cast<std::size_t>(next)]) break;
+      line.push_back({vertex, next});
+    }
   }
+  return lines;
 }
 
 void Sheets::fill(const Surface& surface, DisjointSets& fans, std::span<const Row> hole) {

@@ -40,12 +40,21 @@ class Sheets {
     const auto f = static_cast<std::size_t>(face);
     return {edges_of_.data() + face_starts_[f], edges_of_.data() + face_starts_[f + 1]};
   }
+  // A vertex at which holes that are to be filled meet in such a way that it is not known what to
+  // join; kNone otherwise.
+  Row unclear() const { return unclear_; }
   // The number of the closed line of boundary edges that has an edge; kNone inside.
   Row hole(Row edge) const { return holes_[edge]; }
 
  private:
+  // A vertex on a boundary line, and the edge after it.
+  struct Pass {
+    Row vertex, edge;
+  };
+
   void join_edges(const Surface& surface);
   void fill_holes(const Surface& surface, DisjointSets& fans, double min_hole);
+  std::vector<std::vector<Pass>> boundary_lines(const Surface& surface, DisjointSets& fans) const;
   void fill(const Surface& surface, DisjointSets& fans, std::span<const Row> edges);
   void number_copies(const Surface& surface, DisjointSets& fans);
   void list_edges();
@@ -55,6 +64,7 @@ class Sheets {
   std::vector<Row> edges_of_, face_starts_, originals_;
   Array<Row> first_copies_, starts_, at_, holes_;
   Index n_holes_ = 0;
+  Row unclear_ = kNone;
 };
 
 }  // namespace geodesic

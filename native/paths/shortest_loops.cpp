@@ -102,6 +102,7 @@ ShortestLoop crowded_at(const Sheets& sheets, Row edge) {
 
 ShortestLoop shortest_loop_through(const Surface& surface, Index vertex, double min_hole) {
   const Sheets sheets(surface, min_hole);
+  if (sheets.unclear() != kNone) return {{}, {sheets.unclear(), kNone}};
   TreeLoops loops(sheets);
   loops.set_root(vertex);
   if (loops.crowded_edge() != kNone) return crowded_at(sheets, loops.crowded_edge());
@@ -114,6 +115,7 @@ ShortestLoop shortest_loop_through(const Surface& surface, Index vertex, double 
 
 ShortestLoop shortest_loop_anywhere(const Surface& surface, double min_hole) {
   const Sheets sheets(surface, min_hole);
+  if (sheets.unclear() != kNone) return {{}, {sheets.unclear(), kNone}};
   TreeLoops loops(sheets);
   double best = kInfinity;
   std::vector<HeldLoop> held;

@@ -12,8 +12,9 @@ namespace geodesic {
 // A loop, pulled taut; without points where every loop shrinks.
 struct ShortestLoop {
   Line line;
-  // The ends of an edge of more than two faces, beside which loops have no classes, or kNone.
-  Index crowded[2] = {kNone, kNone};
+  // Why there are no classes of loops, or kNone: the ends of an edge of more than two faces, or a
+  // vertex alone where short holes meet.
+  Index unclear[2] = {kNone, kNone};
 };
 
 // Held at a vertex. Holes whose boundary is shorter than `min_hole` count as filled: a loop around

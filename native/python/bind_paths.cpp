@@ -104,7 +104,7 @@ void bind_paths(nb::module_& module) {
           return vertex ? shortest_loop_through(surface, *vertex, min_hole)
                         : shortest_loop_anywhere(surface, min_hole);
         });
-        return nb::make_tuple(give(loop.line.points), loop.crowded[0], loop.crowded[1]);
+        return nb::make_tuple(give(loop.line.points), loop.unclear[0], loop.unclear[1]);
       },
       "vertices"_a.noconvert(), "faces"_a.noconvert(), "vertex"_a = nb::none(), nb::kw_only(),
       "min_hole"_a = 0.0);

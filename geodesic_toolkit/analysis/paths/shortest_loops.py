@@ -78,8 +78,8 @@ def shortest_loop(solver: GeodesicSolver, at: Any = None, *, min_hole: float = 0
     UnreachableError
         No face has the place.
     UnsupportedDomainError
-        Not a mesh; an edge of more than two faces in the component of the place, or anywhere, where
-        the classes of loops are not known.
+        Not a mesh. An edge of more than two faces in the component of the place, or anywhere; holes
+        shorter than `min_hole` that meet at several vertices. There the classes are not known.
 
     See Also
     --------
@@ -118,30 +118,36 @@ def shortest_loop(solver: GeodesicSolver, at: Any = None, *, min_hole: float = 0
     start = None if at is None else int(split.vertex_of_point[0])
     if start is not None and start not in split.faces:
         raise unreachable_error(solver, "anything with the place of the loop")
-    (faces, ends, shares), *crowded = _native.shortest_loop(
+    (faces, ends, shares), *unclear = _native.shortest_loop(
         np.ascontiguousarray(split.vertices),
         np.ascontiguousarray(split.faces),
         start,
         min_hole=float(min_hole),
     )
-    if crowded[0] >= 0:
-        raise _crowded_error(split, original, crowded)
+    if unclear[0] >= 0:
+        raise _unclear_error(split, original, unclear)
     if not len(faces):
         raise _contractible_error(solver, through_place=at is not None, min_hole=min_hole)
     way = Candidate(faces, ends, np.column_stack([1 - shares, shares]))
     return closed_path(path_from_candidate(mesh, original, split, way))
 
 
-def _crowded_error(
-    split: Insertion, original: IntArray, crowded: list[int]
+def _unclear_error(
+    split: Insertion, original: IntArray, unclear: list[int]
 ) -> UnsupportedDomainError:
-    """Return the error of an edge of more than two faces."""
-    at_edge = np.isin(split.faces, crowded).sum(axis=1) == 2
+    """Return the error of an edge of more than two faces, or of a vertex where short holes meet."""
+    vertex, other = unclear
+    if other < 0:
+        return UnsupportedDomainError(
+            f"holes shorter than min_hole meet at vertex {vertex} in a way that leaves open which "
+            "faces to join; fill them in the mesh, or mask that vertex and give a longer min_hole"
+        )
+    at_edge = np.isin(split.faces, unclear).sum(axis=1) == 2
     faces = sorted({int(face) for face in original[split.parents[at_edge]]})
     listed = ", ".join(map(str, faces[:6])) + (", ..." if len(faces) > 6 else "")
     return UnsupportedDomainError(
-        f"faces {listed} share an edge: where more than two meet, it is not known which loops shrink "
-        "to a point; remove faces until each edge has two, or give way points to geodesic_loop"
+        f"faces {listed} share an edge: where more than two meet, the classes of loops are not known; "
+        "remove faces until each edge has two, or give way points to geodesic_loop"
     )
 
 
