@@ -65,7 +65,7 @@ std::vector<Crossing> crossings(const Surface& surface, const Path& path) {
     const Position last = std::min(knots[i].portal, std::ssize(flat.portals) - 1);
     for (Position portal = knots[i - 1].portal + 1; portal <= last; ++portal) {
       const auto& [left, right, a, b] = flat.portals[portal];
-      const double across = cross(b - a, q - p);
+      const double across = side(b - a, q - p);
       // Where the path runs along the edge it is on its way to one end: to q.
       const double share = across != 0 ? cross(p - a, q - p) / across : q != a;
       points.push_back({path.strip[portal], left, right, std::clamp(share, 0.0, 1.0)});

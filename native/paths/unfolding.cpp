@@ -11,14 +11,13 @@ constexpr double kPi = std::numbers::pi;
 // rounding, and a strip that folds back there would be taken to go straight on.
 constexpr double kSameDirection = 1e-12;
 
-// Positive where q is on the left of p, 0 where both are on a line.
+}  // namespace
+
 double side(Planar p, Planar q) {
   const double across = cross(p, q);
   const double least = kSameDirection * kSameDirection * std::norm(p) * std::norm(q);
   return across * across <= least ? 0.0 : across;
 }
-
-}  // namespace
 
 Unfolded unfolded(const Surface& surface, const Strip& strip, Index start, Index end) {
   struct {
