@@ -25,7 +25,11 @@ EXAMPLES: dict[str, tuple[str, ...]] = {
     "view": ("view bunny.off", "view bunny.off --source 500 --no-open"),
     "signed": ("signed bunny.off --curve circle.obj --output d.ply --picture d.png",),
     "logmap": ("logmap bunny.off --source 500 --output uv.obj --picture uv.png",),
-    "loop": ("loop torus.ply --through 0,8,16 --output loop.obj --picture loop.png",),
+    "loop": (
+        "loop torus.ply --through 0,8,16 --output loop.obj --picture loop.png",
+        "loop airway.stl --weld --min-hole 5 --json",
+        "loop torus.ply --at 100 --output girth.obj",
+    ),
     "isolines": ("isolines bunny.off --source 500 --level 0.05 --level 0.1 --output circles.obj",),
     "matrix": (
         "matrix bunny.off --float32 --output D.npy",

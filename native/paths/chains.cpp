@@ -80,8 +80,8 @@ Line pulled_along(const Surface& surface, const Chain& chain) {
   for (const Leg& leg : legs_of(surface, chain)) {
     const Path path = beside_cones(surface, shortest_path(surface, leg.strip, leg.first, leg.last));
     append(line.points, crossings(surface, path));
-    line.length += path.length;
   }
+  line.length = length_of(surface, line.points);
   return line;
 }
 
@@ -101,7 +101,9 @@ Line pulled_around(const Surface& surface, Chain chain, double min_length) {
   }
   const Loop loop = shorter_beside(surface, shortest_loop(surface, ring, min_length), min_length);
   if (loop.ring.empty()) return {};
-  return {crossings(surface, loop), loop.length};
+  std::vector<Crossing> points = crossings(surface, loop);
+  const double length = length_of(surface, points);
+  return {std::move(points), length};
 }
 
 Drawn geodesic_through(const Surface& surface, const Course& course) {

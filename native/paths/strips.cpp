@@ -1,6 +1,7 @@
 #include "paths/strips.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 #include "paths/turns.hpp"
 
@@ -73,6 +74,22 @@ std::vector<Crossing> crossings(const Surface& surface, const Path& path) {
   }
   points.push_back({path.strip.back(), path.end, path.end, 0.0});
   return points;
+}
+
+double length_of(const Surface& surface, std::span<const Crossing> points) {
+  double length = 0, last[3];
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const auto& [_, left, right, share] = points[i];
+    const double *const a = surface.place(left), *const b = surface.place(right);
+    double squared = 0;
+    for (int c = 0; c < 3; ++c) {
+      const double here = (1 - share) * a[c] + share * b[c];
+      if (i > 0) squared += (here - last[c]) * (here - last[c]);
+      last[c] = here;
+    }
+    length += std::sqrt(squared);
+  }
+  return length;
 }
 
 }  // namespace geodesic

@@ -36,6 +36,7 @@ class Surface {
   // The two corners of a face beside one.
   std::pair<Index, Index> others(Index face, Index vertex) const;
 
+  const double* place(Index vertex) const { return &places_[3 * vertex]; }
   double length(Index a, Index b) const;
   // Where c lies, on the left, in the plane in which a is at 0 and b at 1.
   Planar shape(Index a, Index b, Index c) const;

@@ -99,9 +99,7 @@ def test_through_the_outer_side_of_a_fat_torus_the_loop_is_around_the_tube():
 
 
 def test_lengths_converge_to_the_small_circle():
-    errors = []
-    for n in (30, 60, 120):
-        errors.append(abs(girth(shapes.torus(n, n // 2)).length / np.pi - 1))
+    errors = [abs(girth(shapes.torus(n, n // 2)).length / np.pi - 1) for n in (30, 60, 120)]
     assert errors[1] < errors[0] / 2
     assert errors[2] < errors[1] / 2
 
@@ -111,7 +109,8 @@ def test_a_tube_that_is_open_at_both_ends_has_its_circumference():
     around = cell.shape[1]
     for at in (None, int(cell[12, 3])):
         length = girth(mesh, at).length
-        assert polygon(around, 1.0) * np.cos(np.pi / around) <= length <= polygon(around, 1.0)
+        assert polygon(around, 1.0) * np.cos(np.pi / around) <= length * (1 + SAME)
+        assert length <= polygon(around, 1.0) * (1 + SAME)
     assert girth(shapes.tube(20, 12)).length == pytest.approx(12.0, rel=SAME)
 
 
@@ -167,14 +166,14 @@ def test_a_neck_that_separates_two_handles_is_found():
 def test_a_masked_limb_has_the_girth_of_its_waist():
     sphere = shapes.icosphere(4)
     up = sphere.vertices[:, 2]
-    width = 1 - 0.6 * np.exp(-((up / 0.3) ** 2))
+    width = 1 - 0.5 * np.exp(-((up / 0.5) ** 2))
     mesh = gt.TriangleMesh(
         sphere.vertices * np.column_stack([width, width, np.ones(len(up))]), sphere.faces
     )
     with pytest.raises(ContractibleLoopError, match="mask the vertices at both of its ends"):
         girth(mesh)
     loop = gt.shortest_loop(gt.GeodesicSolver(mesh, mask=np.abs(up) > 0.7))
-    assert loop.length == pytest.approx(2 * np.pi * 0.4, rel=0.01)
+    assert loop.length == pytest.approx(2 * np.pi * 0.5, rel=0.03)
     assert abs(loop.points[:, 2]).max() < 0.1
 
 
@@ -314,29 +313,56 @@ def test_loops_through_neighbours_differ_by_twice_their_edge_at_most():
 # -- short holes -----------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("seed", range(4))
-def test_short_holes_count_as_filled_also_where_they_touch(seed):
-    rng = np.random.default_rng(seed)
-    sphere = holed(shapes.icosphere(2), 0.15, rng)
-    assert girth(sphere).length < 2
-    with pytest.raises(ContractibleLoopError, match="one hole of 100 or more"):
-        girth(sphere, min_hole=100.0)
+def without(mesh, *faces):
+    return gt.TriangleMesh(mesh.vertices, np.delete(mesh.faces, faces, axis=0))
+
+
+def test_short_holes_count_as_filled():
     torus = shapes.torus(24, 12)
-    loop = girth(holed(torus, 0.1, rng), min_hole=100.0)
-    assert not Homology(torus.faces).bounds(along_edges(loop))
-    assert girth(torus).length * (1 - SAME) <= loop.length < 1.3 * girth(torus).length
+    length = girth(torus).length
+    pierced = without(torus, *range(0, torus.n_faces, 37))
+    assert girth(pierced).length < 2
+    assert length * (1 - SAME) <= girth(pierced, min_hole=2.0).length < 1.05 * length
+    sphere = without(shapes.icosphere(2), 3, 60, 200)
+    with pytest.raises(ContractibleLoopError, match="one hole of 10 or more"):
+        girth(sphere, min_hole=10.0)
+
+
+def test_short_holes_that_meet_at_a_vertex_count_as_filled():
+    sphere = shapes.icosphere(2)
+    around = np.flatnonzero((sphere.faces == 20).any(axis=1))
+    shared = (sphere.faces[around][:, :, None] == sphere.faces[around[0]]).any(axis=2).sum(axis=1)
+    opposite = around[shared == 1][0]
+    touching = without(sphere, around[0], opposite)
+    assert girth(touching).length < 2
+    for at in (None, 20, 100):
+        with pytest.raises(ContractibleLoopError):
+            girth(touching, at, min_hole=10.0)
+
+
+def test_an_island_in_a_hole_is_refused():
+    """A face in a hole that touches its outline at two corners."""
+    plate = shapes.grid(7)
+    places = np.round(plate.vertices * 6)
+    centre = places[plate.faces].mean(axis=1)
+    inside = (np.abs(centre[:, :2] - 3) < 1).all(axis=1)
+    faces = plate.faces[~inside]
+    corners = [int(np.flatnonzero((places[:, :2] == at).all(axis=1))[0]) for at in ((2, 2), (4, 4))]
+    mesh = gt.TriangleMesh(
+        np.vstack([places, [[2.6, 3.4, 0]]]), np.vstack([faces, [[*corners, len(places)]]])
+    )
+    with pytest.raises(UnsupportedDomainError, match="holes shorter than min_hole meet at vertex"):
+        girth(mesh, min_hole=12.0)
 
 
 def test_a_long_hole_remains_one_beside_short_ones():
-    mesh = plate_with_hole()
-    rng = np.random.default_rng(0)
-    near = np.abs(mesh.vertices[mesh.faces].mean(axis=1)[:, :2] - 5.5).max(axis=1)
-    whole = (near < 4) | (near > 5) | (rng.random(mesh.n_faces) < 0.7)
-    mesh = gt.TriangleMesh(mesh.vertices, mesh.faces[whole])
-    assert girth(mesh).length < 11
-    assert girth(mesh, min_hole=11.5).length == pytest.approx(12.0, rel=SAME)
+    mesh = plate_with_hole(side=16, low=5, high=9)
+    near = np.abs(mesh.vertices[mesh.faces].mean(axis=1)[:, :2] - 7).max(axis=1)
+    mesh = without(mesh, *np.flatnonzero(near > 4)[::40])
+    assert girth(mesh).length < 4
+    assert girth(mesh, min_hole=15.5).length == pytest.approx(16.0, rel=SAME)
     with pytest.raises(ContractibleLoopError):
-        girth(mesh, min_hole=12.5)
+        girth(mesh, min_hole=16.5)
 
 
 # -- errors ----------------------------------------------------------------------------------------
@@ -347,7 +373,7 @@ def test_a_long_hole_remains_one_beside_short_ones():
 )
 @pytest.mark.parametrize("at", [None, 0, 2])
 def test_spheres_and_discs_have_none(mesh, at):
-    with pytest.raises(ContractibleLoopError, match="shrinks to a point.*isolines"):
+    with pytest.raises(ContractibleLoopError, match=r"shrinks to a point.*isolines"):
         girth(mesh, at)
 
 
@@ -419,10 +445,16 @@ def test_faces_turned_any_way_and_degenerate_faces_do_no_harm():
 # -- real meshes -----------------------------------------------------------------------------------
 
 
-def test_the_girth_of_a_mesh_with_three_handles_is_that_of_a_class(shared_data):
+def test_no_loop_through_way_points_of_a_mesh_with_three_handles_is_shorter(shared_data):
     mesh = gt.read(shared_data("igltut__3holes.off"))
-    loop = girth(mesh)
-    assert not Homology(mesh.faces).bounds(along_edges(loop))
+    solver, rng = gt.GeodesicSolver(mesh), np.random.default_rng(0)
+    loop = gt.shortest_loop(solver)
+    for _ in range(20):
+        try:
+            other = gt.geodesic_loop(solver, rng.integers(0, mesh.n_vertices, 4))
+        except ContractibleLoopError:
+            continue
+        assert loop.length <= other.length * (1 + SAME)
 
 
 def test_a_scan_with_missing_faces_goes_around_longer_holes(shared_data):
