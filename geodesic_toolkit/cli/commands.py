@@ -27,7 +27,7 @@ EXAMPLES: dict[str, tuple[str, ...]] = {
     "logmap": ("logmap bunny.off --source 500 --output uv.obj --picture uv.png",),
     "loop": (
         "loop torus.ply --through 0,8,16 --output loop.obj --picture loop.png",
-        "loop airway.stl --weld --min-hole 5 --json",
+        "loop torus.ply --min-hole 0.5 --json",
         "loop torus.ply --at 100 --output girth.obj",
     ),
     "isolines": ("isolines bunny.off --source 500 --level 0.05 --level 0.1 --output circles.obj",),

@@ -29,7 +29,8 @@ def loop(
         list[str] | None,
         typer.Option(
             metavar="PLACES",
-            help='Pull the loop through these places taut. Vertex indices "500,620,710"; a point "x,y,z", of which one number has a decimal '
+            help='Places on the loop before it is pulled taut. Vertex indices "500,620,710"; a '
+            'point "x,y,z", of which one number has a decimal '
             "point, that is snapped to the shape; or a file of vertices. Give it several times for "
             "several points, in order; three places or more.",
             show_default=False,
@@ -63,7 +64,7 @@ def loop(
     html: Page = None,
     json: Json = False,
 ) -> None:
-    """Closed geodesic on the mesh INPUT: through places, or the shortest around a hole or handle."""
+    """Closed geodesic on the mesh INPUT: through places, or the shortest that there is."""
     from geodesic_toolkit.analysis.paths.loops import geodesic_loop
     from geodesic_toolkit.analysis.paths.shortest_loops import shortest_loop
     from geodesic_toolkit.io import read

@@ -146,7 +146,7 @@ def _unclear_error(
     faces = sorted({int(face) for face in original[split.parents[at_edge]]})
     listed = ", ".join(map(str, faces[:6])) + (", ..." if len(faces) > 6 else "")
     return UnsupportedDomainError(
-        f"faces {listed} share an edge: where more than two meet, the classes of loops are not known; "
+        f"faces {listed} share an edge: where more than two meet, loops have no classes; "
         "remove faces until each edge has two, or give way points to geodesic_loop"
     )
 
