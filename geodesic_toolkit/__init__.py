@@ -29,6 +29,7 @@ if TYPE_CHECKING:
     from geodesic_toolkit.analysis.paths.loops import geodesic_loop
     from geodesic_toolkit.analysis.paths.mesh import geodesic_path
     from geodesic_toolkit.analysis.paths.path import GeodesicPath
+    from geodesic_toolkit.analysis.paths.shortest_loops import shortest_loop
     from geodesic_toolkit.analysis.residual import eikonal_residual, mean_eikonal_residual
     from geodesic_toolkit.analysis.sampling import farthest_point_sampling, geodesic_voronoi
     from geodesic_toolkit.analysis.signed import signed_distance
@@ -173,6 +174,7 @@ __all__ = [
     "read_polygons",
     "read_vertices",
     "readers",
+    "shortest_loop",
     "signed_distance",
     "signed_distance_volume",
     "solvers",
@@ -269,6 +271,7 @@ _HOMES = {
     "read_polygons": "io",
     "read_vertices": "io",
     "readers": "registry.catalog",
+    "shortest_loop": "analysis.paths.shortest_loops",
     "signed_distance": "analysis.signed",
     "signed_distance_volume": "analysis.volume",
     "solvers": "registry.catalog",

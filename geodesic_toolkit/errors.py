@@ -111,9 +111,10 @@ class ContractibleLoopError(GeodesicError, ValueError):
 
     Notes
     -----
-    Cause: The loop does not surround a handle or a hole.
+    Cause: The loop does not surround a handle or a hole, or the surface has neither.
 
-    Cure: Give a loop that does: for one that only needs to enclose something, use a geodesic disc.
+    Cure: Give a loop that does, or mask both ends of a limb to make a tube of it. For a loop that
+    only needs to enclose something, use a geodesic disc.
     """
 
 

@@ -595,6 +595,17 @@ def geodesic_through(
     connects with the one before it, or -1.
     """
 
+def shortest_loop(
+    vertices: Numbers, faces: Indices, vertex: int | None = None, *, min_hole: float = 0.0
+) -> tuple[tuple[Indices, Indices, Numbers], int, int]:
+    """Return the shortest loop that does not shrink to a point, held at a vertex or anywhere.
+
+    Its points are as those of `geodesic_through`; there are none where every loop shrinks. The two
+    numbers are -1, or where there is no loop for another reason the ends of an edge of more than
+    two faces, or a vertex and -1 where holes meet that are to be filled: those shorter than
+    `min_hole`.
+    """
+
 def distinct_triangles(elements: Indices) -> tuple[Indices, Indices]:
     """Return the distinct triangles of elements (E, 3), (T, 3), and their numbers of copies, (T,).
 

@@ -33,6 +33,8 @@ EXAMPLES: dict[str, tuple[str, ...]] = {
     ),
     "loop": (
         "loop torus.ply --through 0,8,16 --output loop.obj --picture loop.png",
+        "loop torus.ply --min-hole 0.5 --json",
+        "loop torus.ply --at 100 --output girth.obj",
         "loop torus.ply ring.ply --through 0,8,16 --output loop_of_{name}.obj",
     ),
     "isolines": (

@@ -9,8 +9,6 @@
 namespace geodesic {
 namespace {
 
-using Chain = std::vector<Index>;  // vertices, an edge from each to the next
-
 // A strip from one vertex to another.
 struct Leg {
   Strip strip;
@@ -75,18 +73,21 @@ void append(std::vector<Crossing>& points, const std::vector<Crossing>& more) {
   points.insert(points.end(), more.begin(), more.end());
 }
 
-std::vector<Crossing> along(const Surface& surface, const Chain& chain, bool is_held) {
-  std::vector<Crossing> points;
+}  // namespace
+
+Line pulled_along(const Surface& surface, const Chain& chain, bool is_held) {
+  Line line;
   for (const Leg& leg : legs_of(surface, chain)) {
     Path path = shortest_path(surface, leg.strip, leg.first, leg.last);
     path =
         is_held ? beside_cones(surface, std::move(path)) : shorter_beside(surface, std::move(path));
-    append(points, crossings(surface, path));
+    append(line.points, crossings(surface, path));
   }
-  return points;
+  line.length = length_of(surface, line.points);
+  return line;
 }
 
-std::vector<Crossing> around(const Surface& surface, Chain chain, double min_length) {
+Line pulled_around(const Surface& surface, Chain chain, double min_length) {
   chain = ring_without_returns(chain);
   if (chain.size() < 3) return {};
   Strip ring;
@@ -98,13 +99,14 @@ std::vector<Crossing> around(const Surface& surface, Chain chain, double min_len
     // Held where the surface hangs together at a vertex only.
     std::ranges::rotate(chain, chain.begin() + static_cast<std::ptrdiff_t>(i));
     chain.push_back(chain.front());
-    return along(surface, chain, true);
+    return pulled_along(surface, chain);
   }
   const Loop loop = shorter_beside(surface, shortest_loop(surface, ring, min_length), min_length);
-  return loop.ring.empty() ? std::vector<Crossing>{} : crossings(surface, loop);
+  if (loop.ring.empty()) return {};
+  std::vector<Crossing> points = crossings(surface, loop);
+  const double length = length_of(surface, points);
+  return {std::move(points), length};
 }
-
-}  // namespace
 
 Drawn geodesic_through(const Surface& surface, const Course& course) {
   std::vector<Index> stops = course.stops;
@@ -122,15 +124,15 @@ Drawn geodesic_through(const Surface& surface, const Course& course) {
       return result;
     }
     if (course.is_held)
-      append(result.points, along(surface, route.stops, true));
+      append(result.points, pulled_along(surface, route.stops).points);
     else
       chain.insert(chain.end(), route.stops.begin() + 1, route.stops.end());
   }
   if (course.is_held) return result;
   if (course.is_closed)
-    result.points = around(surface, chain, course.min_length);
+    result.points = pulled_around(surface, std::move(chain), course.min_length).points;
   else
-    result.points = along(surface, without_returns(chain), false);
+    result.points = pulled_along(surface, without_returns(chain), false).points;
   return result;
 }
 

@@ -5,6 +5,22 @@
 
 namespace geodesic {
 
+using Chain = std::vector<Index>;  // vertices, an edge from each to the next
+
+// The points of a path or of a closed path, and its length.
+struct Line {
+  std::vector<Crossing> points;
+  double length = 0;
+};
+
+// The geodesic from the first vertex of a chain to its last that the chain is pulled to, held where
+// the chain is or led beside its vertices.
+Line pulled_along(const Surface& surface, const Chain& chain, bool is_held = true);
+
+// The closed geodesic that a chain, closed from its last vertex to its first, is pulled to; without
+// points where that shrinks to a point, or to less than `min_length`.
+Line pulled_around(const Surface& surface, Chain chain, double min_length);
+
 // Where a path runs through stops, and how the stops are taken.
 struct Course {
   std::vector<Index> stops;  // vertices; none is next to itself

@@ -1,6 +1,7 @@
 #include "paths/strips.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 #include "paths/turns.hpp"
 
@@ -108,7 +109,7 @@ std::vector<Crossing> crossings(const Surface& surface, const Path& path) {
     const Position last = std::min(knots[i].portal, std::ssize(flat.portals) - 1);
     for (Position portal = knots[i - 1].portal + 1; portal <= last; ++portal) {
       const auto& [left, right, a, b] = flat.portals[portal];
-      const double across = cross(b - a, q - p);
+      const double across = side(b - a, q - p);
       // Where the path runs along the edge it is on its way to one end: to q.
       const double share = across != 0 ? cross(p - a, q - p) / across : q != a;
       points.push_back({path.strip[portal], left, right, std::clamp(share, 0.0, 1.0)});
@@ -116,6 +117,22 @@ std::vector<Crossing> crossings(const Surface& surface, const Path& path) {
   }
   points.push_back({path.strip.back(), path.end, path.end, 0.0});
   return points;
+}
+
+double length_of(const Surface& surface, std::span<const Crossing> points) {
+  double length = 0, last[3];
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const auto& [_, left, right, share] = points[i];
+    const double *const a = surface.place(left), *const b = surface.place(right);
+    double squared = 0;
+    for (int c = 0; c < 3; ++c) {
+      const double here = (1 - share) * a[c] + share * b[c];
+      if (i > 0) squared += (here - last[c]) * (here - last[c]);
+      last[c] = here;
+    }
+    length += std::sqrt(squared);
+  }
+  return length;
 }
 
 }  // namespace geodesic

@@ -47,4 +47,8 @@ Path shorter_beside(const Surface& surface, Path path);
 // The points of a path: its start, where it crosses each edge, its end.
 std::vector<Crossing> crossings(const Surface& surface, const Path& path);
 
+// The length of the line through points in space. Through faces without area it is longer than what
+// is unfolded.
+double length_of(const Surface& surface, std::span<const Crossing> points);
+
 }  // namespace geodesic

@@ -21,6 +21,7 @@ class Surface {
 
   Index n_vertices() const { return starts_.size() - 1; }
   Index n_faces() const { return count(faces_) / 3; }
+  std::span<const Index> faces() const { return faces_; }
   const Index* corners(Index face) const { return &faces_[3 * face]; }
   std::span<const Index> around(Index vertex) const {
     return {around_.data() + starts_[vertex], around_.data() + starts_[vertex + 1]};
@@ -35,6 +36,7 @@ class Surface {
   // The two corners of a face beside one.
   std::pair<Index, Index> others(Index face, Index vertex) const;
 
+  const double* place(Index vertex) const { return &places_[3 * vertex]; }
   double length(Index a, Index b) const;
   // Where c lies, on the left, in the plane in which a is at 0 and b at 1.
   Planar shape(Index a, Index b, Index c) const;

@@ -7,8 +7,17 @@ namespace geodesic {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
+// Sine of the angle within which two directions are one. On lattices vertices lie on a line but for
+// rounding, and a strip that folds back there would be taken to go straight on.
+constexpr double kSameDirection = 1e-12;
 
 }  // namespace
+
+double side(Planar p, Planar q) {
+  const double across = cross(p, q);
+  const double least = kSameDirection * kSameDirection * std::norm(p) * std::norm(q);
+  return across * across <= least ? 0.0 : across;
+}
 
 Unfolded unfolded(const Surface& surface, const Strip& strip, Index start, Index end) {
   struct {
@@ -53,16 +62,16 @@ std::vector<Knot> funnel(const Unfolded& flat) {
   for (Position i = 0; i <= n;) {
     const Planar new_left = i < n ? flat.portals[i].at_left : flat.last;
     const Planar new_right = i < n ? flat.portals[i].at_right : flat.last;
-    if (right == apex || cross(right - apex, new_right - apex) >= 0) {
-      if (right == apex || left == apex || cross(left - apex, new_right - apex) < 0) {
+    if (right == apex || side(right - apex, new_right - apex) >= 0) {
+      if (right == apex || left == apex || side(left - apex, new_right - apex) < 0) {
         right = new_right, at_right = i;
       } else {
         i = bend(at_left, false, left);
         continue;
       }
     }
-    if (left == apex || cross(left - apex, new_left - apex) <= 0) {
-      if (left == apex || right == apex || cross(right - apex, new_left - apex) > 0) {
+    if (left == apex || side(left - apex, new_left - apex) <= 0) {
+      if (left == apex || right == apex || side(right - apex, new_left - apex) > 0) {
         left = new_left, at_left = i;
       } else {
         i = bend(at_right, true, right);

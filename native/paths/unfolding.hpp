@@ -7,6 +7,10 @@ namespace geodesic {
 
 using Position = std::ptrdiff_t;  // in a strip
 
+// The cross product, positive where q is on the left of p, or 0 where both are on a line but for
+// rounding.
+double side(Planar p, Planar q);
+
 // An inner edge of a strip, and where it lies in the plane.
 struct Portal {
   Index left, right;

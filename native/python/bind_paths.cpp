@@ -1,6 +1,9 @@
 // Shortest paths over triangles in Python.
+#include <nanobind/stl/optional.h>
+
 #include "paths/candidates.hpp"
 #include "paths/chains.hpp"
+#include "paths/shortest_loops.hpp"
 #include "paths/straight.hpp"
 #include "python/bindings.hpp"
 
@@ -90,6 +93,21 @@ void bind_paths(nb::module_& module) {
       },
       "vertices"_a.noconvert(), "faces"_a.noconvert(), "stops"_a.noconvert(), nb::kw_only(),
       "closed"_a, "held"_a, "min_length"_a);
+  module.def(
+      "shortest_loop",
+      [](In<double, 2> vertices, In<Index, 2> faces, std::optional<Index> vertex, double min_hole) {
+        const Index n = n_rows(vertices);
+        require(vertices.shape(1) == 3 && faces.shape(1) == 3, "three numbers in each row");
+        require(!vertex || (0 <= *vertex && *vertex < n), "a vertex below their number");
+        const ShortestLoop loop = unlocked([&] {
+          const Surface surface(span(vertices), span(faces));
+          return vertex ? shortest_loop_through(surface, *vertex, min_hole)
+                        : shortest_loop_anywhere(surface, min_hole);
+        });
+        return nb::make_tuple(give(loop.line.points), loop.unclear[0], loop.unclear[1]);
+      },
+      "vertices"_a.noconvert(), "faces"_a.noconvert(), "vertex"_a = nb::none(), nb::kw_only(),
+      "min_hole"_a = 0.0);
   module.def(
       "distinct_triangles",
       [](In<Index, 2> elements) {

@@ -4,6 +4,8 @@
 
 #include "paths/chains.hpp"
 #include "paths/loops.hpp"
+#include "paths/sheets.hpp"
+#include "paths/shortest_loops.hpp"
 #include "tests/check.hpp"
 #include "tests/examples.hpp"
 
@@ -99,4 +101,52 @@ TEST(a_stop_that_no_triangle_connects_is_named) {
   const Surface surface(mesh.places, mesh.faces);
   const Drawn drawn = geodesic_through(surface, {{0, 5, kRings * kAround}, false, false, 0.0});
   CHECK(drawn.unreached == 2);
+}
+
+TEST(the_shortest_loop_of_a_torus_is_around_the_tube) {
+  const Torus mesh = torus();
+  const Surface surface(mesh.places, mesh.faces);
+  const ShortestLoop anywhere = shortest_loop_anywhere(surface, 0.0);
+  const ShortestLoop held = shortest_loop_through(surface, at(3, 0), 0.0);
+  CHECK(anywhere.line.length < polygon(kAround, kMinor));
+  CHECK(anywhere.line.length > 0.98 * polygon(kAround, kMinor));
+  CHECK(held.line.length >= anywhere.line.length);
+  CHECK(held.line.points.front().left == at(3, 0) && held.line.points.back().left == at(3, 0));
+  CHECK(std::abs(length_of(mesh, held.line.points) - held.line.length) < 1e-12);
+}
+
+TEST(a_hole_is_gone_around_unless_it_is_filled) {
+  Torus mesh = torus();
+  mesh.faces.erase(mesh.faces.begin(), mesh.faces.begin() + 3);
+  const Surface surface(mesh.places, mesh.faces);
+  const double tube = shortest_loop_anywhere(surface, 2.0).line.length;
+  CHECK(shortest_loop_anywhere(surface, 0.0).line.length < 2.0);
+  CHECK(tube > 0.98 * polygon(kAround, kMinor) && tube < polygon(kAround, kMinor));
+}
+
+TEST(a_disc_and_a_sphere_have_no_loop) {
+  const Mesh plate = sheared_grid(5, 0.3);
+  CHECK(shortest_loop_anywhere(Surface(plate.vertices, plate.faces), 0.0).line.points.empty());
+  const std::vector<double> places{0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1};
+  const std::vector<Index> faces{0, 1, 2, 0, 1, 3, 0, 2, 3, 1, 2, 3};
+  CHECK(shortest_loop_through(Surface(places, faces), 2, 0.0).line.points.empty());
+}
+
+TEST(an_edge_of_three_faces_is_named) {
+  Torus mesh = torus();
+  mesh.places.insert(mesh.places.end(), {9, 9, 9});
+  mesh.faces.insert(mesh.faces.end(), {at(2, 3), at(3, 3), kRings * kAround});
+  const ShortestLoop loop = shortest_loop_anywhere(Surface(mesh.places, mesh.faces), 0.0);
+  CHECK(loop.line.points.empty());
+  CHECK(std::min(loop.unclear[0], loop.unclear[1]) == at(2, 3));
+  CHECK(std::max(loop.unclear[0], loop.unclear[1]) == at(3, 3));
+}
+
+TEST(a_vertex_where_sheets_meet_has_a_copy_in_each) {
+  const std::vector<double> places{0, 0, 0, 1, 0, 0, 0, 1, 0, -1, 0, 0, 0, -1, 0};
+  const std::vector<Index> faces{0, 1, 2, 0, 3, 4};
+  const Sheets sheets(Surface(places, faces), 0.0);
+  CHECK(sheets.n_vertices() == 6 && sheets.n_holes() == 2 && sheets.n_edges() == 6);
+  const auto [first, last] = sheets.copies(0);
+  CHECK(first == 0 && last == 2);
 }

@@ -6,6 +6,7 @@ import json
 import numpy as np
 import pytest
 from command_line import fails, run
+from sample_files import write_off
 
 import geodesic_toolkit as gt
 from geodesic_toolkit.errors import InvalidOptionError, InvalidSourceError, WriteError
@@ -116,6 +117,31 @@ def test_the_command_loop_fails_in_a_line(torus_file, tmp_path):
     cloud = tmp_path / "cloud.xyz"
     np.savetxt(cloud, TORUS.vertices)
     fails(run("loop", cloud, "--through", "0,4,8"), 3, "loops need a triangle mesh")
+
+
+def test_the_command_loop_without_places_finds_the_shortest(torus_file, tmp_path):
+    output = tmp_path / "girth.obj"
+    solver = gt.GeodesicSolver(gt.read(torus_file))
+    girth = gt.shortest_loop(solver).length
+    result = run("loop", torus_file, "--output", output)
+    assert result.exit_code == 0
+    assert f"shortest loop  length {girth:.6g}" in result.stdout
+    assert len(lines_in(output)) == 1
+    report = json.loads(run("loop", torus_file, "--at", 30, "--min-hole", 2, "--json").stdout)
+    assert report["length"] == pytest.approx(gt.shortest_loop(solver, 30).length)
+    assert (report["shortest"], report["through"]) == (True, None)
+    assert (report["at"], report["min_hole"]) == (30, 2.0)
+    assert len(report["points"]) == report["n_points"]
+
+
+def test_the_command_loop_says_which_options_go_together(torus_file, tmp_path):
+    fails(run("loop", torus_file, "--through", "0,4,8", "--at", "3"), 2, "without --through")
+    fails(run("loop", torus_file, "--keep"), 2, "--through places")
+    fails(run("loop", torus_file, "--at", "3,4"), 2, "one place")
+    fails(run("loop", torus_file, "--min-hole", "-1"), 2, "min_hole")
+    sphere = tmp_path / "sphere.off"
+    write_off(sphere, gt.testing.shapes.icosphere(1))
+    fails(run("loop", sphere), 4, "shrinks to a point")
 
 
 def test_the_command_isolines_measures_what_it_draws(torus_file, tmp_path):

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from loop_shapes import polygon, pretzel, tilted_cylinder
 
 import geodesic_toolkit as gt
 from geodesic_toolkit.errors import (
@@ -21,64 +22,12 @@ NARROWER = 2e-3
 SPHERE = gt.GeodesicSolver(shapes.icosphere(3))
 
 
-def polygon(n, radius):
-    """Circumference of the regular polygon with n corners on a circle."""
-    return 2 * n * radius * np.sin(np.pi / n)
-
-
 def around_tube(start=0):
     return [start, start + AROUND // 3, start + 2 * AROUND // 3]
 
 
 def along_tube(angle=0):
     return [angle + step * AROUND for step in (0, RINGS // 3, 2 * RINGS // 3)]
-
-
-def tilted_cylinder(radius=1.0, height=6.0, rings=25, around=40):
-    """A cylinder without lids, whose rings are turned against each other at random."""
-    rng = np.random.default_rng(0)
-    turns = rng.uniform(0, 2 * np.pi / around, rings)
-    angle = 2 * np.pi * np.arange(around) / around + turns[:, None]
-    up = np.repeat(np.linspace(0, height, rings), around)
-    places = np.column_stack([radius * np.cos(angle).ravel(), radius * np.sin(angle).ravel(), up])
-    cell = np.arange(rings * around).reshape(rings, around)
-    low, high = cell[:-1], cell[1:]
-    faces = np.concatenate(
-        [
-            np.stack([low, np.roll(low, -1, 1), high], -1).reshape(-1, 3),
-            np.stack([np.roll(low, -1, 1), np.roll(high, -1, 1), high], -1).reshape(-1, 3),
-        ]
-    )
-    return gt.TriangleMesh(places, faces), cell
-
-
-def pretzel(holes=3, size=7):
-    """A block with square holes through it, all faces squares cut in two: genus `holes`."""
-    solid = np.ones((size * holes + 1, size + 2, 3), dtype=bool)
-    for hole in range(holes):
-        begin = hole * size + 2
-        solid[begin : begin + size - 3, 3 : size - 1] = False
-    corners, quads = {}, []
-    padded = np.pad(solid, 1)
-    for place in np.argwhere(padded).tolist():
-        for axis in range(3):
-            for side in (0, 1):
-                beside = list(place)
-                beside[axis] += 2 * side - 1
-                if padded[tuple(beside)]:
-                    continue
-                one, other = (axis + 1) % 3, (axis + 2) % 3
-                quad = []
-                for u, v in ((0, 0), (1, 0), (1, 1), (0, 1)):
-                    corner = list(place)
-                    corner[axis] += side
-                    corner[one] += u
-                    corner[other] += v
-                    quad.append(corners.setdefault(tuple(corner), len(corners)))
-                quads.append(quad if side else quad[::-1])
-    quads = np.array(quads)
-    faces = np.concatenate([quads[:, [0, 1, 2]], quads[:, [0, 2, 3]]])
-    return gt.TriangleMesh(np.array(list(corners), dtype=float), faces), corners
 
 
 def winding(points, centre):

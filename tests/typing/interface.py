@@ -54,6 +54,8 @@ def curves(solver: gt.GeodesicSolver, mesh: gt.TriangleMesh, folder: Path) -> No
     torus = gt.testing.shapes.torus(24, 12)
     loop: gt.GeodesicPath = gt.geodesic_loop(gt.GeodesicSolver(torus), [0, 96, 192])
     assert_type(loop.length, float)
+    girth: gt.GeodesicPath = gt.shortest_loop(gt.GeodesicSolver(torus), at=0)
+    assert_type(girth.closed, bool)
     volume: gt.VolumeDistance = gt.signed_distance_volume(mesh, resolution=12)
     assert_type(volume.values, Floats)
 

@@ -1,5 +1,6 @@
 """Paths through places in order: chains of edges that are pulled taut."""
 
+import math
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from functools import partial
@@ -24,13 +25,28 @@ from geodesic_toolkit.core.types import IntArray
 from geodesic_toolkit.core.words import a_kind_of
 from geodesic_toolkit.domains import TriangleMesh
 from geodesic_toolkit.domains.measured import MeasuredFaces
-from geodesic_toolkit.errors import InvalidSourceError, UnreachableError, UnsupportedDomainError
+from geodesic_toolkit.errors import (
+    InvalidOptionError,
+    InvalidSourceError,
+    UnreachableError,
+    UnsupportedDomainError,
+)
 from geodesic_toolkit.geometry.triangles import proper_faces
 from geodesic_toolkit.solver.solver import GeodesicSolver
 from geodesic_toolkit.sources.kinds import Curve, OffsetSources
 from geodesic_toolkit.sources.points import SourcePoints
 
-__all__ = ["Course", "located_stops", "path_through", "pieces_between", "unreachable_error"]
+__all__ = [
+    "Course",
+    "check_length",
+    "located_places",
+    "located_stops",
+    "mesh_to_pull_over",
+    "passable_faces",
+    "path_through",
+    "pieces_between",
+    "unreachable_error",
+]
 
 
 SAME_SHARES = 1e-8
@@ -68,18 +84,11 @@ def located_stops(
     InvalidSourceError
         Places that are none, too few, or twice the same in a row.
     """
-    if not isinstance(solver.domain, TriangleMesh | MeasuredFaces):
-        raise UnsupportedDomainError(
-            "loops and paths through places need a triangle mesh; "
-            f"{a_kind_of(solver.domain)} has no surface to pull them over"
-        )
+    if not isinstance(solver.domain, MeasuredFaces):
+        mesh_to_pull_over(solver)
     groups = []
     for given, name in places:
-        if isinstance(given, Curve | OffsetSources):
-            raise InvalidSourceError(
-                f"{name}: a path runs through places, not through {a_kind_of(given)}"
-            )
-        groups.append(solver.locate(given, name))
+        groups.append(located_places(solver, given, name))
         if name in {"source", "target"} and groups[-1].count != 1:
             raise InvalidSourceError(
                 f"{name}: a path via places has one {name}, not {groups[-1].count}"
@@ -91,6 +100,25 @@ def located_stops(
         raise InvalidSourceError(f"way points: {what}, not {stops.count}")
     _check_steps(stops, closed=closed)
     return stops
+
+
+def mesh_to_pull_over(solver: GeodesicSolver) -> TriangleMesh:
+    """Return the mesh of a solver, or raise that paths through places need one."""
+    if not isinstance(solver.domain, TriangleMesh):
+        raise UnsupportedDomainError(
+            "loops and paths through places need a triangle mesh; "
+            f"{a_kind_of(solver.domain)} has no surface to pull them over"
+        )
+    return solver.domain
+
+
+def located_places(solver: GeodesicSolver, given: Any, name: str) -> SourcePoints:
+    """Return located places, or raise where something else is given than places."""
+    if isinstance(given, Curve | OffsetSources):
+        raise InvalidSourceError(
+            f"{name}: a path runs through places, not through {a_kind_of(given)}"
+        )
+    return solver.locate(given, name)
 
 
 def path_through(
@@ -107,11 +135,10 @@ def path_through(
     UnsupportedDomainError
         A closed one that is not held, where the mesh has costs or edge lengths.
     """
-    mesh = solver.domain
-    if isinstance(mesh, MeasuredFaces):
-        return _path_over_metric(solver, mesh, stops, course)
-    assert isinstance(mesh, TriangleMesh)  # for the type checker; located_stops has raised
-    original = _passable_faces(solver, mesh)
+    if isinstance(solver.domain, MeasuredFaces):
+        return _path_over_metric(solver, solver.domain, stops, course)
+    mesh = mesh_to_pull_over(solver)
+    original = passable_faces(solver, mesh)
     split = insert_points(mesh.vertices, mesh.faces[original], stops.weights)
     (faces, ends, shares), unreached = _native.geodesic_through(
         np.ascontiguousarray(split.vertices),
@@ -175,6 +202,14 @@ def _unreached(solver: GeodesicSolver, place: int, count: int) -> UnreachableErr
     return unreachable_error(solver, f"place {place} with place {(place - 1) % count}")
 
 
+def check_length(length: object, name: str) -> None:
+    """Raise where an option is not a finite length."""
+    if isinstance(length, bool) or not isinstance(length, int | float):
+        raise InvalidOptionError(f"{name} is a length, not {length!r}")
+    if not (length >= 0 and math.isfinite(length)):
+        raise InvalidOptionError(f"{name} must be finite and not negative, not {length!r}")
+
+
 def unreachable_error(solver: GeodesicSolver, what: str) -> UnreachableError:
     """Return the error that says what no face connects, with the cure for seams."""
     seams = f". {solver.seams.finding}; {solver.seams.cure}" if solver.seams else ""
@@ -184,7 +219,7 @@ def unreachable_error(solver: GeodesicSolver, what: str) -> UnreachableError:
     )
 
 
-def _passable_faces(solver: GeodesicSolver, mesh: TriangleMesh) -> IntArray:
+def passable_faces(solver: GeodesicSolver, mesh: TriangleMesh) -> IntArray:
     """Return the proper faces that touch no masked vertex."""
     conducting = proper_faces(mesh.faces)
     passable = solver.passable

@@ -1,11 +1,10 @@
 """Closed geodesics: loops that are pulled taut."""
 
-import math
 from typing import Any
 
-from geodesic_toolkit.analysis.paths.chains import Course, located_stops, path_through
+from geodesic_toolkit.analysis.paths.chains import Course, check_length, located_stops, path_through
 from geodesic_toolkit.analysis.paths.path import GeodesicPath
-from geodesic_toolkit.errors import ContractibleLoopError, InvalidOptionError
+from geodesic_toolkit.errors import ContractibleLoopError
 from geodesic_toolkit.solver.solver import GeodesicSolver, check_solver
 
 __all__ = ["geodesic_loop"]
@@ -71,10 +70,7 @@ def geodesic_loop(
     (True, 3.13)
     """
     check_solver(solver, "a loop")
-    if isinstance(min_length, bool) or not isinstance(min_length, int | float):
-        raise InvalidOptionError(f"min_length is a length, not {min_length!r}")
-    if not (min_length >= 0 and math.isfinite(min_length)):
-        raise InvalidOptionError(f"min_length must be finite and not negative, not {min_length!r}")
+    check_length(min_length, "min_length")
     stops = located_stops(solver, [(waypoints, "way points")], closed=True)
     course = Course(closed=True, held=bool(through), min_length=float(min_length))
     loop = path_through(solver, stops, course)
