@@ -21,6 +21,7 @@ import numpy as np
 
 from geodesic_toolkit import _native
 from geodesic_toolkit.core.arrays import empty, joined
+from geodesic_toolkit.core.near import NearRows
 from geodesic_toolkit.core.types import BoolArray, FloatArray, IntArray
 from geodesic_toolkit.discretization.data import Discretization
 from geodesic_toolkit.discretization.element_gradient import ElementGradient
@@ -170,26 +171,54 @@ class WavefrontSweeper:
         kappas : ndarray of shape (K, N), float64, optional
             Takes the geodesic curvature of the front at each vertex.
         """
-        count = self._gradient.n_vertices
-        fronts = [self._fronts_at(points) for points in block]
-        vertices, known, curvatures = (joined(parts) for parts in zip(*fronts, strict=True))
-        begins = np.array([0, *accumulate(len(own) for own, _, _ in fronts)], dtype=np.int64)
         self._fronts.sweep(
             *heat.for_kernels(),
-            begins,
-            vertices,
-            known,
-            curvatures,
-            SWEEP_TOLERANCE * np.minimum.reduceat(self.metric.scales[vertices], begins[:-1]),
-            returns=int(
-                (MAX_RETURNS_PER_POINT if self._gradient.stars else MAX_RETURNS_PER_VERTEX) * count
-            ),
-            steady=int(count < MIN_VERTICES_OF_EARLY_RETURNS),
-            most_sweeps=MAX_SWEEPS,
+            *self._sources(block),
+            **self._effort(),
             distances=distances,
             kappas=kappas,
             n_threads=n_threads,
         )
+
+    def near(self, heat: Heat, block: Sequence[SourcePoints], limits: FloatArray) -> NearRows:
+        """Return refined distances from each of K source sets up to a limit, and of some beyond.
+
+        Up to the limit they are to the bit those of `fill`.
+
+        Parameters
+        ----------
+        heat : Heat of shape (N, K)
+        block : sequence of SourcePoints
+        limits : ndarray of shape (K,), float64
+
+        Returns
+        -------
+        NearRows
+        """
+        return NearRows(
+            *self._fronts.sweep_near(
+                *heat.for_kernels(), *self._sources(block), limits, **self._effort()
+            )
+        )
+
+    def _sources(
+        self, block: Sequence[SourcePoints]
+    ) -> tuple[IntArray, IntArray, FloatArray, FloatArray, FloatArray]:
+        """Return the sources of a block as kernels take them, and the tolerance of each set."""
+        fronts = [self._fronts_at(points) for points in block]
+        vertices, known, curvatures = (joined(parts) for parts in zip(*fronts, strict=True))
+        begins = np.array([0, *accumulate(len(own) for own, _, _ in fronts)], dtype=np.int64)
+        scales = np.minimum.reduceat(self.metric.scales[vertices], begins[:-1])
+        return begins, vertices, known, curvatures, SWEEP_TOLERANCE * scales
+
+    def _effort(self) -> dict[str, int]:
+        count = self._gradient.n_vertices
+        returns = MAX_RETURNS_PER_POINT if self._gradient.stars else MAX_RETURNS_PER_VERTEX
+        return {
+            "returns": int(returns * count),
+            "steady": int(count < MIN_VERTICES_OF_EARLY_RETURNS),
+            "most_sweeps": MAX_SWEEPS,
+        }
 
     def distance_within(self, points: SourcePoints, latest: FloatArray) -> FloatArray:
         """Return refined distances (N,) from one set of sources to vertices that are near enough.

@@ -225,6 +225,26 @@ void bind_wavefront(nb::module_& module) {
           "returns"_a, "steady"_a, "most_sweeps"_a, "distances"_a.noconvert(),
           "kappas"_a.noconvert() = nb::none(), "n_threads"_a = 1)
       .def(
+          "sweep_near",
+          [](const Sweeper& self, Columns heat, bool logarithmic, In<Index> begins,
+             In<Index> vertices, In<double> known, In<double> curvatures, In<double> tolerances,
+             In<double> limits, Index returns, Index steady, Index most_sweeps, int n_threads) {
+            const HeatTable table{span(heat), n_columns(heat), logarithmic};
+            const Sources sources{span(begins), span(vertices), span(known), span(curvatures),
+                                  span(tolerances)};
+            require(n_rows(heat) == self.n_vertices(), "a number for each vertex");
+            require_sources(sources, table.n_columns, self.n_vertices());
+            require(n_rows(limits) == table.n_columns, "a limit for each set of sources");
+            require(n_threads > 0, "at least one thread");
+            return give(unlocked([&] {
+              return self.sweep_near(table, sources, {returns, steady, most_sweeps}, span(limits),
+                                     n_threads);
+            }));
+          },
+          "heat"_a.noconvert(), "logarithmic"_a, "begins"_a.noconvert(), "vertices"_a.noconvert(),
+          "known"_a.noconvert(), "curvatures"_a.noconvert(), "tolerances"_a.noconvert(),
+          "limits"_a.noconvert(), "returns"_a, "steady"_a, "most_sweeps"_a, "n_threads"_a = 1)
+      .def(
           "sweep_limited",
           [](const Sweeper& self, In<Index> vertices, In<double> known, In<double> curvatures,
              double tolerance, In<double> latest, Index most_visits, Out<double> distances) {
