@@ -450,10 +450,10 @@ class Sweeper:
         known: Numbers,
         curvatures: Numbers,
         tolerances: Numbers,
-        limits: Numbers,
         returns: int,
         steady: int,
         most_sweeps: int,
+        limits: Numbers,
         n_threads: int = 1,
     ) -> tuple[Indices, Indices, Numbers]:
         """Return the same up to limits (K,), and of some vertices beyond, in sparse rows."""

@@ -294,7 +294,9 @@ class HeatMethod:
         rest = np.flatnonzero(~are_known)
         if not len(rest):
             return near
-        return near.replaced(rest, self._near_of_all([block[k] for k in rest], limits[rest]))
+        return near.replaced(
+            rest, self._near_of_all([block[k] for k in rest.tolist()], limits[rest])
+        )
 
     def _near_of_all(self, block: Sequence[SourcePoints], limits: FloatArray) -> NearRows:
         """Return the distances up to limits among those to all vertices."""

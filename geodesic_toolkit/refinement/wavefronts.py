@@ -171,14 +171,7 @@ class WavefrontSweeper:
         kappas : ndarray of shape (K, N), float64, optional
             Takes the geodesic curvature of the front at each vertex.
         """
-        self._fronts.sweep(
-            *heat.for_kernels(),
-            *self._sources(block),
-            **self._effort(),
-            distances=distances,
-            kappas=kappas,
-            n_threads=n_threads,
-        )
+        self._fronts.sweep(*self._arguments(heat, block), distances, kappas, n_threads)
 
     def near(self, heat: Heat, block: Sequence[SourcePoints], limits: FloatArray) -> NearRows:
         """Return refined distances from each of K source sets up to a limit, and of some beyond.
@@ -195,30 +188,31 @@ class WavefrontSweeper:
         -------
         NearRows
         """
-        return NearRows(
-            *self._fronts.sweep_near(
-                *heat.for_kernels(), *self._sources(block), limits, **self._effort()
-            )
-        )
+        return NearRows(*self._fronts.sweep_near(*self._arguments(heat, block), limits))
 
-    def _sources(
-        self, block: Sequence[SourcePoints]
-    ) -> tuple[IntArray, IntArray, FloatArray, FloatArray, FloatArray]:
-        """Return the sources of a block as kernels take them, and the tolerance of each set."""
+    def _arguments(
+        self, heat: Heat, block: Sequence[SourcePoints]
+    ) -> tuple[
+        FloatArray, bool, IntArray, IntArray, FloatArray, FloatArray, FloatArray, int, int, int
+    ]:
+        """Return the first arguments of both kernels: the heat, the sources, and the effort."""
         fronts = [self._fronts_at(points) for points in block]
         vertices, known, curvatures = (joined(parts) for parts in zip(*fronts, strict=True))
         begins = np.array([0, *accumulate(len(own) for own, _, _ in fronts)], dtype=np.int64)
         scales = np.minimum.reduceat(self.metric.scales[vertices], begins[:-1])
-        return begins, vertices, known, curvatures, SWEEP_TOLERANCE * scales
-
-    def _effort(self) -> dict[str, int]:
         count = self._gradient.n_vertices
         returns = MAX_RETURNS_PER_POINT if self._gradient.stars else MAX_RETURNS_PER_VERTEX
-        return {
-            "returns": int(returns * count),
-            "steady": int(count < MIN_VERTICES_OF_EARLY_RETURNS),
-            "most_sweeps": MAX_SWEEPS,
-        }
+        return (
+            *heat.for_kernels(),
+            begins,
+            vertices,
+            known,
+            curvatures,
+            SWEEP_TOLERANCE * scales,
+            int(returns * count),
+            int(count < MIN_VERTICES_OF_EARLY_RETURNS),
+            MAX_SWEEPS,
+        )
 
     def distance_within(self, points: SourcePoints, latest: FloatArray) -> FloatArray:
         """Return refined distances (N,) from one set of sources to vertices that are near enough.

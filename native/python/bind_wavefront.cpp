@@ -228,7 +228,7 @@ void bind_wavefront(nb::module_& module) {
           "sweep_near",
           [](const Sweeper& self, Columns heat, bool logarithmic, In<Index> begins,
              In<Index> vertices, In<double> known, In<double> curvatures, In<double> tolerances,
-             In<double> limits, Index returns, Index steady, Index most_sweeps, int n_threads) {
+             Index returns, Index steady, Index most_sweeps, In<double> limits, int n_threads) {
             const HeatTable table{span(heat), n_columns(heat), logarithmic};
             const Sources sources{span(begins), span(vertices), span(known), span(curvatures),
                                   span(tolerances)};
@@ -243,7 +243,7 @@ void bind_wavefront(nb::module_& module) {
           },
           "heat"_a.noconvert(), "logarithmic"_a, "begins"_a.noconvert(), "vertices"_a.noconvert(),
           "known"_a.noconvert(), "curvatures"_a.noconvert(), "tolerances"_a.noconvert(),
-          "limits"_a.noconvert(), "returns"_a, "steady"_a, "most_sweeps"_a, "n_threads"_a = 1)
+          "returns"_a, "steady"_a, "most_sweeps"_a, "limits"_a.noconvert(), "n_threads"_a = 1)
       .def(
           "sweep_limited",
           [](const Sweeper& self, In<Index> vertices, In<double> known, In<double> curvatures,

@@ -102,20 +102,19 @@ class RowTask:
         assert self.limit is not None  # for the type checker
         # Numbers just above the limit may be rounded to it.
         limit = self.limit * (1 + float(np.finfo(self.dtype).eps))
-        begins, columns, values = np.zeros(1, dtype=np.int64), np.zeros(0, dtype=np.int64), []
-        if len(rows):
-            begins, columns, values = solver.near(found, limit)
-        kept = np.asarray(values, dtype=self.dtype)
-        counts = np.zeros(len(self.sets), dtype=np.int64)
-        counts[rows] = np.diff(begins)
-        starts = np.concatenate([[0], np.cumsum(counts)])
-        within = kept <= np.float64(self.limit)  # not a Python float, which float32 would round
-        starts = np.concatenate([[0], np.cumsum(within)])[starts]
         shape = (len(self.sets), solver.domain.n_vertices)
-        near = csr_array((kept[within], columns[within], starts), shape=shape)
+        if not len(rows):
+            return csr_array(shape, dtype=self.dtype)
+        near = solver.near(found, limit)
+        values = near.distances.astype(self.dtype, copy=False)
+        within = values <= np.float64(self.limit)  # not a Python float, which float32 would round
+        counts = np.zeros(len(self.sets), dtype=np.int64)
+        counts[rows] = np.diff(np.concatenate([[0], np.cumsum(within)])[near.begins])
+        starts = np.concatenate([[0], np.cumsum(counts)])
+        matrix = csr_array((values[within], near.vertices[within], starts), shape=shape)
         if self.targets is None:
-            return near
-        chosen = csr_array(near[:, self.targets])
+            return matrix
+        chosen = csr_array(matrix[:, self.targets])
         chosen.sort_indices()
         return chosen
 
