@@ -67,6 +67,15 @@ class NearRows(NamedTuple):
         ends = np.concatenate([[0], np.cumsum(kept)])[self.begins]
         return NearRows(ends, self.vertices[kept], self.distances[kept])
 
+    def chosen(self, rows: IntArray) -> "NearRows":
+        """Return some of the rows, in ascending order."""
+        own = np.zeros(len(self.begins) - 1, dtype=np.bool_)
+        own[rows] = True
+        counts = np.diff(self.begins)
+        kept = np.repeat(own, counts)
+        begins = np.concatenate([[0], np.cumsum(counts[rows])])
+        return NearRows(begins, self.vertices[kept], self.distances[kept])
+
     def replaced(self, rows: IntArray, others: "NearRows") -> "NearRows":
         """Return the rows with some of them, in ascending order, from other ones."""
         if not len(rows):

@@ -15,6 +15,7 @@ from geodesic_toolkit.core.arrays import empty
 from geodesic_toolkit.core.near import NearRows
 from geodesic_toolkit.core.types import FloatArray
 from geodesic_toolkit.discretization.data import Discretization
+from geodesic_toolkit.discretization.fronts import Fronts as MetricFronts
 from geodesic_toolkit.discretization.heat import Heat
 from geodesic_toolkit.errors import InvalidOptionError, UnsupportedDomainError
 from geodesic_toolkit.heat.blocks import (
@@ -281,6 +282,14 @@ class HeatMethod:
         if not self.flows:  # these kernels share the processors themselves
             return NearRows.together([solve(start) for start in starts])
         return NearRows.together(on_threads(solve, starts, self.n_vertices))
+
+    @property
+    def ends_at_limits(self) -> bool:
+        """True if `near` costs less than `distances`: fronts end, and heat alone does not."""
+        if self.flows:
+            return self._refined is not None and self._refined.has_near
+        fronts = self.metric.fronts if self.across else None
+        return fronts is None or type(fronts).near is not MetricFronts.near
 
     def _near_block(self, block: Sequence[SourcePoints], limits: FloatArray) -> NearRows:
         if not self.flows:
