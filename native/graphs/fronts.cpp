@@ -85,8 +85,10 @@ double across_triangle(const End& a, const End& b, const End& c, double ab, doub
 }
 
 // Edges by which a vertex may be nearer than its path along an edge, before fronts end at a limit.
-// With 0, three of 10^7 distances within the limit differed, on graphs of neighbours in the plane
-// and in space and on random ones; with 1 and more none did.
+// With 0, 4,430 of 4.1 million distances within the limit differed from those without one, with 1
+// and 2 none did: 30 graphs of 6 to 12 neighbours of 2,000 samples, in the plane, on rolls, in
+// cubes and in clusters, also with noise, and a random graph, from 150 sources with four limits
+// each.
 constexpr double kEdgesBeyondLimit = 2;
 
 // Fronts from one set of sources after the other.
