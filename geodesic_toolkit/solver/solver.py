@@ -267,8 +267,8 @@ class GeodesicSolver(TangentSolver):
         >>> import geodesic_toolkit as gt
         >>> solver = gt.GeodesicSolver(gt.testing.shapes.icosphere(3))
         >>> near = solver.near([0, 1], limits=0.1)
-        >>> near.begins, near.vertices
-        (array([0, 1, 2]), array([0, 1]))
+        >>> near.begins.tolist(), near.vertices.tolist()
+        ([0, 1, 2], [0, 1])
         """
         sets = self.locate_sets(source_sets)
         each = _limits(limits, len(sets))
