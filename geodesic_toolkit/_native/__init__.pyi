@@ -395,6 +395,22 @@ def gather_corners(
     `boundary`; unless `edges_agree`, edges are distinguished by their ends alone.
     """
 
+def in_sight(
+    begins: Indices,
+    vertices: Indices,
+    distances: Numbers,
+    elements: Indices,
+    frames: Numbers,
+    stars: bool,
+    hidden: Bools,
+) -> tuple[Indices, Indices, Numbers, Numbers]:
+    """Return the vertices in sight of places in triangles and on edges, besides those around them.
+
+    A place p lies between the two or three vertices ``begins[p]:begins[p + 1]``, at `distances`
+    from these. Returns the place of each vertex in sight, the vertex, and its x and y in a plane
+    about the place: the farthest of the vertices around it lies on the x axis, the next at y > 0.
+    """
+
 def angle_defects(elements: Indices, frames: Numbers, boundary: Bools) -> Numbers:
     """Return the angle defects of vertices: 2π, or π at the boundary, minus their total angles."""
 
@@ -438,6 +454,7 @@ class Sweeper:
         distances: Numbers,
         kappas: Numbers | None = None,
         n_threads: int = 1,
+        have_offsets: bool = False,
     ) -> None:
         """Write the distances from K source sets, (K, N), in the order of their heat, (N, K)."""
 
@@ -455,6 +472,7 @@ class Sweeper:
         most_sweeps: int,
         limits: Numbers,
         n_threads: int = 1,
+        have_offsets: bool = False,
     ) -> tuple[Indices, Indices, Numbers]:
         """Return the same up to limits (K,), and of some vertices beyond, in sparse rows."""
 
@@ -467,6 +485,7 @@ class Sweeper:
         latest: Numbers,
         most_visits: int,
         distances: Numbers,
+        have_offsets: bool = False,
     ) -> None:
         """Write the distances (N,) from one source set where fronts come before `latest`, (N,)."""
 

@@ -30,12 +30,15 @@ __all__ = [
     "Operator",
     "Refine",
     "Solver",
+    "TimeFactor",
     "Weld",
+    "all_existing",
     "check_plugins",
     "check_positions",
     "check_reach",
     "check_thin",
     "check_time",
+    "files_of",
     "find_marked",
     "kinds_of",
     "parse_sources",
@@ -46,7 +49,7 @@ def _existing(path: Path) -> Path:
     """Return a path of a file that exists, or that is a stream."""
     if is_stream(path):
         return path
-    if not path.exists():
+    if not os.access(path, os.F_OK):
         raise typer.BadParameter(f"File {str(path)!r} does not exist.")
     if path.is_dir():
         raise typer.BadParameter(f"File {str(path)!r} is a directory.")
@@ -55,8 +58,15 @@ def _existing(path: Path) -> Path:
     return path
 
 
-def _all_existing(paths: list[Path]) -> list[Path]:
-    return [_existing(path) for path in paths]
+def all_existing(paths: list[Path] | None) -> list[Path]:
+    """Return paths of files that exist, or that are streams; none for None.
+
+    Raises
+    ------
+    typer.BadParameter
+        A file does not exist, is a directory, or cannot be read.
+    """
+    return [_existing(path) for path in paths or ()]
 
 
 Input = Annotated[
@@ -72,8 +82,8 @@ Input = Annotated[
 Inputs = Annotated[
     list[Path],
     typer.Argument(
-        callback=_all_existing,
-        metavar="INPUT...",
+        callback=all_existing,
+        metavar="INPUT",
         help="Meshes, point clouds or graphs; - reads standard input.",
         show_default=False,
     ),
@@ -99,10 +109,20 @@ class MarkedVertices:
 
 def find_marked(text: str) -> MarkedVertices | None:
     """Return the file that ``FILE`` or ``FILE:REGION`` names; None if it does not exist."""
-    if Path(text).is_file():
+    if _is_file(text):
         return MarkedVertices(Path(text))
     file, colon, region = text.rpartition(":")
-    return MarkedVertices(Path(file), region) if colon and Path(file).is_file() else None
+    return MarkedVertices(Path(file), region) if colon and _is_file(file) else None
+
+
+def _is_file(text: str) -> bool:
+    # pathlib alone raises for names that are too long, and for folders that may not be entered.
+    return os.access(text, os.F_OK) and Path(text).is_file()
+
+
+def files_of(mask: MarkedVertices | None, places: Sequence[str] = ()) -> list[Path]:
+    """Return the files of vertices among a mask and the places typed."""
+    return [file.path for file in (mask, *map(find_marked, places)) if file is not None]
 
 
 def _marked(text: str) -> MarkedVertices:
@@ -142,14 +162,30 @@ Refine = Annotated[
     ),
 ]
 
+TimeFactor = Annotated[
+    float | None,
+    typer.Option(
+        metavar="M",
+        help="Time step in squared mean edge lengths: 1 unless given; more is smoother.",
+        show_default=False,
+    ),
+]
+
 Folder = Annotated[Path, typer.Option(metavar="DIR", file_okay=False, help="Where the files go.")]
 
 Json = Annotated[bool, typer.Option("--json", help="Print one JSON object.")]
 
 
+def _tolerance(weld: float | None) -> float | None:
+    if weld is not None and not (weld >= 0 and math.isfinite(weld)):
+        raise InvalidOptionError(f"--weld must be finite and not negative, not {weld:g}")
+    return weld
+
+
 Weld = Annotated[
     float | None,
     typer.Option(
+        callback=_tolerance,
         metavar="TOL",
         help="Merge vertices of a mesh that are no farther apart than this, in its unit, so that "
         "paths cross seams: 0 for those at the same position. Inputs and outputs still use the "

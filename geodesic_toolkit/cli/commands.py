@@ -23,19 +23,32 @@ EXAMPLES: dict[str, tuple[str, ...]] = {
         "distance - --source 500 --output -.csv < bunny.off > d.csv",
     ),
     "view": ("view bunny.off", "view bunny.off --source 500 --no-open"),
-    "signed": ("signed bunny.off --curve circle.obj --output d.ply --picture d.png",),
-    "logmap": ("logmap bunny.off --source 500 --output uv.obj --picture uv.png",),
-    "loop": ("loop torus.ply --through 0,8,16 --output loop.obj --picture loop.png",),
-    "isolines": ("isolines bunny.off --source 500 --level 0.05 --level 0.1 --output circles.obj",),
+    "signed": (
+        "signed bunny.off --curve circle.obj --output d.ply --picture d.png",
+        "signed bunny.off scan.ply --curve circle.obj --output {name}.npy",
+    ),
+    "logmap": (
+        "logmap bunny.off --source 500 --output uv.obj --picture uv.png",
+        "logmap bunny.off scan.ply --source 500 --output {name}.csv",
+    ),
+    "loop": (
+        "loop torus.ply --through 0,8,16 --output loop.obj --picture loop.png",
+        "loop torus.ply ring.ply --through 0,8,16 --output loop_of_{name}.obj",
+    ),
+    "isolines": (
+        "isolines bunny.off --source 500 --level 0.05 --level 0.1 --output circles.obj",
+        "isolines bunny.off terrain.ply --source 0 --level 0.1 --output circles_of_{name}.csv",
+    ),
     "matrix": (
         "matrix bunny.off --float32 --output D.npy",
         "matrix bunny.off --max-distance 0.1 --output D.npz",
+        "matrix bunny.off scan.ply --landmarks 100 --output {name}.npy",
     ),
-    "compare": ("compare bunny.off --source 500",),
+    "compare": ("compare bunny.off --source 500", "compare bunny.off terrain.ply --source 0"),
     "plugins": ("plugins", "plugins --json"),
     "new-plugin": ("new-plugin geodesic-toolkit-hodge --kind operator",),
     "check": ("check cotan", "check solver:supernodal --json"),
-    "doctor": ("doctor", "doctor bunny.off"),
+    "doctor": ("doctor", "doctor bunny.off", "doctor bunny.off scan.ply --json"),
     "explain": ("explain", "explain SeamWarning"),
 }
 """Command lines by the name of the command, without that of the program."""

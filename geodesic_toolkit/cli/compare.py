@@ -1,15 +1,18 @@
 """``geodesic-toolkit compare``: compare variants of computing distances on a shape."""
 
+from collections.abc import Iterator
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from geodesic_toolkit.cli.arguments import Input, Json, Weld, parse_sources
-from geodesic_toolkit.cli.output import aligned, one_line, show, show_json, versions
-from geodesic_toolkit.cli.run import Run, running
+from geodesic_toolkit.cli.arguments import Inputs, Json, Weld, files_of, parse_sources
+from geodesic_toolkit.cli.output import aligned, one_line
+from geodesic_toolkit.cli.run import Run
+from geodesic_toolkit.cli.several import Answer, answer_each
 from geodesic_toolkit.cli.targets import Targets
-from geodesic_toolkit.cli.welding import Welded, check_weld, welded
+from geodesic_toolkit.cli.welding import read_welded
 
 if TYPE_CHECKING:  # importing NumPy takes longer than all of --help
     from geodesic_toolkit.analysis.comparison import Comparison, Row
@@ -30,7 +33,7 @@ HEADINGS = (
 
 
 def compare(
-    path: Input,
+    paths: Inputs,
     *,
     source: Annotated[
         list[str],
@@ -56,43 +59,53 @@ def compare(
     Errors are relative to the exact distance along the surface if that is affordable, else to
     the refined one.
     """
-    from geodesic_toolkit.analysis.comparison import compare as compared
-    from geodesic_toolkit.io import read
-
     sources = parse_sources(source)
-    check_weld(weld)
-    targets = Targets(picture=picture)
-    targets.check(path)
-    with running() as run:
-        if targets.drawn:
-            with run.step("loading graphics"):
-                targets.load_graphics()
-        with run.step("reading"):
-            shape = welded(read(path), weld, run)
-            targets.check_domain(shape.domain)
-        with run.step("comparing"):
-            comparison = compared(shape.domain, shape.sources(sources), progress=run.advance)
-        if picture is not None:
-            with run.step("rendering"):
-                _draw(comparison, of, picture)
-    if json:
-        show_json(
-            {
-                "input": str(path),
-                "domain": type(shape.file).__name__,
-                "n_vertices": shape.file.n_vertices,
-                "n_merged": shape.domain.n_vertices,
-                "sources": shape.firsts(comparison.sources),
-                "reference": comparison.reference_name,
-                "ways": [row.as_dict() for row in comparison.rows],
-                "outputs": [str(target) for target in targets.paths],
-                "timings": run.timings,
-                "warnings": run.warnings,
-                "versions": versions(),
-            }
-        )
-    else:
-        _show(comparison, shape, run, targets)
+    answer_each(
+        partial(_answer, sources=sources, of=of, weld=weld),
+        paths,
+        Targets(picture=picture),
+        used=files_of(None, source),
+        json=json,
+    )
+
+
+def _answer(
+    run: Run,
+    path: Path,
+    targets: Targets,
+    *,
+    sources: list[int] | list[list[float]],
+    of: str,
+    weld: float | None,
+) -> Answer:
+    from geodesic_toolkit.analysis.comparison import compare as compared
+
+    with run.step("reading"):
+        shape, _ = read_welded(path, weld, run)
+        targets.check_domain(shape.domain)
+    with run.step("comparing"):
+        comparison = compared(shape.domain, shape.sources(sources), progress=run.advance)
+    if targets.picture is not None:
+        with run.step("rendering"):
+            _draw(comparison, of, targets.picture)
+    sources_of_file = shape.firsts(comparison.sources)
+    good = [row for row in comparison.rows if row.failure is None]
+    content = {
+        "domain": type(shape.file).__name__,
+        "n_vertices": shape.file.n_vertices,
+        "n_merged": shape.domain.n_vertices,
+        "sources": sources_of_file,
+        "reference": comparison.reference_name,
+        "ways": [row.as_dict() for row in comparison.rows],
+        "outputs": [str(target) for target in targets.paths],
+    }
+    rows = [
+        ("sources", ", ".join(map(str, sources_of_file.tolist()))),
+        ("against", comparison.reference_name),
+        ("warned", ", ".join(row.variant.name for row in good if row.warnings) or "-"),
+    ]
+    lines = [*aligned([HEADINGS, *map(_cells, good)]), "", *_exceptions(comparison)]
+    return Answer(shape, content, rows, lines)
 
 
 def _draw(comparison: "Comparison", name: str, path: Path) -> None:
@@ -122,27 +135,12 @@ def _high_end(error: "FloatArray") -> float:
     return top or 1.0
 
 
-def _show(comparison: "Comparison", shape: Welded, run: Run, targets: Targets) -> None:
-    good = [row for row in comparison.rows if row.failure is None]
-    for line in aligned([HEADINGS, *map(_cells, good)]):
-        show(line)
-    show("")
+def _exceptions(comparison: "Comparison") -> Iterator[str]:
     for row in comparison.rows:
         if row.failure is not None:
-            show(f"{row.variant.name}: failed: {one_line(row.failure)}")
+            yield f"{row.variant.name}: failed: {one_line(row.failure)}"
         elif row.unreached:
-            show(f"{row.variant.name}: {row.unreached} vertices have no distance")
-    facts = [
-        ("shape", repr(shape.file)),
-        *shape.rows,
-        ("sources", ", ".join(map(str, shape.firsts(comparison.sources).tolist()))),
-        ("against", comparison.reference_name),
-        ("warned", ", ".join(row.variant.name for row in good if row.warnings) or "-"),
-        ("took", run.took),
-        *(("wrote", str(path)) for path in targets.paths),
-    ]
-    for line in aligned(facts):
-        show(line)
+            yield f"{row.variant.name}: {row.unreached} vertices have no distance"
 
 
 def _cells(row: "Row") -> tuple[str, ...]:

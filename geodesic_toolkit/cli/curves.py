@@ -2,7 +2,6 @@
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -10,14 +9,15 @@ import typer
 
 from geodesic_toolkit.cli.arguments import find_marked
 from geodesic_toolkit.cli.run import Run
-from geodesic_toolkit.errors import InvalidOptionError, InvalidSourceError
+from geodesic_toolkit.cli.targets import Targets
+from geodesic_toolkit.errors import InvalidSourceError
 
 if TYPE_CHECKING:  # importing NumPy takes longer than all of --help
     from geodesic_toolkit.core.types import FloatArray
     from geodesic_toolkit.domains import Domain, TriangleMesh
     from geodesic_toolkit.solver.solver import GeodesicSolver
 
-__all__ = ["CurveTargets", "Lines", "Page", "Picture", "as_mesh", "parse_waypoints", "solver_of"]
+__all__ = ["Lines", "Page", "Picture", "as_mesh", "parse_waypoints", "solver_of", "write_lines"]
 
 Lines = Annotated[
     list[Path] | None,
@@ -33,81 +33,32 @@ Page = Annotated[
 ]
 
 
-@dataclass(frozen=True, kw_only=True)
-class CurveTargets:
-    """The output files of curves.
+def write_lines(
+    run: Run,
+    targets: Targets,
+    domain: "Domain",
+    curves: Sequence[Any],
+    values: "FloatArray | None" = None,
+    **look: Any,
+) -> None:
+    """Write curves: lines first, so that they are safe if a picture fails.
 
-    Parameters
-    ----------
-    tables : tuple of Path
-    picture, html : Path, optional
+    Pictures show the `values`, which there are where something is drawn.
     """
+    from geodesic_toolkit import viz
+    from geodesic_toolkit.io import write_curves
 
-    tables: tuple[Path, ...] = ()
-    picture: Path | None = None
-    html: Path | None = None
-
-    @property
-    def paths(self) -> list[Path]:
-        """All of them, in the order in which they are written."""
-        return [*self.tables, *(path for path in (self.picture, self.html) if path is not None)]
-
-    def check(self, *inputs: Path) -> None:
-        """Raise before any work where something could not be written after it."""
-        from geodesic_toolkit.io import check_output
-        from geodesic_toolkit.io.curves import check_curve_output
-
-        seen = {path.resolve(): "the input" for path in inputs}
-        for path in self.paths:
-            if path.resolve() in seen:
-                raise InvalidOptionError(f"{path} would overwrite {seen[path.resolve()]}")
-            seen[path.resolve()] = "another output"
-        for path in self.tables:
-            check_curve_output(path)
-        for drawn, suffix in ((self.picture, ".png"), (self.html, ".html")):
-            if drawn is not None:
-                check_output(drawn, (suffix,))
-
-    def load_graphics(self) -> None:
-        """Import what draws, so that it is found missing before the work and not after it."""
-        from geodesic_toolkit.core.optional import require
-
-        if self.picture is not None:
-            require("pyvista", "viz", "Pictures need")
-        if self.html is not None:
-            require("k3d", "viz", "HTML pages need")
-
-    @property
-    def drawn(self) -> bool:
-        """True if there is a picture or page to draw."""
-        return self.picture is not None or self.html is not None
-
-    def write(
-        self,
-        run: Run,
-        domain: "Domain",
-        curves: Sequence[Any],
-        values: "FloatArray | None" = None,
-        **look: Any,
-    ) -> None:
-        """Write everything: lines first, so that a picture that fails costs no work.
-
-        Pictures show the `values`, which there are where something is drawn.
-        """
-        from geodesic_toolkit import viz
-        from geodesic_toolkit.io import write_curves
-
-        if self.tables:
-            with run.step("writing"):
-                for path in self.tables:
-                    write_curves(path, domain, curves)
-        if values is None:
-            return
-        with run.step("rendering"):
-            if self.picture is not None:
-                viz.plot(domain, values, path=self.picture, curves=curves, **look)
-            if self.html is not None:
-                viz.save_html(domain, values, self.html, curves=curves, **look)
+    if targets.tables:
+        with run.step("writing"):
+            for path in targets.tables:
+                write_curves(path, domain, curves)
+    if values is None:
+        return
+    with run.step("rendering"):
+        if targets.picture is not None:
+            viz.plot(domain, values, path=targets.picture, curves=curves, **look)
+        if targets.html is not None:
+            viz.save_html(domain, values, targets.html, curves=curves, **look)
 
 
 def parse_waypoints(texts: Sequence[str], option: str) -> list[int] | list[list[float]]:

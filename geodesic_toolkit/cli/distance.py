@@ -1,6 +1,5 @@
 """``geodesic-toolkit distance``: compute, write and draw the distance from sources."""
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -17,21 +16,22 @@ from geodesic_toolkit.cli.arguments import (
     Operator,
     Refine,
     Solver,
+    TimeFactor,
     Weld,
     check_plugins,
     check_positions,
     check_reach,
     check_thin,
     check_time,
-    find_marked,
+    files_of,
     kinds_of,
     parse_sources,
 )
-from geodesic_toolkit.cli.output import aligned, one_line, versions
-from geodesic_toolkit.cli.run import Run, method_in_words, running
-from geodesic_toolkit.cli.several import answer_each
+from geodesic_toolkit.cli.output import one_line
+from geodesic_toolkit.cli.run import Run, method_in_words
+from geodesic_toolkit.cli.several import Answer, answer_each
 from geodesic_toolkit.cli.targets import Targets
-from geodesic_toolkit.cli.welding import Welded, check_weld, welded
+from geodesic_toolkit.cli.welding import Welded, welded
 from geodesic_toolkit.core.words import a_kind_of
 from geodesic_toolkit.errors import InvalidOptionError
 
@@ -96,14 +96,7 @@ def distance(
         str | None,
         typer.Option(metavar="NAME", help="Another operator for the diffusion of heat."),
     ] = None,
-    time_factor: Annotated[
-        float | None,
-        typer.Option(
-            metavar="M",
-            help="Time step in squared mean edge lengths: 1 unless given; more is smoother.",
-            show_default=False,
-        ),
-    ] = None,
+    time_factor: TimeFactor = None,
     time: Annotated[
         float | None,
         typer.Option(metavar="T", help="Time step in squared units of length, instead."),
@@ -145,15 +138,8 @@ def distance(
     sources = parse_sources(source)
     check_time(time, time_factor)
     check_reach(reach, at)
-    check_weld(weld)
     check_thin(thin, mask)
     check_plugins(solver, operator, diffusion)
-    targets = Targets(
-        tables=tuple(output or ()), picture=picture, html=html, parts=parts, cmap=cmap
-    )
-    marked = [mask, *map(find_marked, source)]
-    used = [at, cost, *(None if file is None else file.path for file in marked)]
-    each = targets.of_each(paths, *(file for file in used if file is not None))
     options = {
         "operator": operator,
         "diffusion": diffusion,
@@ -164,7 +150,11 @@ def distance(
         "refine": "auto" if refine is None else refine,
     }
     question = Question(sources, at, reach, thin, mask, cost, weld, options)
-    answer_each(paths, lambda path: question.answer(path, each[path]), json=json)
+    targets = Targets(
+        tables=tuple(output or ()), picture=picture, html=html, parts=parts, cmap=cmap
+    )
+    used = [at, cost, *files_of(mask, source)]
+    answer_each(question.answer, paths, targets, used=used, json=json)
 
 
 @dataclass(frozen=True)
@@ -180,45 +170,41 @@ class Question:
     weld: float | None
     options: dict[str, Any]
 
-    def answer(self, path: Path, targets: Targets) -> "Result":
+    def answer(self, run: Run, path: Path, targets: Targets) -> Answer:
         """Compute, write and draw the distances of one file."""
-        with running() as run:
-            if targets.drawn:
-                with run.step("loading graphics"):
-                    targets.load_graphics()
-            with run.step("reading"):
-                shape, masked, located = _shape(run, path, self)
-                targets.check_domain(shape.domain)
-                points = _points(self.at, shape.domain)
-            thinned = None
-            if self.thin is not None:
-                with run.step("thinning"):
-                    thinned, located = _thinned(shape.domain, self.thin, located)
-            solver, distances = self._solved(run, shape.domain, masked, thinned, located)
-            asked = None
-            if points is not None:
-                with run.step("asking"):
-                    found = _at(run, points, solver, distances, located=located, reach=self.reach)
-                    asked = points, found
-            if thinned is not None:
-                with run.step("carrying back"):
-                    distances = thinned.carry_back(
-                        distances, solver, sources=located, progress=run.advance
-                    )
-            own = shape.values(distances)
-            targets.write(
-                run,
-                shape.file,
-                own,
-                self.sources,
-                parts=shape.values(_parts(solver, thinned)),
-                asked=asked,
-                like=path if self.at is None else self.at,
-            )
-            found = own if asked is None else asked[1]
-            result = Result(path, self, shape, solver, thinned, found, targets.paths, run)
-            result.warn_where_nothing_is_reached()
-        return result
+        with run.step("reading"):
+            shape, masked, located = _shape(run, path, self)
+            targets.check_domain(shape.domain)
+            points = _points(self.at, shape.domain)
+        thinned = None
+        if self.thin is not None:
+            with run.step("thinning"):
+                thinned, located = _thinned(shape.domain, self.thin, located)
+        solver, distances = self._solved(run, shape.domain, masked, thinned, located)
+        asked = None
+        if points is not None:
+            with run.step("asking"):
+                found = _at(run, points, solver, distances, located=located, reach=self.reach)
+                asked = points, found
+        if thinned is not None:
+            with run.step("carrying back"):
+                distances = thinned.carry_back(
+                    distances, solver, sources=located, progress=run.advance
+                )
+        own = shape.values(distances)
+        targets.write(
+            run,
+            shape.file,
+            own,
+            self.sources,
+            parts=shape.values(_parts(solver, thinned)),
+            asked=asked,
+            like=path if self.at is None else self.at,
+        )
+        found = own if asked is None else asked[1]
+        result = Result(self, shape, solver, thinned, found, run)
+        result.warn_where_nothing_is_reached()
+        return Answer(shape, result.as_dict(), result.rows)
 
     def _solved(
         self,
@@ -240,15 +226,13 @@ class Question:
 
 @dataclass(frozen=True)
 class Result:
-    """The result of the command, as text and as JSON."""
+    """The result for one file, as text and as JSON."""
 
-    path: Path
     question: Question
     shape: Welded
     solver: "GeodesicSolver"
     thinned: "Thinned | None"
     distances: "FloatArray"
-    outputs: Sequence[Path]
     run: Run
 
     @property
@@ -266,7 +250,7 @@ class Result:
     def warn_where_nothing_is_reached(self) -> None:
         """Warn if no distance but those of the sources is finite."""
         at, sources = self.question.at, self.question.sources
-        if at is None and self.reached == len(sources):
+        if at is None and self.reached == len(sources) < len(self.distances):
             self.run.warn(
                 "the sources are connected to no other vertex: every other distance is inf"
             )
@@ -277,7 +261,6 @@ class Result:
         """Return everything, for JSON."""
         method, finite, asked = self.solver.method, self.finite, self.question
         return {
-            "input": str(self.path),
             "domain": type(self.shape.domain).__name__,
             "n_vertices": self.shape.file.n_vertices,
             "n_merged": self.shape.domain.n_vertices,
@@ -303,16 +286,14 @@ class Result:
             "timings": self.run.timings,
             "warnings": self.run.warnings,
             "notes": method.metric.notes,
-            "outputs": [str(path) for path in self.outputs],
-            "versions": versions(),
         }
 
-    def __str__(self) -> str:
+    @property
+    def rows(self) -> list[tuple[str, str]]:
+        """Names and values, for the text."""
         method, finite, asked = self.solver.method, self.finite, self.question
         noun = "vertices" if asked.at is None else "points"
-        rows = [
-            ("shape", repr(self.shape.file)),
-            *self.shape.rows,
+        return [
             ("source", "; ".join(map(_place, asked.sources))),
             *([] if asked.at is None else [("at", f"{len(self.distances)} points of {asked.at}")]),
             *([] if asked.mask is None else [("mask", str(asked.mask))]),
@@ -335,10 +316,7 @@ class Result:
                 ", ".join(f"{name} {_short(note)}" for name, note in method.metric.notes.items())
                 or "-",
             ),
-            ("took", self.run.took),
-            *(("wrote", str(path)) for path in self.outputs),
         ]
-        return "\n".join(aligned(rows))
 
 
 def _shape(

@@ -2,6 +2,7 @@
 
 import platform
 import re
+from functools import partial
 from importlib import metadata
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -9,12 +10,14 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from geodesic_toolkit import __version__, _native
-from geodesic_toolkit.cli.arguments import Json, Weld
+from geodesic_toolkit.cli.arguments import Json, Weld, all_existing
 from geodesic_toolkit.cli.output import aligned, one_line, show, show_json, versions
 from geodesic_toolkit.cli.plugins import plugin_rows
 from geodesic_toolkit.cli.probes import probe_all
-from geodesic_toolkit.cli.run import running
-from geodesic_toolkit.cli.welding import check_weld, welded
+from geodesic_toolkit.cli.run import Run, running
+from geodesic_toolkit.cli.several import Answer, answer_each
+from geodesic_toolkit.cli.targets import Targets
+from geodesic_toolkit.cli.welding import read_welded
 
 if TYPE_CHECKING:
     from geodesic_toolkit.solver.diagnosis import Diagnosis
@@ -30,14 +33,13 @@ HARMFUL_SHARE = 0.01
 
 
 def doctor(
-    path: Annotated[
-        Path | None,
+    paths: Annotated[
+        list[Path] | None,
         typer.Argument(
-            exists=True,
-            dir_okay=False,
-            readable=True,
+            callback=all_existing,
             metavar="INPUT",
-            help="A mesh, point cloud or graph; if omitted, the installation is examined.",
+            help="Meshes, point clouds or graphs; - reads standard input; if omitted, the "
+            "installation is examined.",
             show_default=False,
         ),
     ] = None,
@@ -45,44 +47,28 @@ def doctor(
     json: Json = False,
 ) -> None:
     """Examine the installation, or what the shape INPUT is like."""
-    if path is None:
+    if not paths:
         _examine_installation(json)
     else:
-        check_weld(weld)
-        _examine_shape(path, weld, json)
+        answer_each(partial(_examine_shape, weld=weld), paths, Targets(), json=json)
 
 
 # -- a shape -----------------------------------------------------------------------------------
 
 
-def _examine_shape(path: Path, weld: float | None, json: bool) -> None:
-    from geodesic_toolkit.io import read
+def _examine_shape(run: Run, path: Path, _: Targets, *, weld: float | None) -> Answer:
     from geodesic_toolkit.solver.solver import GeodesicSolver
 
-    with running() as run:
-        with run.step("reading"):
-            shape = welded(read(path), weld, run)
-        with run.step("factorising"):
-            solver = GeodesicSolver(shape.domain)
-        with run.step("examining"):
-            diagnosis = solver.diagnosis
+    with run.step("reading"):
+        shape, _mask = read_welded(path, weld, run)
+    with run.step("factorising"):
+        solver = GeodesicSolver(shape.domain)
+    with run.step("examining"):
+        diagnosis = solver.diagnosis
     advice = _of_seams(solver) + _advice(diagnosis)
-    if json:
-        show_json(
-            {
-                "input": str(path),
-                "diagnosis": diagnosis.as_dict(),
-                "recommendations": advice,
-                "timings": run.timings,
-                "warnings": run.warnings,
-                "versions": versions(),
-            }
-        )
-        return
-    show(str(diagnosis))
-    show("")
-    for line in advice or ["Nothing stands out: use it as it is."]:
-        show(f"- {line}")
+    content = {"diagnosis": diagnosis.as_dict(), "recommendations": advice}
+    findings = [f"- {line}" for line in advice or ["Nothing stands out: use it as it is."]]
+    return Answer(shape, content, lines=[str(diagnosis), "", *findings])
 
 
 def _of_seams(solver: "GeodesicSolver") -> list[str]:

@@ -50,12 +50,15 @@ def kind_of(error: BaseException) -> str:
     return next((name for name in names if name in errors.__all__), names[0])
 
 
-def report(error: BaseException) -> int:
-    """Report an error on stderr, in three lines at most, and return the exit status."""
+def report(error: BaseException, about: str = "") -> int:
+    """Report an error on stderr, in three lines at most, and return the exit status.
+
+    The lines begin with `about`.
+    """
     if os.environ.get(DEBUG_VARIABLE) == "1":
         say("".join(traceback.format_exception(error)), error=True)
     for line in _lines(error):
-        say(line, error=True)
+        say(f"{about}{line}", error=True)
     return exit_status(error)
 
 

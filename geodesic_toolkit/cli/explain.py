@@ -21,7 +21,7 @@ def explain(
     name: Annotated[
         str | None,
         typer.Argument(
-            metavar="[NAME]",
+            metavar="NAME",
             help="The name in brackets at the end of a message, such as InvalidSourceError.",
             show_default=False,
         ),
@@ -46,7 +46,10 @@ def explain(
 
 def _text(name: str) -> str:
     """Return the docstring of a class as paragraphs of plain text."""
-    text = inspect.getdoc(getattr(errors, name)) or ""
+    text = getattr(errors, name).__doc__
+    if text is None:
+        raise InvalidOptionError("Python drops the texts with -OO, or PYTHONOPTIMIZE=2: omit it")
+    text = inspect.cleandoc(text)
     paragraphs = re.sub(r"\nNotes\n-+\n", "\n", text).split("\n\n")
     plain = [ROLE.sub(r"\1", one).replace("``", "").replace("*", "") for one in paragraphs]
     return "\n\n".join(one_line(one) for one in plain)

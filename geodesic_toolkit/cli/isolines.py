@@ -1,20 +1,32 @@
 """``geodesic-toolkit isolines``: lines of equal distance."""
 
+from functools import partial
+from pathlib import Path
 from typing import Annotated
 
 import typer
 
-from geodesic_toolkit.cli.arguments import Input, Json, Mask, Refine, Weld, parse_sources
-from geodesic_toolkit.cli.curves import CurveTargets, Lines, Page, Picture, as_mesh, solver_of
-from geodesic_toolkit.cli.output import aligned, show, show_json, versions
-from geodesic_toolkit.cli.run import running
-from geodesic_toolkit.cli.welding import check_weld, welded
+from geodesic_toolkit.cli.arguments import (
+    Inputs,
+    Json,
+    MarkedVertices,
+    Mask,
+    Refine,
+    Weld,
+    files_of,
+    parse_sources,
+)
+from geodesic_toolkit.cli.curves import Lines, Page, Picture, as_mesh, solver_of, write_lines
+from geodesic_toolkit.cli.run import Run
+from geodesic_toolkit.cli.several import Answer, answer_each
+from geodesic_toolkit.cli.targets import Targets
+from geodesic_toolkit.cli.welding import read_welded
 
 __all__ = ["isolines"]
 
 
 def isolines(
-    path: Input,
+    paths: Inputs,
     *,
     source: Annotated[
         list[str],
@@ -42,62 +54,62 @@ def isolines(
     json: Json = False,
 ) -> None:
     """Lines at given distances from the sources on the mesh INPUT, with length and area inside."""
-    from geodesic_toolkit.analysis.curves.isolines import isolines as lines_of
-    from geodesic_toolkit.analysis.curves.measures import area_above, curve_length
-    from geodesic_toolkit.io import read
+    from geodesic_toolkit.io.curves import check_curve_output
 
     sources = parse_sources(source)
-    check_weld(weld)
-    targets = CurveTargets(tables=tuple(output or ()), picture=picture, html=html)
-    targets.check(path)
-    with running() as run:
-        targets.load_graphics()
-        with run.step("reading"):
-            shape = welded(read(path), weld, run)
-            mesh = as_mesh(shape.domain, "isolines")
-            masked = shape.mask(None if mask is None else mask.mask(shape.file.n_vertices))
-        with run.step("factorising"):
-            solver = solver_of(mesh, masked, refine)
-        with run.step("solving"):
-            distances = solver.distance(shape.sources(sources, masked))
-        with run.step("drawing lines"):
-            curves = [(value, lines_of(mesh, distances, value)) for value in level]
-            found = [
-                {
-                    "level": value,
-                    "n_lines": len(lines),
-                    "n_closed": sum(line.closed for line in lines),
-                    "length": sum(curve_length(mesh, line) for line in lines),
-                    "area_within": area_above(mesh, -distances, -value),
-                }
-                for value, lines in curves
-            ]
-        every = [line for _, lines in curves for line in lines]
-        if not every:
-            run.warn("no line is at these distances: nothing on the mesh is as far as that")
-        targets.write(run, mesh, every, distances if targets.drawn else None, isolines=0)
-    if json:
-        show_json(
+    answer_each(
+        partial(_answer, sources=sources, levels=level, mask=mask, weld=weld, refine=refine),
+        paths,
+        Targets(
+            tables=tuple(output or ()), check_table=check_curve_output, picture=picture, html=html
+        ),
+        used=files_of(mask, source),
+        json=json,
+    )
+
+
+def _answer(
+    run: Run,
+    path: Path,
+    targets: Targets,
+    *,
+    sources: list[int] | list[list[float]],
+    levels: list[float],
+    mask: MarkedVertices | None,
+    weld: float | None,
+    refine: bool | None,
+) -> Answer:
+    import numpy as np
+
+    from geodesic_toolkit.analysis.curves.isolines import isolines as lines_of
+    from geodesic_toolkit.analysis.curves.measures import area_above, curve_length
+
+    with run.step("reading"):
+        shape, masked = read_welded(path, weld, run, mask=mask)
+        mesh = as_mesh(shape.domain, "isolines")
+    with run.step("factorising"):
+        solver = solver_of(mesh, masked, refine)
+    with run.step("solving"):
+        distances = solver.distance(shape.sources(sources, masked))
+    with run.step("drawing lines"):
+        curves = [(value, lines_of(mesh, distances, value)) for value in levels]
+        found = [
             {
-                "input": str(path),
-                "n_vertices": shape.file.n_vertices,
-                "sources": sources,
-                "levels": found,
-                "timings": run.timings,
-                "warnings": run.warnings,
-                "outputs": [str(target) for target in targets.paths],
-                "versions": versions(),
+                "level": value,
+                "n_lines": len(lines),
+                "n_closed": sum(line.closed for line in lines),
+                "length": sum(curve_length(mesh, line) for line in lines),
+                "area_within": area_above(mesh, -distances, -value),
             }
-        )
-        return
-    rows = [
-        ("shape", repr(shape.file)),
-        *shape.rows,
-        *((f"at {one['level']:g}", _described(one)) for one in found),
-        ("took", run.took),
-        *(("wrote", str(target)) for target in targets.paths),
-    ]
-    show("\n".join(aligned(rows)))
+            for value, lines in curves
+        ]
+    every = [line for _, lines in curves for line in lines]
+    if not every:
+        top = distances[np.isfinite(distances)].max()
+        run.warn(f"no line is at these distances: those on the mesh go from 0 to {top:.6g}")
+    write_lines(run, targets, mesh, every, distances if targets.drawn else None, isolines=0)
+    content = {"n_vertices": shape.file.n_vertices, "sources": sources, "levels": found}
+    return Answer(shape, content, [(f"at {one['level']:g}", _described(one)) for one in found])
 
 
 def _described(one: dict[str, float]) -> str:

@@ -1,28 +1,31 @@
 """``geodesic-toolkit loop``: a closed geodesic."""
 
+from functools import partial
+from pathlib import Path
 from typing import Annotated
 
 import typer
 
-from geodesic_toolkit.cli.arguments import Input, Json, Mask, Weld
+from geodesic_toolkit.cli.arguments import Inputs, Json, MarkedVertices, Mask, Weld, files_of
 from geodesic_toolkit.cli.curves import (
-    CurveTargets,
     Lines,
     Page,
     Picture,
     as_mesh,
     parse_waypoints,
     solver_of,
+    write_lines,
 )
-from geodesic_toolkit.cli.output import aligned, show, show_json, versions
-from geodesic_toolkit.cli.run import running
-from geodesic_toolkit.cli.welding import check_weld, welded
+from geodesic_toolkit.cli.run import Run
+from geodesic_toolkit.cli.several import Answer, answer_each
+from geodesic_toolkit.cli.targets import Targets
+from geodesic_toolkit.cli.welding import read_welded
 
 __all__ = ["loop"]
 
 
 def loop(
-    path: Input,
+    paths: Inputs,
     *,
     through: Annotated[
         list[str],
@@ -48,52 +51,57 @@ def loop(
     json: Json = False,
 ) -> None:
     """Closed geodesic on the mesh INPUT that a loop through places is pulled to."""
-    from geodesic_toolkit.analysis.paths.loops import geodesic_loop
-    from geodesic_toolkit.io import read
+    from geodesic_toolkit.io.curves import check_curve_output
 
     places = parse_waypoints(through, "--through")
-    check_weld(weld)
-    targets = CurveTargets(tables=tuple(output or ()), picture=picture, html=html)
-    targets.check(path)
-    with running() as run:
-        targets.load_graphics()
-        with run.step("reading"):
-            shape = welded(read(path), weld, run)
-            mesh = as_mesh(shape.domain, "loops")
-            masked = shape.mask(None if mask is None else mask.mask(shape.file.n_vertices))
-        with run.step("factorising"):
-            solver = solver_of(mesh, masked)
-        with run.step("pulling"):
-            found = geodesic_loop(
-                solver, shape.sources(places, masked), through=keep, min_length=min_length
-            )
-        values = None
-        if targets.drawn:
-            with run.step("solving"):
-                values = solver.distance(found.curve)
-        targets.write(run, mesh, [found], values, sources=[])
-    result = {
-        "input": str(path),
+    answer_each(
+        partial(_answer, places=places, keep=keep, min_length=min_length, mask=mask, weld=weld),
+        paths,
+        Targets(
+            tables=tuple(output or ()), check_table=check_curve_output, picture=picture, html=html
+        ),
+        used=files_of(mask, through),
+        json=json,
+    )
+
+
+def _answer(
+    run: Run,
+    path: Path,
+    targets: Targets,
+    *,
+    places: list[int] | list[list[float]],
+    keep: bool,
+    min_length: float,
+    mask: MarkedVertices | None,
+    weld: float | None,
+) -> Answer:
+    from geodesic_toolkit.analysis.paths.loops import geodesic_loop
+
+    with run.step("reading"):
+        shape, masked = read_welded(path, weld, run, mask=mask)
+        mesh = as_mesh(shape.domain, "loops")
+    with run.step("factorising"):
+        solver = solver_of(mesh, masked)
+    with run.step("pulling"):
+        found = geodesic_loop(
+            solver, shape.sources(places, masked), through=keep, min_length=min_length
+        )
+    values = None
+    if targets.drawn:
+        with run.step("solving"):
+            values = solver.distance(found.curve)
+    write_lines(run, targets, mesh, [found], values, sources=[])
+    content = {
         "n_vertices": shape.file.n_vertices,
         "through": places,
         "keep": keep,
         "length": found.length,
         "n_points": len(found.surface_points),
         "points": found.points,
-        "timings": run.timings,
-        "warnings": run.warnings,
-        "outputs": [str(target) for target in targets.paths],
-        "versions": versions(),
     }
     rows = [
-        ("shape", repr(shape.file)),
-        *shape.rows,
         ("through", "; ".join(map(str, places))),
         ("loop", f"length {found.length:.6g}, {len(found.surface_points)} points"),
-        ("took", run.took),
-        *(("wrote", str(target)) for target in targets.paths),
     ]
-    if json:
-        show_json(result)
-    else:
-        show("\n".join(aligned(rows)))
+    return Answer(shape, content, rows)

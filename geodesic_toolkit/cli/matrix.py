@@ -6,33 +6,36 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from enum import StrEnum
+from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, cast
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
 from geodesic_toolkit.cli.arguments import (
     Cost,
-    Input,
+    Inputs,
     Json,
+    MarkedVertices,
     Mask,
     Operator,
     Refine,
     Solver,
     Weld,
     check_plugins,
+    files_of,
     kinds_of,
 )
 from geodesic_toolkit.cli.interrupts import last_words
-from geodesic_toolkit.cli.output import aligned, show, show_json, versions
-from geodesic_toolkit.cli.run import Run, method_in_words, running
-from geodesic_toolkit.cli.welding import Welded, check_weld, welded
+from geodesic_toolkit.cli.run import Run, method_in_words
+from geodesic_toolkit.cli.several import Answer, answer_each
+from geodesic_toolkit.cli.targets import Targets
+from geodesic_toolkit.cli.welding import Welded, read_welded
 from geodesic_toolkit.errors import InvalidOptionError
 
 if TYPE_CHECKING:  # importing NumPy takes longer than all of --help
     from concurrent.futures import Executor
 
-    from geodesic_toolkit.analysis.matrix.symmetry import Symmetrize
     from geodesic_toolkit.core.types import IntArray
     from geodesic_toolkit.solver.solver import GeodesicSolver
 
@@ -55,7 +58,7 @@ class SymmetrizeChoice(StrEnum):
 
 
 def matrix(
-    path: Input,
+    paths: Inputs,
     *,
     output: Annotated[
         Path,
@@ -118,50 +121,75 @@ def matrix(
 
     May be interrupted: the same command resumes, and its result is the same to the last bit.
     """
-    from geodesic_toolkit.analysis.matrix.matrix import check_matrix_output, distance_matrix
-    from geodesic_toolkit.io import read, read_vertices
-    from geodesic_toolkit.solver.solver import GeodesicSolver
+    from geodesic_toolkit.analysis.matrix.matrix import check_matrix_output
 
     if sources is not None and landmarks is not None:
         raise InvalidOptionError("give --sources or --landmarks, not both")
     check_plugins(solver, operator)
-    check_weld(weld)
-    check_matrix_output(output, sparse=max_distance is not None)
-    _check_apart(output, path, sources, cost, None if mask is None else mask.path)
-    with running() as run:
+    question = Question(
+        sources,
+        landmarks,
+        mask,
+        cost,
+        weld,
+        workers,
+        {"operator": operator, "solver": solver, "refine": "auto" if refine is None else refine},
+        {
+            "dtype": "float32" if float32 else "float64",
+            "symmetrize": None if symmetrize is SymmetrizeChoice.none else symmetrize.value,
+            "max_distance": max_distance,
+            "resume": not restart,
+        },
+    )
+    targets = Targets(
+        tables=(output,),
+        check_table=partial(check_matrix_output, sparse=max_distance is not None),
+    )
+    used = [sources, cost, *files_of(mask)]
+    answer_each(question.answer, paths, targets, used=used, json=json)
+
+
+@dataclass(frozen=True)
+class Question:
+    """The matrix that is asked of each file, and the options of the solver and of the matrix."""
+
+    sources: Path | None
+    landmarks: int | None
+    mask: MarkedVertices | None
+    cost: Path | None
+    weld: float | None
+    workers: int
+    of_solver: dict[str, Any]
+    of_matrix: dict[str, Any]
+
+    def answer(self, run: Run, path: Path, targets: Targets) -> Answer:
+        """Compute and write the matrix of one file."""
+        from geodesic_toolkit.analysis.matrix.matrix import distance_matrix
+        from geodesic_toolkit.io import read_vertices
+        from geodesic_toolkit.solver.solver import GeodesicSolver
+
+        (output,) = targets.tables
         with run.step("reading"):
-            shape = welded(read(path, kinds=kinds_of(operator)), weld, run).with_cost(cost)
-            rows = None if sources is None else read_vertices(sources)
-            masked = shape.mask(None if mask is None else mask.mask(shape.file.n_vertices))
+            kinds = kinds_of(self.of_solver["operator"])
+            shape, masked = read_welded(path, self.weld, run, mask=self.mask, kinds=kinds)
+            shape = shape.with_cost(self.cost)
+            rows = None if self.sources is None else read_vertices(self.sources)
         with run.step("factorising"):
-            geodesic = GeodesicSolver(
-                shape.domain,
-                operator=operator,
-                solver=solver,
-                refine="auto" if refine is None else refine,
-                mask=masked,
-            )
-        if landmarks is not None:
+            solver = GeodesicSolver(shape.domain, mask=masked, **self.of_solver)
+        if self.landmarks is not None:
             with run.step("choosing landmarks"):
-                rows = shape.firsts(_landmarks(geodesic, landmarks, run))
-        with run.step("computing"), _processes(workers) as executor, _resumable(output, run):
-            result = distance_matrix(
-                geodesic,
+                rows = shape.firsts(_landmarks(solver, self.landmarks, run))
+        with run.step("computing"), _processes(self.workers) as executor, _resumable(output, run):
+            matrix = distance_matrix(
+                solver,
                 _every(shape) if rows is None else shape.vertices(rows, masked),
                 targets=shape.new,
-                dtype="float32" if float32 else "float64",
-                symmetrize=_how(symmetrize),
-                max_distance=max_distance,
                 out=output,
-                resume=not restart,
                 executor=executor,
                 progress=run.advance,
+                **self.of_matrix,
             )
-    summary = Result(path, shape, geodesic, rows, output, result, run)
-    if json:
-        show_json(summary.as_dict())
-    else:
-        show(str(summary))
+        return _result(shape, solver, rows, matrix)
 
 
 def _every(shape: Welded) -> Any:
@@ -169,16 +197,6 @@ def _every(shape: Welded) -> Any:
     from geodesic_toolkit.analysis.matrix.tasks import EveryVertex
 
     return None if shape.new is None else EveryVertex(shape.new)
-
-
-def _how(symmetrize: SymmetrizeChoice) -> "Symmetrize":
-    return None if symmetrize is SymmetrizeChoice.none else cast("Symmetrize", symmetrize.value)
-
-
-def _check_apart(output: Path, *inputs: Path | None) -> None:
-    for path in inputs:
-        if path is not None and path.resolve() == output.resolve():
-            raise InvalidOptionError(f"{output} would overwrite an input; give another name")
 
 
 def _landmarks(solver: "GeodesicSolver", count: int, run: Run) -> "IntArray":
@@ -276,59 +294,31 @@ def _children_that_ignore_interrupts() -> Iterator[None]:
 # -- the result ------------------------------------------------------------------------------------
 
 
-@dataclass(frozen=True)
-class Result:
-    """The result of the command, as text and as JSON."""
-
-    path: Path
-    shape: Welded
-    solver: "GeodesicSolver"
-    sources: "IntArray | None"
-    output: Path
-    matrix: Any
-    run: Run
-
-    @property
-    def entries(self) -> int:
-        """Number of stored entries."""
-        rows, columns = self.matrix.shape
-        return int(getattr(self.matrix, "nnz", rows * columns))
-
-    def as_dict(self) -> dict[str, Any]:
-        """Return everything, for JSON."""
-        method = self.solver.method
-        return {
-            "input": str(self.path),
-            "domain": type(self.solver.domain).__name__,
-            "n_vertices": self.shape.file.n_vertices,
-            "n_merged": self.solver.domain.n_vertices,
-            "sources": "all" if self.sources is None else self.sources,
-            "shape": list(self.matrix.shape),
-            "dtype": str(self.matrix.dtype),
-            "entries": self.entries,
-            "operator": repr(self.solver.operator),
-            "solver": {"heat": repr(method.heat_solver), "poisson": repr(method.poisson_solver)},
-            "refine": method.refine,
-            "time": method.time,
-            "timings": self.run.timings,
-            "warnings": self.run.warnings,
-            "outputs": [str(self.output)],
-            "versions": versions(),
-        }
-
-    def __str__(self) -> str:
-        rows, columns = self.matrix.shape
-        of = f", {self.entries} entries" if hasattr(self.matrix, "nnz") else ""
-        lines = [
-            ("shape", repr(self.shape.file)),
-            *self.shape.rows,
-            ("sources", _named(self.sources)),
-            ("method", method_in_words(self.solver)),
-            ("matrix", f"{rows} x {columns}, {self.matrix.dtype}{of}"),
-            ("took", self.run.took),
-            ("wrote", str(self.output)),
-        ]
-        return "\n".join(aligned(lines))
+def _result(
+    shape: Welded, solver: "GeodesicSolver", sources: "IntArray | None", matrix: Any
+) -> Answer:
+    method, (rows, columns) = solver.method, matrix.shape
+    entries = int(getattr(matrix, "nnz", rows * columns))  # those that are stored
+    content = {
+        "domain": type(solver.domain).__name__,
+        "n_vertices": shape.file.n_vertices,
+        "n_merged": solver.domain.n_vertices,
+        "sources": "all" if sources is None else sources,
+        "shape": [rows, columns],
+        "dtype": str(matrix.dtype),
+        "entries": entries,
+        "operator": repr(solver.operator),
+        "solver": {"heat": repr(method.heat_solver), "poisson": repr(method.poisson_solver)},
+        "refine": method.refine,
+        "time": method.time,
+    }
+    of = f", {entries} entries" if hasattr(matrix, "nnz") else ""
+    text = [
+        ("sources", _named(sources)),
+        ("method", method_in_words(solver)),
+        ("matrix", f"{rows} x {columns}, {matrix.dtype}{of}"),
+    ]
+    return Answer(shape, content, text)
 
 
 def _named(sources: "IntArray | None") -> str:

@@ -2,16 +2,19 @@
 
 import json
 import math
+import os
 import platform
+import sys
 import threading
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from importlib import metadata
 from typing import Any
 
 import typer
 
 from geodesic_toolkit import __version__
+from geodesic_toolkit.errors import WriteError
 
 __all__ = [
     "SCHEMA_VERSION",
@@ -24,6 +27,7 @@ __all__ = [
     "say",
     "show",
     "show_json",
+    "to_stdout",
     "versions",
 ]
 
@@ -61,11 +65,9 @@ def is_quiet() -> bool:
 def renamed(names: Mapping[str, str]) -> Iterator[None]:
     """Show files by other names: those of the streams that they stand for."""
     _names.update(names)
-    try:
-        yield
-    finally:
-        for name in names:
-            del _names[name]
+    yield
+    for name in names:  # after an error they stay, for the line that reports it
+        del _names[name]
 
 
 def _by_names(text: str) -> str:
@@ -74,16 +76,36 @@ def _by_names(text: str) -> str:
     return text
 
 
+@contextmanager
+def to_stdout() -> Iterator[None]:
+    """Write to standard output; a reader that has left is not an error, and gets no more.
+
+    Raises
+    ------
+    WriteError
+        Standard output cannot be written.
+    """
+    try:
+        yield
+    except OSError as error:
+        # Python flushes standard output once more when it ends, which would fail, too.
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        if not isinstance(error, BrokenPipeError):
+            raise WriteError(f"standard output cannot be written: {error.strerror}") from error
+
+
 def show(text: str) -> None:
     """Print a result."""
     if not _silenced["results"].is_set():
-        typer.echo(_by_names(text))
+        with to_stdout():
+            typer.echo(_by_names(text))
 
 
 def say(text: str, *, error: bool = False) -> None:
     """Print a text that is not a result: a warning or a note; or an error, which is never quiet."""
     if error or not is_quiet():
-        typer.echo(_by_names(text), err=True)
+        with suppress(OSError):  # there is no other place to report that stderr is full
+            typer.echo(_by_names(text), err=True)
 
 
 def show_json(content: Mapping[str, Any]) -> None:

@@ -59,6 +59,8 @@ class Progress:
 
     Parameters
     ----------
+    about : str
+        The beginning of every line.
     now : callable
         The clock, in seconds from some moment.
     wait : callable
@@ -72,11 +74,12 @@ class Progress:
 
     def __init__(
         self,
+        about: str = "",
         *,
         now: Callable[[], float] = time.perf_counter,
         wait: Callable[[threading.Event, float], bool] = threading.Event.wait,
     ) -> None:
-        self._now, self._wait = now, wait
+        self._about, self._now, self._wait = about, now, wait
         self.timings: dict[str, float] = {}
         self._label = ""
         self._counted: _Count | None = None
@@ -106,7 +109,7 @@ class Progress:
     def say(self, text: str) -> None:
         """Print a line on stderr without breaking the progress line."""
         with self._lock:
-            self._show_above(text)
+            self._show_above(f"{self._about}{text}")
 
     def __enter__(self) -> Self:
         self._thread.start()
@@ -134,9 +137,9 @@ class Progress:
         """The line with a bar, for terminals."""
         counted = self._counted
         if counted is None or not counted.total:
-            return self._line
+            return f"{self._about}{self._line}"
         full = int(BAR_WIDTH * counted.done / counted.total)
-        return f"{'━' * full}{'─' * (BAR_WIDTH - full)} {self._line}"
+        return f"{'━' * full}{'─' * (BAR_WIDTH - full)} {self._about}{self._line}"
 
     def _watch(self) -> None:
         if is_quiet():

@@ -64,9 +64,12 @@ def method_in_words(solver: "GeodesicSolver") -> str:
 
 
 @contextmanager
-def running() -> Iterator[Run]:
-    """Show progress, turn warnings into lines on stderr, and keep libraries off stdout."""
-    with _only_results_on_stdout(), warnings.catch_warnings(), Progress() as progress:
+def running(about: str = "") -> Iterator[Run]:
+    """Show progress, turn warnings into lines on stderr, and keep libraries off stdout.
+
+    Lines on stderr begin with `about`.
+    """
+    with _only_results_on_stdout(), warnings.catch_warnings(), Progress(about) as progress:
         run = Run(progress)
 
         def show_warning(

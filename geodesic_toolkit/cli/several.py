@@ -1,75 +1,132 @@
-"""Several inputs of a command: each has a result or an error, and all are tried."""
+"""The results of a command: of one input, or of several, each with a status."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Protocol
+from typing import Any
 
 import typer
 
-from geodesic_toolkit.cli.exits import exit_status, kind_of, report
-from geodesic_toolkit.cli.output import aligned, one_line, say, show, show_json
-from geodesic_toolkit.errors import GeodesicError
+from geodesic_toolkit.cli.exits import kind_of, report
+from geodesic_toolkit.cli.output import aligned, one_line, show, show_json, versions
+from geodesic_toolkit.cli.run import Run, running
+from geodesic_toolkit.cli.targets import Targets
+from geodesic_toolkit.cli.welding import Welded
 
-__all__ = ["answer_each"]
-
-
-class Result(Protocol):
-    """The result of one input, as text and as JSON."""
-
-    def as_dict(self) -> dict[str, Any]:
-        """Return everything, for JSON."""
-        ...
+__all__ = ["Answer", "answer_each"]
 
 
-def answer_each(paths: Sequence[Path], answer: Callable[[Path], Result], *, json: bool) -> None:
+@dataclass(frozen=True)
+class Answer:
+    """The result of one input.
+
+    Parameters
+    ----------
+    shape : Welded
+    content : dict
+        Further keys of JSON, besides those of all commands.
+    rows : sequence of (str, str), optional
+        Names and values for the text, between the shape and the steps; none of these if omitted.
+    lines : sequence of str
+        Lines of text above the rows.
+    """
+
+    shape: Welded
+    content: dict[str, Any]
+    rows: Sequence[tuple[str, str]] | None = None
+    lines: Sequence[str] = ()
+
+
+def answer_each(
+    answer: Callable[[Run, Path, Targets], Answer],
+    paths: Sequence[Path],
+    targets: Targets,
+    *,
+    used: Iterable[Path | None] = (),
+    json: bool,
+) -> None:
     """Print the result of one input, or those of several with a table of their statuses.
 
     Parameters
     ----------
-    paths : sequence of Path
     answer : callable
-        Takes a path and returns its result.
+        Takes the run, the path and the output files of an input, and returns its result.
+    paths : sequence of Path
+        The inputs.
+    targets : Targets
+        The output files, with ``{name}`` for the name of each input.
+    used : iterable of Path or None
+        Other files that no output may overwrite.
     json : bool
         Print one object: of several inputs, with a list of ``results``.
 
     Raises
     ------
     GeodesicError
-        The only input fails.
+        An output cannot be written, or the only input fails.
     typer.Exit
         One of several inputs fails: with the highest of their statuses.
     """
+    each = targets.of_each(paths, *(file for file in used if file is not None))
     if len(paths) == 1:
-        result = answer(paths[0])
+        content, lines = _answered(answer, paths[0], each[paths[0]])
         if json:
-            show_json(result.as_dict())
+            show_json(content)
         else:
-            show(str(result))
+            show("\n".join(lines))
         return
-    statuses, results, failures = [], [], []
-    for path in paths:
+    results: list[dict[str, Any]] = []
+    for path, own in each.items():
+        about = f"{one_line(path)}: "
         try:
-            result = answer(path)
-        except (GeodesicError, MemoryError) as error:
-            statuses.append(exit_status(error))
-            say(f"{path}:", error=True)
-            report(error)
-            failures.append(one_line(error))
-            failure = {"kind": kind_of(error), "message": failures[-1]}
-            results.append({"input": str(path), "status": statuses[-1], "error": failure})
+            content, lines = _answered(answer, path, own, about)
+        except Exception as error:  # noqa: BLE001 - reported, and the rest are tried
+            failure = {"kind": kind_of(error), "message": one_line(error)}
+            results.append({"input": str(path), "status": report(error, about), "error": failure})
         else:
-            statuses.append(0)
-            failures.append("")
-            results.append({**result.as_dict(), "status": 0, "error": None})
+            results.append({**content, "status": 0, "error": None})
             if not json:
-                show(f"{result}\n")
+                show("\n".join([about.rstrip(), *lines, ""]))
     if json:
         show_json({"results": results})
     else:
-        rows = [("INPUT", "STATUS", "")]
-        for path, status, messages in zip(paths, statuses, failures, strict=True):
-            rows.append((str(path), "failed" if status else "done", messages))
-        for line in aligned(rows):
-            show(line)
-    if any(statuses):
-        raise typer.Exit(max(statuses))
+        _show_table(results)
+    if status := max(result["status"] for result in results):
+        raise typer.Exit(status)
+
+
+def _answered(
+    answer: Callable[[Run, Path, Targets], Answer], path: Path, targets: Targets, about: str = ""
+) -> tuple[dict[str, Any], list[str]]:
+    """Return the result of an input as JSON and as lines of text."""
+    with running(about) as run:
+        if targets.drawn:
+            with run.step("loading graphics"):
+                targets.load_graphics()
+        found = answer(run, path, targets)
+    content = {
+        "input": str(path),
+        **found.content,
+        "timings": run.timings,
+        "warnings": run.warnings,
+        "outputs": [str(target) for target in targets.paths],
+        "versions": versions(),
+    }
+    if found.rows is None:
+        return content, [*found.lines]
+    rows = [
+        *found.shape.rows,
+        *found.rows,
+        ("took", run.took),
+        *(("wrote", str(target)) for target in targets.paths),
+    ]
+    return content, [*found.lines, *aligned(rows)]
+
+
+def _show_table(results: Sequence[dict[str, Any]]) -> None:
+    rows = [("INPUT", "STATUS", "")]
+    for result in results:
+        status, error = ("failed" if result["status"] else "done"), result["error"]
+        rows.append((one_line(result["input"]), status, error["message"] if error else ""))
+    for line in aligned(rows):
+        show(line)

@@ -1,16 +1,25 @@
 """``geodesic-toolkit signed``: the signed distance from curves."""
 
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from geodesic_toolkit.cli.arguments import Input, Json, Mask, Refine, Weld
+from geodesic_toolkit.cli.arguments import (
+    Inputs,
+    Json,
+    MarkedVertices,
+    Mask,
+    Refine,
+    Weld,
+    files_of,
+)
 from geodesic_toolkit.cli.curves import Page, Picture, solver_of
-from geodesic_toolkit.cli.output import aligned, show, show_json, versions
-from geodesic_toolkit.cli.run import running
+from geodesic_toolkit.cli.run import Run
+from geodesic_toolkit.cli.several import Answer, answer_each
 from geodesic_toolkit.cli.targets import Targets
-from geodesic_toolkit.cli.welding import check_weld, welded
+from geodesic_toolkit.cli.welding import read_welded
 
 if TYPE_CHECKING:  # importing NumPy takes longer than all of --help
     from geodesic_toolkit.domains import Domain
@@ -20,7 +29,7 @@ __all__ = ["signed"]
 
 
 def signed(
-    path: Input,
+    paths: Inputs,
     *,
     curve: Annotated[
         list[Path],
@@ -61,39 +70,49 @@ def signed(
     json: Json = False,
 ) -> None:
     """Distance of every vertex of INPUT from curves: positive on their left, else negative."""
+    answer_each(
+        partial(_answer, curve=curve, unsigned=unsigned or [], mask=mask, weld=weld, refine=refine),
+        paths,
+        Targets(tables=tuple(output or ()), picture=picture, html=html),
+        used=[*curve, *(unsigned or ()), *files_of(mask)],
+        json=json,
+    )
+
+
+def _answer(
+    run: Run,
+    path: Path,
+    targets: Targets,
+    *,
+    curve: list[Path],
+    unsigned: list[Path],
+    mask: MarkedVertices | None,
+    weld: float | None,
+    refine: bool | None,
+) -> Answer:
     import numpy as np
 
     from geodesic_toolkit.analysis.signed import signed_distance
-    from geodesic_toolkit.io import read
 
-    check_weld(weld)
-    targets = Targets(tables=tuple(output or ()), picture=picture, html=html)
-    targets.check(path, *curve, *(unsigned or ()), *([] if mask is None else [mask.path]))
-    with running() as run:
-        if targets.drawn:
-            with run.step("loading graphics"):
-                targets.load_graphics()
-        with run.step("reading"):
-            shape = welded(read(path), weld, run)
-            targets.check_domain(shape.domain)
-            masked = shape.mask(None if mask is None else mask.mask(shape.file.n_vertices))
-            curves, others = _curves(curve, shape.file), _curves(unsigned or [], shape.file)
-        with run.step("factorising"):
-            solver = solver_of(shape.domain, masked, refine)
-        with run.step("solving"):
-            found = signed_distance(solver, curves, unsigned=others, refine=refine)
-        distances = shape.values(found)
-        look: dict[str, Any] = {}
-        if targets.drawn:
-            from geodesic_toolkit import viz
+    with run.step("reading"):
+        shape, masked = read_welded(path, weld, run, mask=mask)
+        targets.check_domain(shape.domain)
+        curves, others = _curves(curve, shape.file), _curves(unsigned, shape.file)
+    with run.step("factorising"):
+        solver = solver_of(shape.domain, masked, refine)
+    with run.step("solving"):
+        found = signed_distance(solver, curves, unsigned=others, refine=refine)
+    distances = shape.values(found)
+    look: dict[str, Any] = {}
+    if targets.drawn:
+        from geodesic_toolkit import viz
 
-            look = {**viz.two_sided(distances), "curves": [*curves, *others]}
-        targets.write(run, shape.file, distances, [], like=path, **look)
-        finite = distances[np.isfinite(distances)]
-        if not len(finite):
-            run.warn("the curves are connected to no vertex: every distance is inf")
-    result = {
-        "input": str(path),
+        look = {**viz.two_sided(distances), "curves": [*curves, *others]}
+    targets.write(run, shape.file, distances, [], like=path, **look)
+    finite = distances[np.isfinite(distances)]
+    if not len(finite):
+        run.warn("the curves are connected to no vertex: every distance is inf")
+    content = {
         "domain": type(shape.domain).__name__,
         "n_vertices": shape.file.n_vertices,
         "n_curves": len(curves),
@@ -103,24 +122,13 @@ def signed(
         "n_negative": int((finite < 0).sum()),
         "minimum": finite.min(initial=np.inf),
         "maximum": finite.max(initial=-np.inf),
-        "timings": run.timings,
-        "warnings": run.warnings,
-        "outputs": [str(target) for target in targets.paths],
-        "versions": versions(),
     }
-    if json:
-        show_json(result)
-        return
     rows = [
-        ("shape", repr(shape.file)),
-        *shape.rows,
-        ("curves", f"{len(curves)}, {result['n_closed']} of them closed"),
+        ("curves", f"{len(curves)}, {content['n_closed']} of them closed"),
         *([("unsigned", str(len(others)))] if others else []),
-        ("distance", f"{result['minimum']:.6g} to {result['maximum']:.6g}"),
-        ("took", run.took),
-        *(("wrote", str(target)) for target in targets.paths),
+        ("distance", f"{content['minimum']:.6g} to {content['maximum']:.6g}"),
     ]
-    show("\n".join(aligned(rows)))
+    return Answer(shape, content, rows)
 
 
 def _curves(files: list[Path], domain: "Domain") -> "list[Curve]":

@@ -4,7 +4,7 @@ The INPUT ``-`` is standard input, whose format its first bytes say; the output 
 standard output, in the format of .csv files.
 """
 
-import os
+import codecs
 import re
 import shutil
 import sys
@@ -14,8 +14,8 @@ from contextlib import ExitStack, contextmanager
 from pathlib import Path
 from typing import Any
 
-from geodesic_toolkit.cli.output import quiet, renamed
-from geodesic_toolkit.errors import InvalidOptionError, ReadError
+from geodesic_toolkit.cli.output import quiet, renamed, to_stdout
+from geodesic_toolkit.errors import InvalidOptionError, ReadError, WriteError
 
 __all__ = ["is_stream", "streams"]
 
@@ -70,7 +70,8 @@ def streams(options: Mapping[str, Any]) -> Iterator[dict[str, Any]]:
     ------
     InvalidOptionError
         A stream without a format or of a format that needs a folder; several streams of one
-        direction; a JSON object and a file on standard output; a shape from a terminal.
+        direction, or one that is closed; a JSON object and a file on standard output; a shape from
+        a terminal.
     """
     read, written = _streams_of(options, INPUTS), _streams_of(options, OUTPUTS)
     if not read and not written:
@@ -78,6 +79,9 @@ def streams(options: Mapping[str, Any]) -> Iterator[dict[str, Any]]:
         return
     if written and options.get("json"):
         raise InvalidOptionError("--json and an output cannot both go to standard output")
+    for paths, stream, name in ((read, sys.stdin, "input"), (written, sys.stdout, "output")):
+        if paths and stream is None:
+            raise InvalidOptionError(f"{paths[0]} is standard {name}, which is closed")
     if read and sys.stdin.isatty():
         raise InvalidOptionError("- reads standard input, which is a terminal; pipe a file into it")
     with tempfile.TemporaryDirectory() as folder, ExitStack() as stack:
@@ -116,9 +120,12 @@ def _received(folder: Path) -> Path:
     ------
     ReadError
         The format is not known.
+    WriteError
+        The folder of temporary files is full.
     """
     beginning = sys.stdin.buffer.read(LENGTH_OF_BEGINNING)
-    suffixes = (suffix for pattern, suffix in BEGINNINGS if re.match(pattern, beginning))
+    text = beginning.removeprefix(codecs.BOM_UTF8)
+    suffixes = (suffix for pattern, suffix in BEGINNINGS if re.match(pattern, text))
     suffix = next(suffixes, None)
     if suffix is None:
         raise ReadError(
@@ -126,9 +133,15 @@ def _received(folder: Path) -> Path:
             "file with the suffix of its format, and give that"
         )
     path = folder / f"stdin{suffix}"
-    with path.open("wb") as file:
-        file.write(beginning)
-        shutil.copyfileobj(sys.stdin.buffer, file)
+    try:
+        with path.open("wb") as file:
+            file.write(beginning)
+            shutil.copyfileobj(sys.stdin.buffer, file)
+    except OSError as error:
+        raise WriteError(
+            f"standard input cannot be stored in {folder.parent}: {error.strerror}; free space "
+            "there, or set TMPDIR to another folder"
+        ) from error
     return path
 
 
@@ -148,11 +161,7 @@ def _replaced(value: Any, files: Mapping[Path, Path]) -> Any:
 
 
 def _send(file: Path) -> None:
-    """Copy a file to standard output; a reader that has left is not an error."""
-    try:
-        with file.open("rb") as content:
-            shutil.copyfileobj(content, sys.stdout.buffer)
+    """Copy a file to standard output."""
+    with file.open("rb") as content, to_stdout():
+        shutil.copyfileobj(content, sys.stdout.buffer)
         sys.stdout.buffer.flush()
-    except BrokenPipeError:
-        # Python flushes standard output once more when it ends, which would fail, too.
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())

@@ -1,7 +1,7 @@
 """The files that a command writes: checked before the work, written after it."""
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Collection, Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -18,12 +18,14 @@ __all__ = ["Targets"]
 
 @dataclass(frozen=True, kw_only=True)
 class Targets:
-    """The output files of distances.
+    """The output files of a command.
 
     Parameters
     ----------
     tables : tuple of Path
         Files of numbers; the suffix chooses the format.
+    check_table : callable, optional
+        Raises if such a file could not be written: for distances, unless given.
     picture, html : Path, optional
     parts : Path, optional
         Picture of the components.
@@ -32,6 +34,7 @@ class Targets:
     """
 
     tables: tuple[Path, ...] = ()
+    check_table: Callable[[Path], object] | None = None
     picture: Path | None = None
     html: Path | None = None
     parts: Path | None = None
@@ -64,43 +67,49 @@ class Targets:
         WriteError, MissingDependencyError
             See :meth:`check`.
         """
-        each = {path: self._named(path.stem) for path in inputs}
+        each = {path: self._named(_name_of(path)) for path in inputs}
         if len(each) < len(inputs):
             twice = next(path for path in inputs if inputs.count(path) > 1)
             raise InvalidOptionError(f"{twice} is given several times")
+        taken = {path.resolve() for path in (*inputs, *used)}
         seen: dict[Path, Path] = {}
         for path, targets in each.items():
-            targets.check(*inputs, *used)
+            targets.check(taken)
             for output in targets.paths:
-                if output in seen:
+                first = seen.setdefault(output.resolve(), path)
+                if first != path:
                     raise InvalidOptionError(
-                        f"{output} would be the output of {seen[output]} and of {path}; write "
-                        "{name} where the names of outputs differ, as in {name}.npy, and give "
-                        "inputs of one name apart"
+                        f"{output} would be the output of {first} and of {path}; write "
+                        "{name} where the names of outputs differ, as in {name}.npy, and run "
+                        "inputs of the same name in commands of their own"
                     )
-                seen[output] = path
         return each
 
     def _named(self, name: str) -> "Targets":
         def named(path: Path | None) -> Path | None:
             return None if path is None else Path(str(path).replace("{name}", name))
 
-        return Targets(
+        return replace(
+            self,
             tables=tuple(Path(str(path).replace("{name}", name)) for path in self.tables),
             picture=named(self.picture),
             html=named(self.html),
             parts=named(self.parts),
-            cmap=self.cmap,
         )
 
-    def check(self, *inputs: Path) -> None:
+    def check(self, taken: Collection[Path] = ()) -> None:
         """Raise, before any work, if a file could not be written after it.
+
+        Parameters
+        ----------
+        taken : collection of Path
+            Resolved paths of files that no output may overwrite.
 
         Raises
         ------
         InvalidOptionError
             A suffix that does not fit, an unknown colour map, two outputs in one file, or an
-            output that would overwrite one of the `inputs`.
+            output that is `taken`.
         WriteError
             A folder that does not exist or is not writable.
         MissingDependencyError
@@ -109,13 +118,15 @@ class Targets:
         from geodesic_toolkit.io import check_output
         from geodesic_toolkit.io.writing import check_distance_output
 
-        seen = {path.resolve(): "the input" for path in inputs}
+        seen: set[Path] = set()
         for path in self.paths:
-            if path.resolve() in seen:
-                raise InvalidOptionError(f"{path} would overwrite {seen[path.resolve()]}")
-            seen[path.resolve()] = "another output"
+            file = path.resolve()
+            if file in taken or file in seen:
+                other = "the input" if file in taken else "another output"
+                raise InvalidOptionError(f"{path} would overwrite {other}")
+            seen.add(file)
         for path in self.tables:
-            check_distance_output(path)
+            (self.check_table or check_distance_output)(path)
         for picture in (self.picture, self.parts):
             if picture is not None:
                 check_output(picture, (".png",))
@@ -166,7 +177,7 @@ class Targets:
         like: Path | None = None,
         **look: Any,
     ) -> None:
-        """Write everything: numbers first, so that they are safe if a picture fails.
+        """Write distances: numbers first, so that they are safe if a picture fails.
 
         Parameters
         ----------
@@ -212,3 +223,8 @@ class Targets:
                     viz.save_html(domain, distances, self.html, **look)
                 if self.parts is not None and parts is not None:
                     viz.plot(domain, parts, path=self.parts, sources=sources, **viz.OF_PARTS)
+
+
+def _name_of(path: Path) -> str:
+    """Return the name of a file without its suffix, and without the one of a compressed file."""
+    return (path.with_suffix("") if path.suffix.lower() == ".gz" else path).stem

@@ -6,17 +6,22 @@ from typing import Annotated
 import typer
 
 from geodesic_toolkit.cli.arguments import (
+    Cost,
     Input,
     Json,
+    Mask,
     Operator,
+    Refine,
+    TimeFactor,
     Weld,
     check_plugins,
+    check_time,
     kinds_of,
     parse_sources,
 )
 from geodesic_toolkit.cli.output import show, show_json, versions
 from geodesic_toolkit.cli.run import running
-from geodesic_toolkit.cli.welding import check_weld, welded
+from geodesic_toolkit.cli.welding import welded
 
 __all__ = ["view"]
 
@@ -33,8 +38,12 @@ def view(
             show_default=False,
         ),
     ] = None,
+    mask: Mask = None,
+    cost: Cost = None,
     weld: Weld = None,
     operator: Operator = "auto",
+    time_factor: TimeFactor = None,
+    refine: Refine = None,
     cmap: Annotated[
         str, typer.Option(metavar="NAME", help="Colour map of matplotlib at first.")
     ] = "viridis",
@@ -59,16 +68,21 @@ def view(
     from geodesic_toolkit.viz.live.view import view as open_view
 
     sources = None if not source else parse_sources(source)
-    check_weld(weld)
+    check_time(None, time_factor)
     check_plugins("auto", operator)
     with running() as run:
         with run.step("reading"):
-            shape = welded(read(path, kinds=kinds_of(operator)), weld, run)
+            shape = welded(read(path, kinds=kinds_of(operator)), weld, run).with_cost(cost)
+            masked = shape.mask(None if mask is None else mask.mask(shape.file.n_vertices))
+        found = list(run.warnings)
         with run.step("factorising"):
             page = open_view(
                 shape.domain,
-                sources=None if sources is None else shape.sources(sources, None),
+                sources=None if sources is None else shape.sources(sources, masked),
                 operator=operator,
+                mask=masked,
+                refine="auto" if refine is None else refine,
+                time_factor=1.0 if time_factor is None else time_factor,
                 cmap=cmap,
                 isolines=isolines,
                 unit=unit,
@@ -78,6 +92,8 @@ def view(
                 browser=browser,
                 block=False,
             )
+        for text in found:  # those of the start are there
+            page.warn(text)
     # Ctrl-C is the end of the page as soon as its address is printed.
     with page, suppress(KeyboardInterrupt):
         if json:
@@ -87,6 +103,8 @@ def view(
                     "domain": type(shape.domain).__name__,
                     "n_vertices": shape.file.n_vertices,
                     "n_merged": shape.domain.n_vertices,
+                    "mask": None if mask is None else str(mask),
+                    "cost": None if cost is None else str(cost),
                     "url": page.url,
                     "timings": run.timings,
                     "warnings": run.warnings,

@@ -1,6 +1,5 @@
 """The option ``--weld``: compute on merged vertices, report those of the file."""
 
-import math
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -10,10 +9,11 @@ from geodesic_toolkit.core.words import a_kind_of
 from geodesic_toolkit.errors import InvalidOptionError, InvalidSourceError
 
 if TYPE_CHECKING:  # importing NumPy takes longer than all of --help
+    from geodesic_toolkit.cli.arguments import MarkedVertices
     from geodesic_toolkit.core.types import BoolArray, FloatArray, IntArray
     from geodesic_toolkit.domains import Domain
 
-__all__ = ["Welded", "check_weld", "welded"]
+__all__ = ["Welded", "read_welded", "welded"]
 
 
 @dataclass(frozen=True)
@@ -119,15 +119,11 @@ class Welded:
     @property
     def rows(self) -> list[tuple[str, str]]:
         """Rows of names and values for a table."""
+        shape = ("shape", repr(self.file))
         if self.new is None:
-            return []
-        return [("welded", f"{self.file.n_vertices} vertices to {self.domain.n_vertices}")]
-
-
-def check_weld(weld: float | None) -> None:
-    """Raise an `InvalidOptionError` for a tolerance that is negative or not finite."""
-    if weld is not None and not (weld >= 0 and math.isfinite(weld)):
-        raise InvalidOptionError(f"--weld must be finite and not negative, not {weld:g}")
+            return [shape]
+        welded = f"{self.file.n_vertices} vertices to {self.domain.n_vertices}"
+        return [shape, ("welded", welded)]
 
 
 def welded(domain: "Domain", weld: float | None, run: Run) -> Welded:
@@ -159,3 +155,26 @@ def welded(domain: "Domain", weld: float | None, run: Run) -> Welded:
             "features are so close"
         )
     return shape
+
+
+def read_welded(
+    path: Path,
+    weld: float | None,
+    run: Run,
+    *,
+    mask: "MarkedVertices | None" = None,
+    kinds: "tuple[type[Domain], ...]" = (),
+) -> "tuple[Welded, BoolArray | None]":
+    """Return the shape of a file, see :func:`welded`, and the mask of its vertices, if any.
+
+    Raises
+    ------
+    ReadError
+        A file cannot be read.
+    InvalidOptionError
+        See :func:`welded`.
+    """
+    from geodesic_toolkit.io import read
+
+    shape = welded(read(path, kinds=kinds), weld, run)
+    return shape, shape.mask(None if mask is None else mask.mask(shape.file.n_vertices))

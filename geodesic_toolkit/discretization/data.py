@@ -62,6 +62,8 @@ class Discretization(FrozenArrays):
     surface : ElementGradient, optional
         The triangles of the surface, if they are not the elements of the gradient: fronts cross
         these triangles, and distances are measured on them.
+    unflipped : ElementGradient, optional
+        The triangles of the domain, if the edges of some are flipped: sources inside are in these.
     normals : ndarray of shape (N, 3), float64, optional
         For elements that are stars in tangent planes: the unit normals of these planes.
     subdivision : Subdivision, optional
@@ -120,6 +122,7 @@ class Discretization(FrozenArrays):
     scales: FloatArray = field(default_factory=lambda: np.zeros(0))
     surface_frames: FloatArray = field(default_factory=lambda: np.zeros((0, 3)))
     surface: ElementGradient | None = None
+    unflipped: ElementGradient | None = None
     normals: FloatArray = field(default_factory=lambda: np.zeros((0, 3)))
     subdivision: Subdivision | None = None
     along_edges: AlongEdges | None = None
@@ -153,13 +156,13 @@ class Discretization(FrozenArrays):
             raise InvalidDiscretizationError(
                 f"spacing must be positive and finite, not {self.spacing}"
             )
-        if self.surface is not None and not (
-            self.surface.of_planes and self.surface.n_vertices == count
-        ):
-            raise InvalidDiscretizationError(
-                f"surface must be triangles with the same {count} vertices, not {self.surface!r} "
-                f"with {self.surface.n_vertices}"
-            )
+        for name in ("surface", "unflipped"):
+            other = getattr(self, name)
+            if other is not None and not (other.of_planes and other.n_vertices == count):
+                raise InvalidDiscretizationError(
+                    f"{name} must be triangles with the same {count} vertices, not {other!r} "
+                    f"with {other.n_vertices}"
+                )
         if self.subdivision is not None and self.subdivision.n_vertices != count:
             raise InvalidDiscretizationError(
                 f"subdivision is of {self.subdivision.n_vertices} vertices, not of {count}"

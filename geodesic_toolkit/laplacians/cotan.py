@@ -203,6 +203,7 @@ class CotanLaplacian(LaplaceOperator):
             boundary=measured.sums.boundary,
             scales=measured.scales[measured.parts],
             surface=surface,
+            unflipped=measured.gradient if flip.any() else None,
             triangulation=triangulation,
             edges_agree=measured.edges_agree,
             known_components=measured.parts,  # flips do not change components

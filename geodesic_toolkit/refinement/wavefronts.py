@@ -29,6 +29,7 @@ from geodesic_toolkit.discretization.heat import Heat
 from geodesic_toolkit.errors import UnsupportedDomainError
 from geodesic_toolkit.geometry.frames import ComplexArray
 from geodesic_toolkit.geometry.intrinsic import MOST_SIDES, cut_disagreeing
+from geodesic_toolkit.refinement.sight import Sight, in_sight, missing_triangles
 from geodesic_toolkit.sources.points import SourcePoints
 
 __all__ = ["WavefrontSweeper", "made_of_triangles"]
@@ -171,7 +172,8 @@ class WavefrontSweeper:
         kappas : ndarray of shape (K, N), float64, optional
             Takes the geodesic curvature of the front at each vertex.
         """
-        self._fronts.sweep(*self._arguments(heat, block), distances, kappas, n_threads)
+        late = any(points.delayed for points in block)
+        self._fronts.sweep(*self._arguments(heat, block), distances, kappas, n_threads, late)
 
     def near(self, heat: Heat, block: Sequence[SourcePoints], limits: FloatArray) -> NearRows:
         """Return refined distances from each of K source sets up to a limit, and of some beyond.
@@ -188,7 +190,10 @@ class WavefrontSweeper:
         -------
         NearRows
         """
-        return NearRows(*self._fronts.sweep_near(*self._arguments(heat, block), limits))
+        late = any(points.delayed for points in block)
+        return NearRows(
+            *self._fronts.sweep_near(*self._arguments(heat, block), limits, have_offsets=late)
+        )
 
     def _arguments(
         self, heat: Heat, block: Sequence[SourcePoints]
@@ -240,6 +245,7 @@ class WavefrontSweeper:
             latest,
             MAX_SWEEPS * len(latest),
             distances,
+            have_offsets=points.delayed,
         )
         return distances
 
@@ -284,18 +290,42 @@ class WavefrontSweeper:
         it. If such a point is a source, distances to the points of its own star are set directly.
         On repeated passes in pairs this reduces the worst error from 19 to 2 %; if all sources did
         so, the error on bunny.off would rise by a hundredth.
+
+        Around a source between vertices, fronts also begin at what is in sight besides these.
         """
         vertices, known, curvatures = points.vertices, points.distances, points.curvatures
         if points.delayed:
             known = known + points.starts[points.rows]
-        if not len(self._seldom_updated):
-            return vertices, known, curvatures
-        for place in np.flatnonzero(self._seldom_updated[vertices] & (points.distances == 0)):
-            others, lengths = self._ring(int(vertices[place]))
-            vertices = np.append(vertices, others)
-            curvatures = np.append(curvatures, 1 / lengths)
-            known = np.append(known, known[place] + lengths)
+        if len(self._seldom_updated):
+            for place in np.flatnonzero(self._seldom_updated[vertices] & (points.distances == 0)):
+                others, lengths = self._ring(int(vertices[place]))
+                vertices = np.append(vertices, others)
+                curvatures = np.append(curvatures, 1 / lengths)
+                known = np.append(known, known[place] + lengths)
+        if points.front_curvatures is None and not points.are_vertices:
+            sight = self.in_sight(points)
+            vertices = np.append(vertices, sight.vertices)
+            known = np.append(known, sight.distances + points.starts[sight.rows])
+            curvatures = np.append(curvatures, 1 / sight.distances)
         return vertices, known, curvatures
+
+    def in_sight(self, points: SourcePoints) -> Sight:
+        """Return the vertices in sight of sources between vertices, besides those around them."""
+        self.prepare()
+        given, frames = self.metric.unflipped or self._gradient, self.metric.surface_frames
+        frames = frames if len(frames) else given.inverse_frames
+        return in_sight(points, given, frames, self._hidden)
+
+    @cached_property
+    def _hidden(self) -> BoolArray:
+        """A mask, (N,), of the vertices of triangles that are not those that fronts cross.
+
+        A source in such a triangle may be hidden from its corners by edges that were flipped.
+        """
+        given, mask = self.metric.unflipped, self._flipped.copy()
+        if given is not None:
+            mask[missing_triangles(given.elements, self._gradient.elements)] = True
+        return mask
 
     def _ring(self, centre: int) -> tuple[IntArray, FloatArray]:
         """Return the other points of a star, and their distances."""
@@ -329,6 +359,7 @@ class WavefrontSweeper:
         Intermediate data, which take the same memory again, are not kept.
         """
         fronts = _native.Sweeper(self._corners, self._curvature, self._reflex)
+        _ = self._flipped
         for name in (
             "_corners",
             "_curvature",
@@ -373,6 +404,15 @@ class WavefrontSweeper:
         if not _native.flip_edges(faces, lengths, self._twins[0].copy(), held):
             return elements, inverse, areas
         return faces, *_native.measure_lengths(lengths)
+
+    @cached_property
+    def _flipped(self) -> BoolArray:
+        """A mask, (N,), of the vertices of triangles whose edges are flipped here."""
+        given, flipped = self._gradient.elements, self._triangles[0]
+        mask = np.zeros(self._gradient.n_vertices, dtype=np.bool_)
+        if flipped is not given:
+            mask[given[(flipped != given).any(axis=1)]] = True
+        return mask
 
     @cached_property
     def _held(self) -> BoolArray | None:

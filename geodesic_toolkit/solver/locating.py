@@ -5,7 +5,7 @@ from collections.abc import Iterable
 from typing import TYPE_CHECKING, Any
 
 from geodesic_toolkit.core.checks import check_nothing_masked
-from geodesic_toolkit.core.types import BoolArray
+from geodesic_toolkit.core.types import BoolArray, IntArray
 from geodesic_toolkit.domains import Domain
 from geodesic_toolkit.errors import InvalidSourceError
 from geodesic_toolkit.solver.assembly import Assembly
@@ -136,8 +136,16 @@ class SourceLocator:
             if self._ground is None:
                 from geodesic_toolkit.sources.ground import Ground
 
-                self._ground = Ground(self.passable)
+                self._ground = Ground(self.passable, self._stars())
             return self._ground
+
+    def _stars(self) -> IntArray | None:
+        """Return the triangles and links of the stars of a cloud, (E, 3); None without them."""
+        if self.passable.has("triangles") or self.passable.has("closest"):
+            return None
+        gradient = self._assembly.method.metric.gradient
+        elements: IntArray | None = getattr(gradient, "elements", None)
+        return elements if elements is not None and elements.shape[1] == 3 else None
 
     def __getstate__(self) -> dict[str, Any]:
         made = {"_lock", "_ground", "_surface", "_frames", "_vector_heat"}

@@ -18,7 +18,7 @@ from geodesic_toolkit.geometry.closest import TriangleTree
 from geodesic_toolkit.geometry.entering import entered
 from geodesic_toolkit.geometry.triangles import face_edge_lengths, proper_faces
 from geodesic_toolkit.heat.method import Progress
-from geodesic_toolkit.sources.ground import Ground, lies_in_triangles
+from geodesic_toolkit.sources.ground import Ground, distinct_triangles, lies_in_triangles
 from geodesic_toolkit.sources.points import SourcePoints
 
 __all__ = ["Surface", "as_points", "check_reach", "interpolate"]
@@ -477,17 +477,7 @@ def _triangles(domain: Domain, discretization: Discretization) -> IntArray:
             "that makes triangles, such as PointCloudLaplacian, and queries on a kind of domain of "
             "a plugin need its triangles, or its method closest(points)"
         )
-    # The stars of neighbours share triangles; a link (i, j, j) between two points is a segment.
-    small = np.int32 if domain.n_vertices < 2**31 else np.int64
-    ordered = np.sort(gradient.elements.astype(small), axis=1)
-    ordered = ordered[np.lexsort(ordered.T)]
-    new = np.ones(len(ordered), dtype=np.bool_)
-    new[1:] = (ordered[1:] != ordered[:-1]).any(axis=1)
-    triangles = ordered[new].astype(np.int64)
-    twice = triangles[:, 0] == triangles[:, 1]
-    triangles[twice] = triangles[twice][:, ::-1]
-    surface: IntArray = triangles[triangles[:, 0] != triangles[:, 1]]
-    return surface
+    return distinct_triangles(gradient.elements)
 
 
 def _mean(weights: FloatArray, values: FloatArray) -> FloatArray:

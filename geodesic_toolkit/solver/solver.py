@@ -142,10 +142,10 @@ class GeodesicSolver(TangentSolver):
         Parameters
         ----------
         sources : int, array-like, SurfacePoint, sequence of them, Located, Curve or OffsetSources
-            Vertex indices; points in space, of shape (3,) or (P, 3), snapped to the nearest point
-            of the surface; points inside faces, or other elements; a polyline; or any of these
-            except a polyline, with offsets. The vertices of a label are ``numpy.flatnonzero(labels
-            == label)``.
+            Vertex indices; points in space, of shape (3,) or (P, 3), snapped to the nearest place
+            of the surface, on a cloud of the triangles of its stars; points inside faces, or other
+            elements; a polyline; or any of these except a polyline, with offsets. The vertices of a
+            label are ``numpy.flatnonzero(labels == label)``.
 
         Returns
         -------

@@ -14,7 +14,11 @@ from geodesic_toolkit.geometry.closest import TriangleTree
 if TYPE_CHECKING:
     from scipy.spatial import cKDTree
 
-__all__ = ["Ground", "lies_in_triangles"]
+__all__ = ["Ground", "distinct_triangles", "lies_in_triangles"]
+
+N_POINTS_AROUND = 20
+"""Number of nearest points of a cloud among whose triangles the foot of a place is searched: as
+many as a star is made of."""
 
 
 def lies_in_triangles(domain: Domain) -> bool:
@@ -31,10 +35,13 @@ class Ground:
     ----------
     domain : Domain
         A domain with positions.
+    stars : ndarray of shape (E, 3), int64, optional
+        The triangles of the stars of a cloud, and its links (i, j, j), in which places are found;
+        without them, they are points of the cloud.
     """
 
-    def __init__(self, domain: Domain) -> None:
-        self.domain = domain
+    def __init__(self, domain: Domain, stars: IntArray | None = None) -> None:
+        self.domain, self._stars = domain, stars
         self._positions = positions_of(domain)
         self._present: IntArray | None = None
         self._points: cKDTree | None = None
@@ -63,7 +70,32 @@ class Ground:
             faces, weights = self.triangles.closest(points)
             return Located(self.domain.triangles[faces], weights)
         nearest = self.nearest_points(points)
-        return Located(nearest[:, None], np.ones((len(nearest), 1)))
+        at_points = Located(nearest[:, None], np.ones((len(nearest), 1)))
+        return at_points if self._stars is None else self._within_stars(points, at_points)
+
+    def _within_stars(self, places: FloatArray, at_points: Located) -> Located:
+        """Return the closest places of the triangles around some places, or the points there."""
+        assert self._stars is not None
+        near = np.zeros(self.domain.n_vertices, dtype=np.bool_)
+        near[self._nearest(places, N_POINTS_AROUND)] = True
+        around = distinct_triangles(self._stars[near[self._stars].any(axis=1)])
+        if not len(around):
+            return at_points
+        faces, weights = TriangleTree(self._positions, around).closest(places)
+        is_link = around[faces, 1] == around[faces, 2]
+        weights[:, 1] += np.where(is_link, weights[:, 2], 0.0)
+        weights[is_link, 2] = 0.0
+        found = Located(around[faces], weights)
+        gaps, gaps_of_points = (
+            np.linalg.norm(places - located.positions(self.domain), axis=1)
+            for located in (found, at_points)
+        )
+        kept = (gaps_of_points <= gaps)[:, None]  # at points, and where there are no triangles
+        weight_of_first = np.array([1.0, 0.0, 0.0])
+        return Located(
+            np.where(kept, at_points.vertices, found.vertices),
+            np.where(kept, weight_of_first, found.weights),
+        )
 
     def gaps(self, places: FloatArray) -> FloatArray:
         """Return the distance of each place from the shape."""
@@ -72,6 +104,10 @@ class Ground:
 
     def nearest_points(self, places: FloatArray) -> IntArray:
         """Return the nearest vertex of each place, missing ones excluded."""
+        return self._nearest(places, 1)[:, 0]
+
+    def _nearest(self, places: FloatArray, count: int) -> IntArray:
+        """Return the nearest vertices of each of Q places, (Q, count), or all if they are fewer."""
         from scipy.spatial import cKDTree
 
         with self._lock:
@@ -79,8 +115,34 @@ class Ground:
                 usable = self.domain.present & np.isfinite(self._positions).all(axis=1)
                 self._present = np.flatnonzero(usable)
                 self._points = cKDTree(self._positions[self._present])
-        nearest: IntArray = self._present[self._points.query(places)[1]]
+        ranks = np.arange(1, min(count, len(self._present)) + 1)
+        nearest: IntArray = self._present[self._points.query(places, k=ranks)[1]]
         return nearest
+
+
+def distinct_triangles(elements: IntArray) -> IntArray:
+    """Return the different triangles of stars, which neighbours share, with sorted vertices.
+
+    Parameters
+    ----------
+    elements : ndarray of shape (E, 3), int64
+        Triangles, and links (i, j, j) between two points.
+
+    Returns
+    -------
+    ndarray of shape (F, 3), int64
+        A link has its last two vertices equal.
+    """
+    small = np.int32 if elements.size == 0 or elements.max() < 2**31 else np.int64
+    ordered = np.sort(elements.astype(small), axis=1)
+    ordered = ordered[np.lexsort(ordered.T)]
+    new = np.ones(len(ordered), dtype=np.bool_)
+    new[1:] = (ordered[1:] != ordered[:-1]).any(axis=1)
+    triangles = ordered[new].astype(np.int64)
+    twice = triangles[:, 0] == triangles[:, 1]
+    triangles[twice] = triangles[twice][:, ::-1]
+    surface: IntArray = triangles[triangles[:, 0] != triangles[:, 1]]
+    return surface
 
 
 def _checked(domain: Domain, found: object, count: int) -> Located:

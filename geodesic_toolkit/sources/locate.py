@@ -50,9 +50,9 @@ def locate_sources(
     ----------
     domain : Domain
     sources : int, array-like, SurfacePoint, sequence of them, Located, Curve or OffsetSources
-        Vertex indices; points in space, of shape (3,) or (P, 3), snapped to the nearest point of
-        the surface (or of the cloud); points inside faces, or other elements; a polyline; or any of
-        these except a polyline, with offsets.
+        Vertex indices; points in space, of shape (3,) or (P, 3), snapped to the nearest place of
+        the surface, on a cloud of the triangles of its stars; points inside faces, or other
+        elements; a polyline; or any of these except a polyline, with offsets.
     name : str
         Name of the sources in messages.
     passable : Domain, optional
@@ -285,13 +285,14 @@ def _along(domain: Domain, ground: Ground, curve: Curve, name: str) -> SourcePoi
     passable = ground.domain
     samples = samples_of(domain, passable, curve, name)
     points = samples.points
-    at = ground.closest(points)
-    if at.vertices.shape[1] == 1:
-        vertices, place = np.unique(at.vertices[:, 0], return_inverse=True)
+    if not passable.has("triangles") and not passable.has("closest"):
+        vertices, place = np.unique(ground.nearest_points(points), return_inverse=True)
         off = np.full(len(vertices), np.inf)
-        np.minimum.at(off, place, np.linalg.norm(at.positions(passable) - points, axis=1))
+        gaps = np.linalg.norm(passable.positions[vertices[place]] - points, axis=1)
+        np.minimum.at(off, place, gaps)
         near = SourcePoints.at_vertices(vertices, domain.n_vertices)
         return replace(near, distances=off, front_curvatures=np.zeros(len(vertices)), copy=False)
+    at = ground.closest(points)
     if len(points) == 1 or not lies_in_triangles(passable):
         return _between(passable, at)
     normals, boundary = _surface_near(passable, at.vertices)

@@ -294,7 +294,9 @@ def as_vertices(sources: Any, n_vertices: int, name: str = "sources") -> IntArra
         raise InvalidSourceError(f"{name} cannot be read as indices: {error}") from error
     if array.size == 0:
         raise InvalidSourceError(f"{name}: there are none; give at least one vertex")
-    if array.dtype.kind not in "iu" or array.ndim != 1:
+    # NumPy has no integers beyond 64 bits, and keeps those of Python.
+    whole = array.dtype.kind in "iu" or all(type(one) is int for one in array.flat)
+    if not whole or array.ndim != 1:
         raise InvalidSourceError(
             f"{name} must be vertex indices, one integer or a one-dimensional array of integers, "
             f"not {array.dtype} of shape {np.shape(sources)}"

@@ -1,10 +1,13 @@
 // Wavefronts over triangles in Python.
 #include <nanobind/stl/optional.h>
 
+#include <functional>
+
 #include "python/bindings.hpp"
 #include "triangles/measures.hpp"
 #include "wavefront/characteristics.hpp"
 #include "wavefront/curvature.hpp"
+#include "wavefront/sight.hpp"
 #include "wavefront/sweeper.hpp"
 
 namespace geodesic {
@@ -51,6 +54,44 @@ Corners gathered(std::span<const Index> elements, std::span<const double> frames
   if (add_missed) add_missed_triangles(corners);
   if (!stars) close_rims(corners, boundary, edges_agree);
   return corners;
+}
+
+template <class T>
+auto give(const std::vector<T>& values) {
+  Array<T> array(static_cast<Index>(values.size()));
+  std::ranges::copy(values, array.begin());
+  return give(std::move(array));
+}
+
+void bind_sight(nb::module_& module) {
+  module.def(
+      "in_sight",
+      [](In<Index> begins, In<Index> vertices, In<double> distances, In<Index, 2> elements,
+         In<double, 2> frames, bool stars, In<bool> hidden) {
+        const auto below = [&](Index v) { return 0 <= v && v < n_rows(hidden); };
+        const auto two_or_three = [&](Index begin, Index end) {
+          return end - begin == 2 || end - begin == 3;
+        };
+        require_elements(elements, frames);
+        require(
+            elements.size() < std::size_t{1} << 31 && std::ranges::all_of(span(elements), below),
+            "fewer than 2^31 corners, and vertices below their number");
+        require(begins.size() > 0 && begins.data()[0] == 0 &&
+                    begins.data()[begins.size() - 1] == n_rows(vertices) &&
+                    distances.size() == vertices.size() &&
+                    std::ranges::adjacent_find(span(begins), std::not_fn(two_or_three)) ==
+                        span(begins).end() &&
+                    std::ranges::all_of(span(vertices), below),
+                "two or three vertices around each place, and a distance for each");
+        const Sight sight = unlocked([&] {
+          return in_sight({span(begins), span(vertices), span(distances)},
+                          {span(elements), span(frames), stars}, span(hidden));
+        });
+        return nb::make_tuple(give(sight.places), give(sight.vertices), give(sight.x),
+                              give(sight.y));
+      },
+      "begins"_a.noconvert(), "vertices"_a.noconvert(), "distances"_a.noconvert(),
+      "elements"_a.noconvert(), "frames"_a.noconvert(), "stars"_a, "hidden"_a.noconvert());
 }
 
 void bind_tracer(nb::module_& module) {
@@ -206,10 +247,10 @@ void bind_wavefront(nb::module_& module) {
           [](const Sweeper& self, Columns heat, bool logarithmic, In<Index> begins,
              In<Index> vertices, In<double> known, In<double> curvatures, In<double> tolerances,
              Index returns, Index steady, Index most_sweeps, Out<double, 2> distances,
-             std::optional<Out<double, 2>> kappas, int n_threads) {
+             std::optional<Out<double, 2>> kappas, int n_threads, bool have_offsets) {
             const HeatTable table{span(heat), n_columns(heat), logarithmic};
-            const Sources sources{span(begins), span(vertices), span(known), span(curvatures),
-                                  span(tolerances)};
+            const Sources sources{span(begins),     span(vertices),   span(known),
+                                  span(curvatures), span(tolerances), have_offsets};
             require(n_rows(heat) == self.n_vertices() && distances.size() == heat.size() &&
                         (!kappas || kappas->size() == heat.size()),
                     "a number for each vertex and each set of sources");
@@ -223,15 +264,16 @@ void bind_wavefront(nb::module_& module) {
           "heat"_a.noconvert(), "logarithmic"_a, "begins"_a.noconvert(), "vertices"_a.noconvert(),
           "known"_a.noconvert(), "curvatures"_a.noconvert(), "tolerances"_a.noconvert(),
           "returns"_a, "steady"_a, "most_sweeps"_a, "distances"_a.noconvert(),
-          "kappas"_a.noconvert() = nb::none(), "n_threads"_a = 1)
+          "kappas"_a.noconvert() = nb::none(), "n_threads"_a = 1, "have_offsets"_a = false)
       .def(
           "sweep_near",
           [](const Sweeper& self, Columns heat, bool logarithmic, In<Index> begins,
              In<Index> vertices, In<double> known, In<double> curvatures, In<double> tolerances,
-             Index returns, Index steady, Index most_sweeps, In<double> limits, int n_threads) {
+             Index returns, Index steady, Index most_sweeps, In<double> limits, int n_threads,
+             bool have_offsets) {
             const HeatTable table{span(heat), n_columns(heat), logarithmic};
-            const Sources sources{span(begins), span(vertices), span(known), span(curvatures),
-                                  span(tolerances)};
+            const Sources sources{span(begins),     span(vertices),   span(known),
+                                  span(curvatures), span(tolerances), have_offsets};
             require(n_rows(heat) == self.n_vertices(), "a number for each vertex");
             require_sources(sources, table.n_columns, self.n_vertices());
             require(n_rows(limits) == table.n_columns, "a limit for each set of sources");
@@ -243,14 +285,16 @@ void bind_wavefront(nb::module_& module) {
           },
           "heat"_a.noconvert(), "logarithmic"_a, "begins"_a.noconvert(), "vertices"_a.noconvert(),
           "known"_a.noconvert(), "curvatures"_a.noconvert(), "tolerances"_a.noconvert(),
-          "returns"_a, "steady"_a, "most_sweeps"_a, "limits"_a.noconvert(), "n_threads"_a = 1)
+          "returns"_a, "steady"_a, "most_sweeps"_a, "limits"_a.noconvert(), "n_threads"_a = 1,
+          "have_offsets"_a = false)
       .def(
           "sweep_limited",
           [](const Sweeper& self, In<Index> vertices, In<double> known, In<double> curvatures,
-             double tolerance, In<double> latest, Index most_visits, Out<double> distances) {
+             double tolerance, In<double> latest, Index most_visits, Out<double> distances,
+             bool have_offsets) {
             const Index begins[] = {0, n_rows(vertices)};
-            const Sources sources{
-                begins, span(vertices), span(known), span(curvatures), {&tolerance, 1}};
+            const Sources sources{begins,           span(vertices),  span(known),
+                                  span(curvatures), {&tolerance, 1}, have_offsets};
             require(n_rows(latest) == self.n_vertices() && n_rows(distances) == self.n_vertices(),
                     "a limit and a distance for each vertex");
             require_sources(sources, 1, self.n_vertices());
@@ -258,7 +302,9 @@ void bind_wavefront(nb::module_& module) {
                 [&] { self.sweep_limited(sources, span(latest), most_visits, span(distances)); });
           },
           "vertices"_a.noconvert(), "known"_a.noconvert(), "curvatures"_a.noconvert(),
-          "tolerance"_a, "latest"_a.noconvert(), "most_visits"_a, "distances"_a.noconvert());
+          "tolerance"_a, "latest"_a.noconvert(), "most_visits"_a, "distances"_a.noconvert(),
+          "have_offsets"_a = false);
+  bind_sight(module);
   bind_tracer(module);
 }
 

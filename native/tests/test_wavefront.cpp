@@ -12,6 +12,7 @@
 #include "wavefront/characteristics.hpp"
 #include "wavefront/corners.hpp"
 #include "wavefront/curvature.hpp"
+#include "wavefront/sight.hpp"
 #include "wavefront/sweeper.hpp"
 
 using namespace geodesic;
@@ -201,4 +202,49 @@ TEST(directions_at_a_source_are_carried_to_all_of_a_plane) {
     worst = std::max(worst, std::abs(std::sin(carried.arrivals[v] - direction(source, v))));
   }
   CHECK(worst < 1e-9);
+}
+
+// Two triangles, 0 1 2 and 2 1 3, with a right angle at 0 and the third at (far, far).
+TEST(vertices_in_sight_of_a_place_are_those_across_near_edges) {
+  const auto errors_of = [](double x, double y, double far, const std::vector<Index>& own) {
+    const std::vector<double> vertices{0, 0, 0, 1, 0, 0, 0, 1, 0, far, far, 0};
+    const std::vector<Index> faces{0, 1, 2, 2, 1, 3}, begins{0, static_cast<Index>(own.size())};
+    const auto distance_to = [&](Index v) {
+      return std::hypot(vertices[3 * v] - x, vertices[3 * v + 1] - y);
+    };
+    std::vector<double> distances, errors;
+    for (const Index v : own) distances.push_back(distance_to(v));
+    const Measured measured = measure_triangles(vertices, faces);
+    const Sight sight = in_sight({begins, own, distances},
+                                 {faces, measured.triangles.frames, false}, Array<bool>(4, false));
+    for (std::size_t s = 0; s < sight.vertices.size(); ++s)
+      errors.push_back(std::hypot(sight.x[s], sight.y[s]) - distance_to(sight.vertices[s]));
+    return errors;
+  };
+  const auto are_small = [](const std::vector<double>& errors) {
+    return std::ranges::all_of(errors, [](double error) { return std::abs(error) < 1e-12; });
+  };
+  CHECK(errors_of(0.1, 0.1, 1.0, {0, 1, 2}).empty());  // it is farther than the ends of the edge
+  const std::vector<double> behind = errors_of(0.48, 0.48, 0.6, {0, 1, 2});
+  CHECK(behind.size() == 1 && are_small(behind));
+  const std::vector<double> on_edge = errors_of(0.3, 0.7, 1.0, {1, 2});
+  CHECK(on_edge.size() == 2 && are_small(on_edge));
+  CHECK(errors_of(0.1, 0.1, 1.0, {0, 3}).empty());  // no triangle has both
+}
+
+TEST(offsets_do_not_change_the_centres_of_fronts) {
+  const Flat flat;
+  const Measured measured = measure_triangles(flat.mesh.vertices, flat.mesh.faces);
+  Corners corners = gather_corners(flat.mesh.faces, measured.triangles.frames, false, flat.n);
+  close_rims(corners, Array<bool>(flat.n, true));
+  const Sweeper sweeper(corners, Array<double>(flat.n, 0.0), Array<bool>(flat.n, false));
+  std::vector<double> heat(flat.n), found(flat.n);
+  for (Index v = 0; v < flat.n; ++v) heat[v] = -flat.exact[flat.n + v];
+  const std::vector<Index> begins{0, 1}, source{flat.vertices[1]};
+  const std::vector<double> offset{0.7}, tolerance{1e-12};
+  const std::vector<double> curvature{std::numeric_limits<double>::infinity()};
+  sweeper.sweep({heat, 1, true}, {begins, source, offset, curvature, tolerance, true},
+                {8 * flat.n, 0, 100}, found, {}, 1);
+  for (Index v = 0; v < flat.n; ++v)
+    CHECK(std::abs(found[v] - 0.7 - flat.exact[flat.n + v]) < 1e-9);
 }

@@ -14,7 +14,8 @@ namespace geodesic {
 inline constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 // Difference of kappa at the two ends of an edge, times its length, above which the ends belong to
-// different fronts; the front is then taken for a circle about the source.
+// different fronts; the front is then taken for a circle about the source. Distances from sources
+// with offsets are not radii of circles about them: there it is that of the mean radius.
 inline constexpr double kDisagreement = 0.5;
 
 // Least curvature of a front, times edge length: below it circles lose their last digits.
@@ -77,15 +78,17 @@ struct Arrivals {
 // Of two circles that both spread, or both converge, the mean radius (with the mean curvature
 // already the first ring about a source would be wrong, and with it the order of the method);
 // otherwise that of the mean curvature.
-template <class Lanes>
+template <bool kOffsets = false, class Lanes>
 GT_INLINE Lanes radius_on(const Edges<Lanes>& it, const Lanes& mean_distance) {
   const Lanes product = it.radius_a * it.radius_b, sum = it.radius_a + it.radius_b;
   const Lanes other = (product + product) / sum;
   Lanes radius = choose(Lanes::zeros(), product, Lanes::spread(0.5) * sum, other);
   radius = choose(product, Lanes::spread(kHuge), radius, other);
-  const Lanes disagreement = size(it.radius_a - it.radius_b) * it.edge;
-  radius =
-      choose(disagreement, Lanes::spread(kDisagreement) * size(product), radius, mean_distance);
+  if constexpr (!kOffsets) {
+    const Lanes disagreement = size(it.radius_a - it.radius_b) * it.edge;
+    radius =
+        choose(disagreement, Lanes::spread(kDisagreement) * size(product), radius, mean_distance);
+  }
   const Lanes straight = it.edge * Lanes::spread(1 / kStraight);
   return choose(size(radius), straight, radius, straight);
 }
@@ -95,13 +98,13 @@ GT_INLINE Lanes radius_on(const Edges<Lanes>& it, const Lanes& mean_distance) {
 // In the plane, with a at the origin, b at (edge, 0) and the third vertex at (x, y), the front on
 // the edge is a circle whose centre lies below, or above if it converges. The ray through the third
 // vertex is at a right angle to it. Where there is no such circle, or no edge, nothing arrives.
-template <class Lanes>
+template <bool kOffsets = false, class Lanes>
 GT_INLINE Arrivals<Lanes> across(const Edges<Lanes>& it) {
   const Lanes zero = Lanes::zeros(), half = Lanes::spread(0.5);
   const Lanes per_edge = Lanes::spread(1.0) / it.edge, x = half * it.twice_along() * per_edge;
   const Lanes square = it.to_a * it.to_a - x * x, y = root(choose(square, zero, zero, square));
   const Lanes ahead = it.distance_a - it.distance_b, mean = half * (it.distance_a + it.distance_b);
-  const Lanes radius = radius_on(it, mean), radius_a = radius + half * ahead;
+  const Lanes radius = radius_on<kOffsets>(it, mean), radius_a = radius + half * ahead;
   const Lanes centre_x = half * it.edge + radius * (ahead * per_edge), aside = x - centre_x;
   // Over the centre, in the direction of the front.
   const Lanes rise = signed_by(radius, y) + root(radius_a * radius_a - centre_x * centre_x);

@@ -83,8 +83,9 @@ struct Improvement {
 // them.
 enum class Extent { kWhole, kNear, kLimited };
 
-// Sweeps of one set of sources after the other, or one in which fronts are limited.
-template <Extent kExtent>
+// Sweeps of one set of sources after the other, or one in which fronts are limited; of sources with
+// or without offsets.
+template <Extent kExtent, bool kOffsets>
 class Sweep {
   static constexpr bool kNear = kExtent == Extent::kNear, kLimited = kExtent == Extent::kLimited;
 
@@ -357,10 +358,10 @@ class Sweep {
     const Vertex &a = vertices_[fan.neighbour[i]], &b = vertices_[fan.neighbour[j]];
     const double edge = -fan.edge[i];
     if (!(a.front.distance + b.front.distance <= edge * kOnEdgeRatio)) return;
-    const auto arrivals =
-        across<Lane>({Lane::spread(a.front.distance), Lane::spread(b.front.distance),
-                      Lane::spread(a.front.radius), Lane::spread(b.front.radius),
-                      Lane::spread(edge), Lane::spread(fan.to[i]), Lane::spread(fan.to[j])});
+    const auto arrivals = across<kOffsets>(
+        Edges<Lane>{Lane::spread(a.front.distance), Lane::spread(b.front.distance),
+                    Lane::spread(a.front.radius), Lane::spread(b.front.radius), Lane::spread(edge),
+                    Lane::spread(fan.to[i]), Lane::spread(fan.to[j])});
     if (!(arrivals.distance[0] < opposite.front.distance)) return;
     const double bend = (opposite.curvature + a.curvature + b.curvature) / 3;
     touch(v);
@@ -405,7 +406,7 @@ class Sweep {
 
   // Store the update of vertex v from a fan in `found`, if it is smaller.
   GT_INLINE void update_from(const Ring& ring, Row v, Front& found) const {
-    const Arrivals<Lanes> arrivals = across(ring.rim());
+    const Arrivals<Lanes> arrivals = across<kOffsets>(ring.rim());
     const Lanes to = Lanes::load(ring.fan->to), by_edge = ring.distance + to;
     const double best = choose(arrivals.distance, by_edge, arrivals.distance, by_edge).least();
     if (!(best < found.distance)) return;
@@ -486,10 +487,10 @@ class Sweep {
   Index mark_across_edge(const Fan& fan, int spoke, int other, int edge, const Front& front) {
     using Lane = Pack<2>;  // twice the same: there is no register of one number
     const Vertex &near = vertices_[fan.neighbour[spoke]], &far = vertices_[fan.neighbour[other]];
-    const auto arrivals = across<Lane>(
-        {Lane::spread(front.distance), Lane::spread(far.front.distance), Lane::spread(front.radius),
-         Lane::spread(far.front.radius), Lane::spread(fan.to[other]), Lane::spread(fan.to[spoke]),
-         Lane::spread(fan.edge[edge])});
+    const auto arrivals = across<kOffsets>(Edges<Lane>{
+        Lane::spread(front.distance), Lane::spread(far.front.distance), Lane::spread(front.radius),
+        Lane::spread(far.front.radius), Lane::spread(fan.to[other]), Lane::spread(fan.to[spoke]),
+        Lane::spread(fan.edge[edge])});
     if (!(arrivals.distance[0] < near.front.distance - tolerance_)) return n_vertices();
     return mark_all(fan, 1u << spoke);
   }
@@ -570,6 +571,33 @@ Array<T> copied(std::span<const T> values) {
   return result;
 }
 
+// Sweeps of some sets, whose distances and curvatures are written.
+template <bool kOffsets>
+void sweep_sets(Sweep<Extent::kWhole, kOffsets> sweep, const HeatTable& heat,
+                const Sources& sources, const Effort& effort, std::span<double> distances,
+                std::span<double> kappas, Index begin, Index end) {
+  const Index n = count(sweep.vertices());
+  const Array<Row> orders = falling(heat, begin, end);
+  for (Index k = begin; k < end; ++k) {
+    const Row* const order = orders.data() + (k - begin) * n;
+    sweep.begin({order, static_cast<std::size_t>(n)}, heat, sources, k);
+    sweep.finish(heat, k, effort);
+    const std::span<const Vertex> vertices = sweep.vertices();
+    for (Index v = 0; v < n; ++v) distances[k * n + v] = vertices[v].front.distance;
+    if (kappas.empty()) continue;
+    for (Index v = 0; v < n; ++v) kappas[k * n + v] = 1 / vertices[v].front.radius;
+  }
+}
+
+template <bool kOffsets>
+void sweep_one(Sweep<Extent::kLimited, kOffsets> sweep, const Sources& sources,
+               std::span<const double> latest, Index most_visits, std::span<double> distances) {
+  sweep.begin_limited(sources, 0, latest);
+  sweep.run_limited(most_visits);
+  const std::span<const Vertex> vertices = sweep.vertices();
+  for (Index v = 0; v < count(vertices); ++v) distances[v] = vertices[v].front.distance;
+}
+
 }  // namespace
 
 Sweeper::Sweeper(const Corners& corners, std::span<const double> curvature,
@@ -578,19 +606,15 @@ Sweeper::Sweeper(const Corners& corners, std::span<const double> curvature,
 
 void Sweeper::sweep(const HeatTable& heat, const Sources& sources, const Effort& effort,
                     std::span<double> distances, std::span<double> kappas, int n_threads) const {
-  const Index n = n_vertices(), n_sets = heat.n_columns;
+  const Index n_sets = heat.n_columns;
   in_pieces(n_sets, (n_sets + n_threads - 1) / n_threads, n_threads, [&](Index begin, Index end) {
-    Sweep<Extent::kWhole> sweep(fans_, curvature_, reflex_);
-    const Array<Row> orders = falling(heat, begin, end);
-    for (Index k = begin; k < end; ++k) {
-      const Row* const order = orders.data() + (k - begin) * n;
-      sweep.begin({order, static_cast<std::size_t>(n)}, heat, sources, k);
-      sweep.finish(heat, k, effort);
-      const std::span<const Vertex> vertices = sweep.vertices();
-      for (Index v = 0; v < n; ++v) distances[k * n + v] = vertices[v].front.distance;
-      if (kappas.empty()) continue;
-      for (Index v = 0; v < n; ++v) kappas[k * n + v] = 1 / vertices[v].front.radius;
-    }
+    const auto fill = [&](auto sweep) {
+      sweep_sets(std::move(sweep), heat, sources, effort, distances, kappas, begin, end);
+    };
+    if (sources.have_offsets)
+      fill(Sweep<Extent::kWhole, true>(fans_, curvature_, reflex_));
+    else
+      fill(Sweep<Extent::kWhole, false>(fans_, curvature_, reflex_));
   });
 }
 
@@ -600,25 +624,31 @@ NearRows Sweeper::sweep_near(const HeatTable& heat, const Sources& sources, cons
   std::vector<NearPiece> pieces(static_cast<std::size_t>((n_sets + size - 1) / size));
   in_pieces(n_sets, size, n_threads, [&](Index begin, Index end) {
     NearPiece& piece = pieces[static_cast<std::size_t>(begin / size)];
-    Sweep<Extent::kNear> sweep(fans_, curvature_, reflex_);
     FallingKeys keys(heat, begin, end);
-    for (Index k = begin; k < end; ++k) {
-      sweep.begin_near(keys, k - begin, sources, k, limits[static_cast<std::size_t>(k)]);
-      sweep.finish(heat, k, effort);
-      sweep.for_each_near([&](Row v, double distance) { piece.add(v, distance); });
-      piece.end_row();
-    }
+    const auto find = [&](auto sweep) {
+      for (Index k = begin; k < end; ++k) {
+        sweep.begin_near(keys, k - begin, sources, k, limits[static_cast<std::size_t>(k)]);
+        sweep.finish(heat, k, effort);
+        sweep.for_each_near([&](Row v, double distance) { piece.add(v, distance); });
+        piece.end_row();
+      }
+    };
+    if (sources.have_offsets)
+      find(Sweep<Extent::kNear, true>(fans_, curvature_, reflex_));
+    else
+      find(Sweep<Extent::kNear, false>(fans_, curvature_, reflex_));
   });
   return together(pieces);
 }
 
 void Sweeper::sweep_limited(const Sources& sources, std::span<const double> latest,
                             Index most_visits, std::span<double> distances) const {
-  Sweep<Extent::kLimited> sweep(fans_, curvature_, reflex_);
-  sweep.begin_limited(sources, 0, latest);
-  sweep.run_limited(most_visits);
-  const std::span<const Vertex> vertices = sweep.vertices();
-  for (Index v = 0; v < n_vertices(); ++v) distances[v] = vertices[v].front.distance;
+  if (sources.have_offsets)
+    sweep_one(Sweep<Extent::kLimited, true>(fans_, curvature_, reflex_), sources, latest,
+              most_visits, distances);
+  else
+    sweep_one(Sweep<Extent::kLimited, false>(fans_, curvature_, reflex_), sources, latest,
+              most_visits, distances);
 }
 
 }  // namespace geodesic

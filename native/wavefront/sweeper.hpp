@@ -14,10 +14,12 @@ namespace geodesic {
 
 // Vertices at and around the sources of each set, [begins[k], begins[k + 1]); their distances,
 // which are taken as exact, and the geodesic curvature of the front there. Of each set also the
-// improvement below which a vertex is left as it is.
+// improvement below which a vertex is left as it is, and of all whether distances begin at numbers
+// other than zero at some sources.
 struct Sources {
   std::span<const Index> begins, vertices;
   std::span<const double> distances, curvatures, tolerances;
+  bool have_offsets = false;
 };
 
 // How far sweeps go.

@@ -104,6 +104,8 @@ def test_the_path_leads_from_the_nearest_source_and_targets_in_space_are_snapped
     path = gt.geodesic_path(solver_of(grid), [0, 80], [1.0, 0.88, 0.001])
     assert path.length == pytest.approx(0.125)
     np.testing.assert_array_equal(path.points[[0, -1]], grid[[80, 71]])
+    back = gt.geodesic_path(solver_of(grid), [1.0, 0.89, 0.001], 80)  # between 71 and 80
+    assert back.length == pytest.approx(0.125)
 
 
 def test_a_path_serves_as_a_curve_and_carries_values():

@@ -7,6 +7,7 @@ import subprocess
 import sys
 import threading
 import urllib.request
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -14,7 +15,12 @@ from browser import open_browser
 from command_line import fails, run
 
 import geodesic_toolkit as gt
-from geodesic_toolkit.errors import InvalidOptionError, MissingDependencyError
+from geodesic_toolkit.errors import (
+    CoarseMeshWarning,
+    InvalidOptionError,
+    MissingDependencyError,
+    SeamWarning,
+)
 from geodesic_toolkit.testing import shapes
 
 pytest.importorskip("viser", reason="pages to click need the extra view")
@@ -27,6 +33,7 @@ from websockets.sync.client import connect
 from geodesic_toolkit.viz.live.controls import MODES
 from geodesic_toolkit.viz.live.session import Mode
 
+YELLOW = "#fab005"  # as viser's client has it
 AT_THE_ANTIPODE = 0.04  # an edge: linear in a face, a distance is cut off at the farthest point
 
 
@@ -105,6 +112,30 @@ def click_until(page, place, condition, **options):
 
 def shows(text):
     return f"document.body.innerText.includes({text!r})"
+
+
+def count_of(text):
+    return f"document.body.innerText.split({text!r}).length - 1"
+
+
+def notice_colour(page, title):
+    """The colour of the notice with a title."""
+    return page.evaluate(
+        "getComputedStyle([...document.querySelectorAll('.mantine-Notification-root')].find("
+        f"notice => notice.innerText.includes({title!r}))).getPropertyValue('--notification-color')"
+    )
+
+
+@pytest.fixture
+def seamed():
+    """A square that is cut along its middle: vertices repeat there."""
+    square = shapes.grid(12)
+    is_left = square.vertices[square.faces].mean(axis=1)[:, 0] < 0.5
+    halves = []
+    for faces in (square.faces[is_left], square.faces[~is_left]):
+        used, own = np.unique(faces, return_inverse=True)
+        halves.append(gt.TriangleMesh(square.vertices[used], own.reshape(faces.shape)))
+    return shapes.disjoint_union(*halves)
 
 
 @pytest.mark.slow
@@ -250,6 +281,88 @@ def test_points_and_edges_have_a_page_too_and_are_hidden_with_their_part(open_pa
         view._controls._parts[0].value = False
         page.wait_for(f"!{drawn}['/edges'] && !!{drawn}['/shape']")
         assert page.complaints == []
+
+
+# -- warnings and masks --------------------------------------------------------------------------
+
+
+@pytest.mark.slow
+def test_a_warning_of_another_method_is_on_the_page_once_and_is_not_red(open_page, recwarn):
+    with gt.viz.view(shapes.icosphere(1), browser=False, block=False) as view:
+        page = open_page(view)
+        assert not page.evaluate(shows("Warnings"))
+        view._controls._time.value = 2.0
+        view._controls._refine.value = False
+        view._controls._time.value = 1.7
+        page.wait_for(f"{count_of('CoarseMeshWarning')} == 2")  # the notice, and the list
+        ((kind, text),) = view._controls.warnings.values()
+        assert kind == CoarseMeshWarning.__name__
+        page.wait_for(shows(text))
+        assert notice_colour(page, "CoarseMeshWarning") == YELLOW
+        assert page.complaints == []
+    assert list(recwarn) == []  # not on stderr as well
+
+
+@pytest.mark.slow
+def test_a_warning_of_the_beginning_reaches_the_caller_and_every_page(open_page, seamed):
+    with pytest.warns(SeamWarning) as issued:
+        view = gt.viz.view(seamed, browser=False, block=False)
+    assert [Path(one.filename).name for one in issued] == [Path(__file__).name]
+    with view:
+        for _ in range(2):  # also a page that is opened again
+            page = open_page(view)
+            page.wait_for(f"{count_of('SeamWarning')} == 1")
+            assert page.evaluate(shows(str(issued[0].message)))
+        x, y = middle(page)
+        for place in ((x - 60, y), (x + 60, y)):  # both sides, with other numbers in the message
+            before = page.evaluate("gtSurface.updates")
+            click_until(page, place, f"gtSurface.updates > {before}")
+        assert page.evaluate(count_of("SeamWarning")) == 1
+        assert len(view._controls.warnings) == 1
+        view.warn("a polygon was split", "ReadWarning")
+        view.warn("a polygon was split", "ReadWarning")
+        page.wait_for(f"{count_of('a polygon was split')} == 2")
+
+
+def test_a_warning_that_is_an_error_leaves_no_server(seamed):
+    threads = set(threading.enumerate())
+    with pytest.raises(SeamWarning):  # the tests turn warnings into errors
+        gt.viz.view(seamed, browser=False, block=False)
+    assert set(threading.enumerate()) == threads
+
+
+@pytest.mark.slow
+def test_a_click_on_masked_vertices_is_answered_by_a_notice(open_page, sphere):
+    front = sphere.vertices[:, 2] > 0.5
+    with gt.viz.view(sphere, mask=front, browser=False, block=False) as view:
+        page = open_page(view)
+        page.wait_for(shows(f"{front.sum()} vertices"))
+        (client,) = view._server.get_clients().values()
+        if client.camera.position[2] < 0:
+            look_from_behind(view, page)
+        top = on_page(view, page, view.session.scene.points[front].mean(axis=0))
+        click_until(page, top, shows("InvalidSourceError"))
+        assert page.evaluate(shows("click where the shape has a distance"))
+        assert notice_colour(page, "InvalidSourceError") == YELLOW
+        assert len(view.session.sources[0].vertices) == 1
+        assert page.complaints == []
+
+
+@pytest.mark.slow
+def test_a_narrow_page_shows_all_of_the_shape(open_page, browser, view):
+    size = {"width": 400, "height": 800, "deviceScaleFactor": 1, "mobile": False}
+    browser.call("Emulation.setDeviceMetricsOverride", **size)
+    try:
+        page = open_page(view)
+        page.wait_for("window.__viserMutable.camera.fov > 40")
+        (client,) = view._server.get_clients().values()
+        while client.camera.fov < np.radians(40):
+            page.wait_for("true")
+        places = np.array([on_page(view, page, one) for one in view.session.scene.points[::50]])
+        assert places.min() > 0
+        assert (places.max(axis=0) < [400, 800]).all()
+    finally:
+        browser.call("Emulation.clearDeviceMetricsOverride")
 
 
 # -- the server ----------------------------------------------------------------------------------
@@ -402,7 +515,53 @@ def test_ctrl_c_right_after_the_address_ends_the_page_too(sphere_file, monkeypat
     assert (result.exit_code, result.stderr) == (0, "")
 
 
+@pytest.fixture
+def opened(monkeypatch):
+    """The pages that commands open, which end at once."""
+    pages = []
+
+    def wait(page):
+        pages.append(page)
+
+    monkeypatch.setattr("geodesic_toolkit.viz.live.view.View.wait", wait)
+    return pages
+
+
+def test_the_command_takes_masks_costs_and_the_method_as_distance_does(
+    sphere_file, tmp_path, opened
+):
+    mesh = gt.read(sphere_file)
+    mask, cost = tmp_path / "mask.npy", tmp_path / "cost.npy"
+    masked = mesh.vertices[:, 2] > 0.5
+    np.save(mask, masked)
+    np.save(cost, np.full(mesh.n_vertices, 2.0))
+    options = ["--mask", mask, "--cost", cost, "--no-refine", "--time-factor", 2]
+    result = run("view", sphere_file, "--no-open", "--json", *options)
+    assert result.exit_code == 0, result.output
+    found = json.loads(result.stdout)
+    assert (found["mask"], found["cost"]) == (str(mask), str(cost))
+    (page,) = opened
+    shape = gt.MetricMesh(mesh, cost=np.full(mesh.n_vertices, 2.0))
+    solver = gt.GeodesicSolver(shape, mask=masked, refine=False, time_factor=2.0)
+    source = page.session.sources[0].vertices[0]
+    np.testing.assert_array_equal(page.session.distances, solver.distance(int(source)))
+    assert [f"{text} [{kind}]" for kind, text in page._controls.warnings.values()] == (
+        found["warnings"]
+    )
+
+
+def test_what_reading_warned_of_is_on_the_page_of_the_command(tmp_path, opened):
+    file = tmp_path / "square.off"
+    file.write_text("OFF\n4 1 0\n0 0 0\n1 0 0\n1 1 0\n0 1 0\n4 0 1 2 3\n")
+    result = run("view", file, "--no-open", "--json", "--operator", "cotan")
+    (warning,) = json.loads(result.stdout)["warnings"]
+    assert "ReadWarning" in warning
+    (page,) = opened
+    assert [text for _, text in page._controls.warnings.values()] == [warning]
+
+
 def test_the_command_refuses_a_graph_and_a_wrong_source(sphere_file, graph_file):
     fails(run("view", graph_file, "--no-open"), 3, "no positions")
     fails(run("view", sphere_file, "--no-open", "--source", "x"), 2, "--source x")
     fails(run("view", sphere_file, "--no-open", "--cmap", "virids"), 2, "viridis")
+    fails(run("view", sphere_file, "--no-open", "--time-factor", "-1"), 2, "--time-factor")

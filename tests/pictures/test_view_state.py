@@ -1,6 +1,7 @@
 """Does a page to click follow clicks? Its state, without a browser."""
 
 import json
+import re
 
 import numpy as np
 import pytest
@@ -9,6 +10,7 @@ from solids import Solid, SolidLaplacian, cube
 import geodesic_toolkit as gt
 from geodesic_toolkit.errors import (
     InvalidOptionError,
+    InvalidSourceError,
     UnreachableError,
     UnsupportedDomainError,
 )
@@ -16,6 +18,7 @@ from geodesic_toolkit.testing import shapes
 from geodesic_toolkit.viz.live.coding import HIDDEN, LARGEST_CODE, NO_VALUE, coded
 from geodesic_toolkit.viz.live.marks import balls, tube
 from geodesic_toolkit.viz.live.picking import Picker
+from geodesic_toolkit.viz.live.readout import in_digits, legend, warnings_as_html
 from geodesic_toolkit.viz.live.session import MOST_PARTS, MOST_SOLVERS, Mode, Session
 from geodesic_toolkit.viz.scene import make_scene
 
@@ -189,7 +192,132 @@ def test_a_place_that_no_source_reaches_is_infinitely_far(pair):
     assert session.measured[1] == np.inf
 
 
+def test_a_click_between_the_points_of_a_grid_meets_the_nearest_front_point():
+    side = np.arange(6.0)
+    places = np.stack(np.meshgrid(side, side, [0.0, 1.0], indexing="ij"), axis=-1).reshape(-1, 3)
+    apart = np.abs(places[:, None] - places).sum(axis=2)
+    session = Session(gt.Graph(72, np.argwhere(np.triu(apart == 1))), positions=places)
+    above = (np.array([2.5, 2.5, 9.0]) - session.scene.centre) / session.scene.radius
+    place = session.pick(above, [0.0, 0.0, -1.0])
+    assert places[place.vertices[0], 2] == 1.0
+    assert np.abs(places[place.vertices[0], :2] - 2.5).max() == 0.5
+    outside = (np.array([8.0, 2.5, 9.0]) - session.scene.centre) / session.scene.radius
+    assert session.pick(outside, [0.0, 0.0, -1.0]) is None
+
+
+# -- masks and costs -----------------------------------------------------------------------------
+
+
+@pytest.fixture(scope="module")
+def masked_cap(sphere):
+    return sphere.vertices[:, 2] > 0.8
+
+
+def test_masked_vertices_have_no_value_and_are_not_a_part(sphere, masked_cap):
+    session = Session(sphere, mask=masked_cap)
+    expected = gt.GeodesicSolver(sphere, mask=masked_cap).distance(
+        int(np.flatnonzero(~masked_cap)[0])
+    )
+    np.testing.assert_array_equal(session.distances, expected)
+    assert session.sizes == [np.count_nonzero(~masked_cap)]
+    assert (session.parts[masked_cap] == -1).all()
+    assert session.n_unreached == 0
+    assert np.isfinite(session.limits).all()
+    codes = numbers(coded(session.distances, session.limits))
+    np.testing.assert_array_equal(codes == NO_VALUE, masked_cap)
+    assert f"<b>{masked_cap.sum()} vertices</b>" in legend(session, np.zeros((64, 3)), unit="")
+
+
+@pytest.mark.parametrize("mode", [Mode.SOURCE, Mode.PATH])
+@pytest.mark.parametrize("add", [False, True])
+def test_a_click_on_masked_vertices_is_refused_and_changes_nothing(sphere, masked_cap, mode, add):
+    session = Session(sphere, mask=masked_cap)
+    session.set_mode(mode)
+    before = session.sources
+    with pytest.raises(InvalidSourceError, match=r"vertex \d+ is masked.*click where"):
+        session.click(seen_from(session, [0.01, 0.02, 1.0]), add=add)
+    assert session.sources is before
+    session.click(seen_from(session, [0.01, 0.02, -1.0]), add=add)
+    assert len(session.sources) == 1 + add
+
+
+def test_a_path_does_not_end_on_masked_vertices_and_goes_around_them(sphere):
+    ring = (np.abs(sphere.vertices[:, 0]) < 0.1) & (sphere.vertices[:, 2] < 0.5)
+    session = Session(sphere, mask=ring)
+    session.set_mode(Mode.PATH)
+    session.click(seen_from(session, [-0.3, 0, -1.0]))
+    with pytest.raises(InvalidSourceError):
+        session.click(seen_from(session, [0, 0.01, -1.0]))
+    assert session.waits_for_target
+    session.click(seen_from(session, [0.3, 0, -1.0]))
+    assert session.path.length > np.pi
+
+
+def test_the_distance_of_masked_vertices_is_infinite(sphere, masked_cap):
+    session = Session(sphere, mask=masked_cap)
+    session.set_mode(Mode.MEASURE)
+    session.click(seen_from(session, [0.01, 0.02, 1.0]))
+    assert session.measured[1] == np.inf
+
+
+def test_points_of_a_cloud_are_masked_with_those_at_the_same_position(sphere, masked_cap):
+    cloud = gt.PointCloud(np.vstack([sphere.vertices, sphere.vertices[:1]]))
+    mask = np.append(np.zeros(sphere.n_vertices, dtype=bool), True)
+    session = Session(cloud, mask=mask)
+    assert np.flatnonzero(session.masked).tolist() == [0, sphere.n_vertices]
+    assert session.shown.all()
+    mask[:] = True  # the session has its own
+    session.set_method(refine=False, time_factor=1.0)
+    assert np.isfinite(session.distances).sum() == sphere.n_vertices - 1
+
+
+def test_a_mask_that_does_not_fit_is_refused(sphere):
+    with pytest.raises(InvalidOptionError, match="mask"):
+        Session(sphere, mask=[True, False])
+
+
+def test_costs_make_distances_and_paths_longer(sphere):
+    session = Session(gt.MetricMesh(sphere, cost=np.full(sphere.n_vertices, 3.0)))
+    session.set_mode(Mode.PATH)
+    session.click(seen_from(session, [1, 0, 0.001]))
+    assert session.largest == pytest.approx(3 * np.pi, rel=REFINED)
+    session.click(seen_from(session, [0.001, 1, 0]))
+    assert session.path.length == pytest.approx(3 * np.pi / 2, rel=0.1)  # it follows edges
+
+
 # -- options -------------------------------------------------------------------------------------
+
+
+def test_the_method_at_the_beginning_may_be_chosen(sphere):
+    session = Session(sphere, refine=False, time_factor=3.0)
+    assert not session.refined
+    expected = gt.GeodesicSolver(sphere, refine=False, time_factor=3.0).distance(0)
+    np.testing.assert_array_equal(session.distances, expected)
+    session.set_method(refine=True, time_factor=3.0)
+    assert session.refined
+    with pytest.raises(InvalidOptionError):
+        Session(sphere, time_factor=-1.0)
+
+
+def test_fronts_across_a_graph_are_refined_at_any_time_step():
+    places = shapes.grid(8).vertices
+    edges = np.argwhere(np.triu(np.linalg.norm(places[:, None] - places, axis=2) < 0.15, 1))
+    graph = gt.Graph(64, edges)
+    session = Session(graph, positions=places)
+    fronts = session.distances
+    assert session.refined
+    session.set_method(refine=True, time_factor=4.0)
+    np.testing.assert_array_equal(session.distances, fronts)
+    session.set_method(refine=False, time_factor=4.0)
+    expected = gt.GeodesicSolver(graph, refine=False, time_factor=4.0).distance(0)
+    np.testing.assert_array_equal(session.distances, expected)
+
+
+def test_another_mode_is_refused_and_a_known_one_may_be_a_string(session):
+    session.set_mode("measure")
+    assert session.mode is Mode.MEASURE
+    with pytest.raises(InvalidOptionError, match='"source", "path" or "measure"'):
+        session.set_mode("look")
 
 
 def test_plain_heat_and_another_time_step_are_a_solver_of_their_own(sphere, session):
@@ -333,6 +461,33 @@ def test_the_saved_file_has_the_distances_and_the_name(session, sphere, tmp_path
 
 
 # -- what goes to the page -----------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("size", [1e-7, 1e-3, 1.0, 1234.5, 1e5, 3.3e6, 1e9])
+def test_numbers_under_the_colour_bar_do_not_overlap(size):
+    session = Session(gt.TriangleMesh(size * shapes.grid(6).vertices, shapes.grid(6).faces))
+    shown = re.findall(
+        r"left:([0-9.]+)%[^>]*>([^<]+)<", legend(session, np.zeros((64, 3)), unit="")
+    )
+    places = [float(place) for place, _ in shown]
+    assert len(shown) >= 2
+    for place, (left, text), (right, after) in zip(
+        np.diff(places), shown[:-1], shown[1:], strict=True
+    ):
+        assert float(left) < float(right)
+        assert 0.38 * place > (len(text) + len(after)) / 2  # characters of 1/38 of the bar
+
+
+def test_numbers_are_written_in_full_where_that_is_short():
+    assert in_digits(200_000.0, 4) == "200000"
+    assert in_digits(31.25512, 4) == "31.26"
+    assert in_digits(2e8, 4) == "2e+08"
+
+
+def test_a_warning_is_shown_as_text():
+    shown = warnings_as_html([("SeamWarning", "a < b")])
+    assert "SeamWarning" in shown
+    assert "a &lt; b" in shown
 
 
 def numbers(codes):

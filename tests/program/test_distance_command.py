@@ -440,6 +440,8 @@ def test_a_source_that_is_connected_to_nothing_is_warned_of(tmp_path):
     report = json.loads(result.stdout)
     assert (report["reached"], report["unreachable"]) == (1, 3)
     assert "connected to no other vertex" in report["warnings"][0]
+    every = [word for vertex in range(4) for word in ("--source", vertex)]
+    assert json.loads(run("distance", path, *every, "--json").stdout)["warnings"] == []
     assert result.stderr.startswith("warning: ")
 
 

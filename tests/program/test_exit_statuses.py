@@ -29,9 +29,16 @@ def test_vertices_and_points_do_not_mix(sphere_file):
     fails(run("distance", sphere_file, "--source", 1, "--source", "0,0,1"), 2, "all of one kind")
 
 
-@pytest.mark.parametrize("vertex", [162, -1, 10**30])
+@pytest.mark.parametrize("vertex", [162, -1, 2**63, 10**30])
 def test_a_source_out_of_range_is_wrong_usage(sphere_file, vertex):
-    fails(run("distance", sphere_file, "--source", vertex), 2, "error: sources")
+    fails(run("distance", sphere_file, "--source", vertex), 2, f"vertex {vertex} does not exist")
+
+
+def test_a_name_that_is_too_long_is_wrong_usage(sphere_file):
+    name = 300 * "y"
+    fails(run("distance", name, "--source", 0), 2, "does not exist")
+    fails(run("distance", sphere_file, "--source", name), 2, "neither a vertex index")
+    fails(run("distance", sphere_file, "--source", 0, "--mask", f"{name}:wall"), 2, "not exist")
 
 
 def test_a_point_on_a_graph_is_wrong_usage(graph_file):

@@ -3,7 +3,7 @@
 import json
 
 import pytest
-from command_line import fails, run
+from command_line import fails, run, run_process
 
 from geodesic_toolkit import errors
 
@@ -34,3 +34,9 @@ def test_the_name_at_the_end_of_a_message_can_be_explained():
 def test_json_has_the_same_text():
     content = json.loads(run("explain", "ReadError", "--json").stdout)
     assert content["messages"] == {"ReadError": run("explain", "ReadError").stdout.rstrip("\n")}
+
+
+def test_texts_that_python_has_dropped_are_not_replaced_by_others():
+    done = run_process("explain", "InvalidSourceError", PYTHONOPTIMIZE="2")
+    assert (done.returncode, done.stdout) == (2, "")
+    assert "-OO" in done.stderr

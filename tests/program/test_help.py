@@ -36,6 +36,7 @@ def files(tmp_path, monkeypatch):
     np.savetxt("trees.csv", ball.vertices[:9], delimiter=",")
     torus = gt.testing.shapes.torus(24, 12)
     gt.write("torus.ply", torus, np.zeros(torus.n_vertices))
+    gt.write("ring.ply", torus, np.zeros(torus.n_vertices))
     turn = np.linspace(0, 2 * np.pi, 60, endpoint=False)
     circle = 0.06 * np.column_stack([np.cos(turn), np.sin(turn), np.full(60, 4 / 3)])
     lines = [f"v {x} {y} {z}" for x, y, z in circle.tolist()]
@@ -86,7 +87,14 @@ def test_a_quiet_command_still_reports_its_error(files):
     assert "error: " in failed.stderr
 
 
-@pytest.mark.parametrize(("words", "found"), [("dist", "distance"), ("distance --so", "--source")])
+@pytest.mark.parametrize(
+    ("words", "found"),
+    [
+        ("dist", "distance"),
+        ("distance --so", "--source"),
+        ("signed bunny.off scan.ply --cur", "--curve"),
+    ],
+)
 def test_a_shell_completes_commands_and_options(words, found):
     done = run_process(
         _GEODESIC_TOOLKIT_COMPLETE="complete_bash",

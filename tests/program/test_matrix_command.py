@@ -22,8 +22,7 @@ from geodesic_toolkit import errors
 from geodesic_toolkit.analysis.matrix import matrix as matrix_module
 from geodesic_toolkit.analysis.matrix import stores
 from geodesic_toolkit.cli import interrupts
-from geodesic_toolkit.cli.matrix import Result, _children_that_ignore_interrupts, _processes
-from geodesic_toolkit.cli.welding import Welded
+from geodesic_toolkit.cli.matrix import _children_that_ignore_interrupts, _processes
 from geodesic_toolkit.io import read_vertices
 from geodesic_toolkit.testing import shapes
 
@@ -314,14 +313,11 @@ def test_a_worker_that_dies_is_a_failure_that_says_so(sphere_file, tmp_path, mon
     fails(result, 4, "ended abruptly")
 
 
-def test_a_result_names_at_most_some_of_its_sources(solver):
-    class Finished:
-        warnings: tuple = ()
-        took = "0 s"
-
-    shape = Welded(solver.domain, solver.domain)
-    made = Result("in", shape, solver, np.arange(8), "out", np.zeros((8, 162)), Finished())
-    assert "vertices 0, 1, 2, 3, 4, 5, 6, 7\n" in str(made)
+def test_a_result_names_at_most_some_of_its_sources(sphere_file, tmp_path):
+    for count, text in ((8, "vertices 0, 1, 2, 3, 4, 5, 6, 7\n"), (9, "7 and 1 more (--json")):
+        np.save(tmp_path / "rows.npy", np.arange(count))
+        options = ("--output", tmp_path / "D.npy", "--sources", tmp_path / "rows.npy", "--restart")
+        assert text in run(sphere_file, *options).stdout
 
 
 # -- the file of vertices --------------------------------------------------------------------------

@@ -33,8 +33,8 @@ class Clock:
         self.now += seconds
         return False
 
-    def progress(self):
-        return progress.Progress(now=lambda: self.now, wait=self.wait)
+    def progress(self, about=""):
+        return progress.Progress(about, now=lambda: self.now, wait=self.wait)
 
 
 def pieces_of(terminal):
@@ -52,6 +52,14 @@ def test_progress_off_a_terminal_is_a_plain_line_now_and_then(capsys):
         f"still working: thinking ({seconds} s)" for seconds in (5, 15, 35)
     ]
     assert shown.timings == {"thinking": 35.0}
+
+
+def test_progress_names_what_it_is_about(capsys):
+    clock = Clock()
+    with clock.progress("a.ply: ") as shown, shown.step("thinking"):
+        assert shown._bar == "a.ply: thinking (0 s)"
+        clock.run(1)
+    assert capsys.readouterr().err == "a.ply: still working: thinking (5 s)\n"
 
 
 def test_quick_work_shows_no_progress(capsys):

@@ -58,7 +58,7 @@ BAD = {
     "source a dictionary": ((V, F), {0: 1}, {}, InvalidSourceError, "must be vertex indices"),
     "source a set": ((V, F), {0, 1}, {}, InvalidSourceError, "must be vertex indices"),
     "source complex": ((V, F), 1 + 0j, {}, InvalidSourceError, "must be vertex indices"),
-    "source 2**70": ((V, F), 2**70, {}, InvalidSourceError, "must be vertex indices"),
+    "source 2**70": ((V, F), 2**70, {}, InvalidSourceError, "does not exist"),
     "source 2**64 - 1": ((V, F), np.uint64(2**64 - 1), {}, InvalidSourceError, "does not exist"),
     "sources with None": ((V, F), [0, None], {}, InvalidSourceError, "must be vertex indices"),
     "a table of sources": ((V, F), [[0, 1], [2, 3]], {}, InvalidSourceError, "one-dimensional"),

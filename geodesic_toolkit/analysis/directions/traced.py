@@ -73,7 +73,7 @@ class Traced:
     frames: Frames
 
 
-def trace(solver: GeodesicSolver, points: SourcePoints, *, unfold: bool = True) -> Traced:
+def trace(solver: GeodesicSolver, points: SourcePoints) -> Traced:
     """Return refined distances from sources, with the geodesics.
 
     Parameters
@@ -82,8 +82,6 @@ def trace(solver: GeodesicSolver, points: SourcePoints, *, unfold: bool = True) 
         Of a mesh or a cloud; its heat gives the order of the sweeps.
     points : SourcePoints
         No curve.
-    unfold : bool
-        As for :func:`surroundings`.
 
     Raises
     ------
@@ -93,7 +91,8 @@ def trace(solver: GeodesicSolver, points: SourcePoints, *, unfold: bool = True) 
     tracer, frames, gradient = solver.tracer, solver.frames, solver.method.metric.on_surface
     assert isinstance(gradient, ElementGradient)  # for the type checker; the tracer has made sure
     assert frames.surface_mirrored is not None
-    sources = surroundings(solver.passable, frames, points, unfold=unfold)
+    sight = solver.method.sweeper.in_sight(points)
+    sources = surroundings(solver.passable, frames, points, sight)
     fronts = solver.method.fronts(points, sources.points)
     points = sources.points
     known = points.distances + points.starts[points.rows]

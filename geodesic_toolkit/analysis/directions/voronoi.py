@@ -118,12 +118,12 @@ def centroidal_voronoi(
     places = _first_sites(solver, sites, mass, rng)
     stepper = Stepper.of(mesh)
     numbers, weights = stepper.inside(places)
-    traced = trace(solver, stepper.points(numbers, weights), unfold=False)
+    traced = trace(solver, stepper.points(numbers, weights))
     energies = [_energy(traced, mass)]
     for step in range(1, steps + 1):
         vectors = _to_centres(traced, mass, len(numbers))
         others = stepper.moved(numbers, weights, vectors)
-        there = trace(solver, stepper.points(*others), unfold=False)
+        there = trace(solver, stepper.points(*others))
         energy = _energy(there, mass)
         if not energy < energies[-1]:
             break

@@ -1,6 +1,6 @@
 """Shortest paths on point clouds: through the triangles of the local Delaunay stars."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -63,7 +63,7 @@ def path_on_cloud(solver: GeodesicSolver, sources: SourcePoints, goal: SourcePoi
     solver : GeodesicSolver
         Of a cloud.
     sources, goal : SourcePoints
-        At vertices; the goal is a single one.
+        A path begins at the point nearest to a source between points. The goal is a single point.
 
     Returns
     -------
@@ -82,6 +82,11 @@ def path_on_cloud(solver: GeodesicSolver, sources: SourcePoints, goal: SourcePoi
     sweeper = WavefrontSweeper(metric)  # it raises if there are no triangles
     if sources.delayed:
         sources = first_to_arrive(sources, refined_distance(solver.method, sweeper, goal))
+    if not sources.are_vertices:
+        sources = replace(
+            SourcePoints.at_vertices(sources.nearest_vertices, sources.n_vertices),
+            starts=sources.starts,
+        )
     if start in sources.vertices:
         return CloudPath(cloud, np.full((1, 3), start), np.array([[1.0, 0.0, 0.0]]))
     path = path_within_reach(solver, sources, goal)

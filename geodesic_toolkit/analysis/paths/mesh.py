@@ -80,7 +80,7 @@ def geodesic_path(
         one with the least offset plus length; its length does not include the offset. Without a
         target, at least two way points in order.
     target : int, array-like of float, or SurfacePoint, optional
-        One point. On a cloud a point in space is snapped to the nearest point.
+        One point. Paths on a cloud begin and end at its points: places are snapped to the nearest.
     via : int, array-like, SurfacePoint or sequence of them, optional
         Places in order between one source and the target, on a mesh.
     through : bool

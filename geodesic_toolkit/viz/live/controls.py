@@ -1,8 +1,10 @@
 """The page: the shape, its marks and its panel, joined to a session."""
 
 import io
+import math
+import re
 import threading
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import replace
 from typing import Any
 
@@ -10,7 +12,14 @@ import numpy as np
 
 from geodesic_toolkit.core.optional import require
 from geodesic_toolkit.core.types import FloatArray, IntArray
-from geodesic_toolkit.errors import GeodesicError, InvalidOptionError, WriteError
+from geodesic_toolkit.core.warning import collected_warnings
+from geodesic_toolkit.errors import (
+    GeodesicError,
+    GeodesicWarning,
+    InvalidOptionError,
+    InvalidSourceError,
+    WriteError,
+)
 from geodesic_toolkit.viz.camera import choose_views
 from geodesic_toolkit.viz.colours import (
     CURVE,
@@ -22,7 +31,7 @@ from geodesic_toolkit.viz.colours import (
 )
 from geodesic_toolkit.viz.live.coding import N_COLOURS, coded, style_rows
 from geodesic_toolkit.viz.live.marks import balls, tube
-from geodesic_toolkit.viz.live.readout import MEASURED, legend
+from geodesic_toolkit.viz.live.readout import MEASURED, legend, warnings_as_html
 from geodesic_toolkit.viz.live.session import MOST_PARTS, Mode, Place, Session
 
 __all__ = ["Controls", "check_look"]
@@ -37,6 +46,7 @@ MOST_MARKS = 200
 """Number of sources that are marked; a label may have thousands."""
 
 COLOUR_MAPS = ("viridis", "plasma", "cividis", "magma", "turbo", "twilight", "brg", "gray")
+SECONDS_OF_NOTICE = 15.0
 SECONDS_OF_PICTURE = 30.0
 """Seconds after which a page that is not on the screen is not waited for."""
 
@@ -79,6 +89,12 @@ class Controls:
         Number of isolines to begin with.
     unit : str
         Unit of the distances.
+
+    Attributes
+    ----------
+    warnings : dict of str to (str, str)
+        Kind and text of the warnings on the page. Those that differ in their numbers alone are one
+        warning, with the text of the last: many depend on the sources.
     """
 
     def __init__(
@@ -87,6 +103,8 @@ class Controls:
         self._server, self._session, self._unit = server, session, unit
         self._lock = threading.RLock()
         self._meshes: dict[str, Any] = {}
+        self.warnings: dict[str, tuple[str, str]] = {}
+        self._list: Any = None
         names = dict.fromkeys([cmap, *COLOUR_MAPS])
         self._maps = {name: colour_table(name, N_COLOURS) for name in names}
         self._solid = session.scene.faces is not None
@@ -117,10 +135,16 @@ class Controls:
         camera.position, camera.look_at = tuple(away * front.toward), (0.0, 0.0, 0.0)
         camera.up, camera.fov = tuple(front.up), float(np.radians(FIELD_OF_VIEW))
         camera.near, camera.far = 0.01, 100.0
+        server.on_client_connect(self._widen)
         if self._solid:
             self._add_surface()
         else:
             self._add_points()
+
+    def _widen(self, client: Any) -> None:
+        """Show all of the shape on a page that is higher than wide: angles of view are vertical."""
+        half = np.tan(np.radians(FIELD_OF_VIEW / 2)) / min(client.camera.aspect, 1.0)
+        client.camera.fov = float(2 * np.arctan(half))
 
     def _add_surface(self) -> None:
         """Add the mesh once, and the hidden clouds from which surface.js takes its values."""
@@ -172,12 +196,13 @@ class Controls:
         self._map = gui.add_dropdown("Colours", tuple(self._maps), initial_value=cmap)
         with gui.add_folder("Method"):
             self._refine = gui.add_checkbox("Refined", self._session.refined)
+            power = math.log10(self._session.time_factor)
             self._time = gui.add_slider(
                 "log10 of time factor",
-                -1.0,
-                2.0,
+                min(-1.0, math.floor(power)),
+                max(2.0, math.ceil(power)),
                 0.1,
-                0.0,
+                power,
                 hint="the time step is 10 to this power, in squared mean edge lengths",
             )
         self._parts = self._add_parts()
@@ -186,8 +211,8 @@ class Controls:
         self._mode.on_update(self._guarded(self._mode_changed))
         for widget in (self._lines, self._map):
             widget.on_update(self._guarded(self._look_changed))
-        for widget in (self._refine, self._time):
-            widget.on_update(self._guarded(self._method_changed))
+        self._refine.on_update(self._guarded(self._refine_changed))
+        self._time.on_update(self._guarded(self._time_changed))
         for box in self._parts:
             box.on_update(self._guarded(self._parts_changed))
         buttons.on_click(self._guarded(self._save))
@@ -205,24 +230,44 @@ class Controls:
     # -- events ------------------------------------------------------------------------------------
 
     def _guarded(self, act: Callable[[Any], None]) -> Callable[[Any], None]:
-        """Return a callback that runs alone, and that shows typed errors on the page."""
+        """Return a callback that runs alone, and shows typed errors and warnings on the page."""
 
         def callback(event: Any) -> None:
             with self._lock:
-                try:
-                    act(event)
-                except GeodesicError as error:
-                    self._report(event, error)
+                with collected_warnings(GeodesicWarning) as collected:
+                    try:
+                        act(event)
+                    except GeodesicError as error:
+                        self._report(event, error)
+                self.warn((text, category.__name__) for text, category in collected)
                 self._server.flush()
 
         return callback
 
     def _report(self, event: Any, error: GeodesicError) -> None:
         clients = self._server.get_clients().values() if event.client is None else [event.client]
+        color = "yellow" if isinstance(error, InvalidSourceError) else "red"  # click elsewhere
         for client in clients:
-            client.add_notification(
-                type(error).__name__, str(error), color="red", auto_close_seconds=15.0
-            )
+            _notify(client, type(error).__name__, str(error), color)
+
+    def warn(self, warnings: Iterable[tuple[str, str]]) -> None:
+        """List warnings, texts and kinds, in the panel; notify open pages of those that are new."""
+        with self._lock:
+            before = dict(self.warnings)
+            for text, kind in warnings:
+                key = f"{kind}: {re.sub(r'[0-9.]+', '#', text)}"
+                if key not in self.warnings:
+                    for client in self._server.get_clients().values():
+                        _notify(client, kind, text, "yellow")
+                self.warnings[key] = kind, text
+            if self.warnings != before:
+                self._list_warnings()
+
+    def _list_warnings(self) -> None:
+        if self._list is None:
+            with self._server.gui.add_folder("Warnings"):
+                self._list = self._server.gui.add_html("")
+        self._list.content = warnings_as_html(self.warnings.values())
 
     def _clicked(self, event: Any) -> None:
         self._guarded(self._click)(event)
@@ -242,8 +287,13 @@ class Controls:
         self._show_look()
         self._show_readout()
 
-    def _method_changed(self, _: Any) -> None:
-        refine, factor = self._refine.value, round(10.0**self._time.value, 3)
+    def _refine_changed(self, _: Any) -> None:
+        self._set_method(self._refine.value, self._session.time_factor)
+
+    def _time_changed(self, _: Any) -> None:
+        self._set_method(self._session.refined, float(f"{10.0**self._time.value:.4g}"))
+
+    def _set_method(self, refine: bool, factor: float) -> None:
         session = self._session
         if (refine, factor) == (session.refined, session.time_factor):
             return  # a slider that moved on while the distances were computed
@@ -337,6 +387,10 @@ class Controls:
             case _:
                 name, content = f"{session.name}.sources.json", session.as_json().encode()
         event.client.send_file_download(name, content, save_immediately=True)
+
+
+def _notify(client: Any, title: str, text: str, color: str) -> None:
+    client.add_notification(title, text, color=color, auto_close_seconds=SECONDS_OF_NOTICE)
 
 
 def _picture(client: Any) -> bytes:

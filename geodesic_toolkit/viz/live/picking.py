@@ -18,6 +18,10 @@ TOLERANCE_OF_POINTS = 0.01
 """Radius around the ray in which points are met, in coordinates where the shape has radius 1; more
 where points are drawn larger."""
 
+SHARE_OF_SPACING = 0.9
+"""Radius, in mean distances of neighbours, in which points are met where none is closer to the ray:
+between the points of a grid, whose middles are 0.71 away in a plane and 0.87 in space."""
+
 
 class Picker:
     """The places of one scene that rays meet, in the scene's coordinates.
@@ -34,7 +38,12 @@ class Picker:
         self._points = scene.points
         self._quick = scene.points.astype(np.float32)
         self._present = scene.present
-        self._radius = max(TOLERANCE_OF_POINTS, 1.5 * scene.ball) if scene.faces is None else 0.0
+        self._radii: tuple[float, ...] = ()
+        if scene.faces is None:
+            self._radii = (
+                max(TOLERANCE_OF_POINTS, 1.5 * scene.ball),
+                SHARE_OF_SPACING * scene.spacing,
+            )
         self._faces = scene.faces
         if scene.faces is not None:
             self._sort_faces(scene.faces)
@@ -83,14 +92,15 @@ class Picker:
     ) -> tuple[IntArray, FloatArray] | None:
         offset = self._points - origin
         depth = offset @ ahead
-        near = np.einsum("nd,nd->n", offset, offset) - depth**2 < self._radius**2
-        near &= (depth > 0) & self._present
+        squared = np.einsum("nd,nd->n", offset, offset) - depth**2
+        ahead_of_it = (depth > 0) & self._present
         if hidden is not None:
-            near &= ~hidden
-        met = np.flatnonzero(near)
-        if len(met) == 0:
-            return None
-        return met[[np.argmin(depth[met])]], np.ones(1)
+            ahead_of_it &= ~hidden
+        for radius in self._radii:
+            met = np.flatnonzero(ahead_of_it & (squared < radius**2))
+            if len(met):
+                return met[[np.argmin(depth[met])]], np.ones(1)
+        return None
 
     def _first_face(
         self, origin: FloatArray, ahead: FloatArray, hidden: BoolArray | None

@@ -5,16 +5,17 @@ import tempfile
 from dataclasses import dataclass
 from enum import StrEnum
 from pathlib import Path
-from typing import Any, Literal
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from geodesic_toolkit.core.types import BoolArray, FloatArray, IntArray
 from geodesic_toolkit.domains import Domain, Located
+from geodesic_toolkit.errors import InvalidOptionError, InvalidSourceError
 from geodesic_toolkit.interop.conversion import as_domain
 from geodesic_toolkit.io import write
-from geodesic_toolkit.solver.solver import GeodesicSolver
+from geodesic_toolkit.solver.solver import GeodesicSolver, Refine
 from geodesic_toolkit.viz.live.picking import Picker
 from geodesic_toolkit.viz.scene import Scene, make_scene
 
@@ -72,8 +73,8 @@ class Session:
     sources : optional
         As :meth:`GeodesicSolver.distance` takes them, except for curves and offsets; by default
         one vertex.
-    operator : LaplaceOperator or str
-        As for :class:`GeodesicSolver`.
+    operator, mask, refine, time_factor : optional
+        As for :class:`GeodesicSolver`; the last two may be changed on the page.
     name : str
         Name of the shape, for files.
     like : path, optional
@@ -88,10 +89,12 @@ class Session:
     largest : float
         The largest distance of a vertex that is reached.
     n_unreached : int
-        The number of vertices that no source reaches.
+        The number of vertices that no source reaches, apart from masked ones.
+    masked : ndarray of shape (N,), bool
+        True at masked vertices; they are shown without a value.
     parts : ndarray of shape (N,), int64
         The part of each vertex: 0 of the largest component, and so on; the last one has the rest.
-        -1 of vertices without a face.
+        -1 of vertices without a face, and of masked ones.
     sizes : list of int
         The number of vertices of each part.
     hidden : frozenset of int
@@ -108,26 +111,36 @@ class Session:
         positions: ArrayLike | None = None,
         sources: Any = None,
         operator: Any = "auto",
+        mask: ArrayLike | None = None,
+        refine: Refine = "auto",
+        time_factor: float = 1.0,
         name: str = "shape",
         like: Path | None = None,
     ) -> None:
         self.domain: Domain = as_domain(shape)
-        self.name, self._like, self._operator = name, like, operator
+        self.name, self._like, self._operator, self._mask = name, like, operator, mask
         nothing = np.full(self.domain.n_vertices, np.nan)
         self.scene: Scene = make_scene(self.domain, nothing, sources=[], positions=positions)
         self._picker = Picker(self.scene)
         self.mode = Mode.SOURCE
-        self.time_factor = 1.0
-        self.refine: bool | Literal["auto"] = "auto"
+        self.time_factor = time_factor
+        self.refine = refine
         self._solvers: dict[tuple[Any, float], GeodesicSolver] = {}
         self.hidden: frozenset[int] = frozenset()
         self.path: Any = None
         self.measured: tuple[Place, float] | None = None
         self._path_begins = False
-        self.parts, self.sizes = _parts(self.solver.method.metric.components, self.scene.present)
-        self._refined_at_first = self.refined
-        first = int(np.flatnonzero(self.scene.present)[0])
-        located = self.solver.locate(first if sources is None else sources)
+        nowhere = np.zeros(self.domain.n_vertices, dtype=np.bool_)
+        first = self.solver
+        self._refined: Refine = "across" if first.method.across else True
+        self.refine = self._refined if self.refined else False  # the choice of "auto"
+        self._solvers = {(self.refine, time_factor): first}
+        self._mask = first.mask  # a copy, with all points at the position of a masked one
+        self.masked: BoolArray = nowhere if self._mask is None else self._mask
+        passable = self.scene.present & ~self.masked
+        self.parts, self.sizes = _parts(first.method.metric.components, passable)
+        default = int(np.flatnonzero(passable)[0])
+        located = first.locate(default if sources is None else sources)
         runs = zip(located.begins[:-1], located.begins[1:], strict=True)
         self._set_sources(tuple(Place(located.vertices[a:b], located.shares[a:b]) for a, b in runs))
 
@@ -139,6 +152,7 @@ class Session:
             made = GeodesicSolver(
                 self.domain,
                 operator=self._operator,
+                mask=self._mask,
                 refine=self.refine,
                 time_factor=self.time_factor,
             )
@@ -149,8 +163,8 @@ class Session:
 
     @property
     def refined(self) -> bool:
-        """True if distances are refined."""
-        return bool(self.solver.method.refine)
+        """True if distances are those of fronts or of paths along edges, False for plain heat."""
+        return bool(self.solver.method.refine or self.solver.method.across)
 
     @property
     def shown(self) -> BoolArray:
@@ -187,8 +201,10 @@ class Session:
         Raises
         ------
         GeodesicError
-            A path to where none leads; the state is that of before.
+            A path to where none leads, or a source that is masked; the state is that of before.
         """
+        if add or self.mode is not Mode.MEASURE:
+            self._check_unmasked(place)
         if add:
             self._set_sources((*self.sources, place))
         elif self.mode is Mode.SOURCE:
@@ -202,6 +218,14 @@ class Session:
             self._set_sources((place,))
             self._path_begins = True
 
+    def _check_unmasked(self, place: Place) -> None:
+        masked = place.vertices[self.masked[place.vertices]]
+        if len(masked):
+            raise InvalidSourceError(
+                f"vertex {masked[0]} is masked, so that no path begins or ends there; click where "
+                "the shape has a distance"
+            )
+
     def _path_to(self, place: Place) -> Any:
         from geodesic_toolkit.analysis.paths.mesh import geodesic_path  # imports much of SciPy
 
@@ -209,9 +233,17 @@ class Session:
             self.solver, self._as_sources(self.sources), self._as_sources((place,))
         )
 
-    def set_mode(self, mode: Mode) -> None:
-        """Change what clicks do; a path begins with the next click."""
-        self.mode, self._path_begins = mode, False
+    def set_mode(self, mode: Mode | str) -> None:
+        """Change what clicks do, to "source", "path" or "measure"; the next click begins a path.
+
+        Raises
+        ------
+        InvalidOptionError
+            Another mode.
+        """
+        if mode not in tuple(Mode):
+            raise InvalidOptionError(f'mode must be "source", "path" or "measure", not {mode!r}')
+        self.mode, self._path_begins = Mode(mode), False
 
     @property
     def waits_for_target(self) -> bool:
@@ -249,13 +281,13 @@ class Session:
     def _set_distances(self, distances: FloatArray) -> None:
         self.distances = distances
         self._reached = np.isfinite(distances) & self.scene.present
-        self.n_unreached = int(self.scene.present.sum() - self._reached.sum())
+        self.n_unreached = int((self.scene.present & ~self.masked).sum() - self._reached.sum())
         self.largest = float(distances.max(where=self._reached, initial=0.0))
 
     # -- options -----------------------------------------------------------------------------------
 
     def set_method(self, *, refine: bool, time_factor: float) -> None:
-        """Compute the distances in another way; the one of the beginning is "auto" again.
+        """Compute the distances in another way.
 
         Raises
         ------
@@ -265,7 +297,7 @@ class Session:
         """
         before = self.refine, self.time_factor
         try:
-            self.refine = "auto" if refine == self._refined_at_first else refine
+            self.refine = self._refined if refine else False
             self.time_factor = time_factor
             self._set_distances(self.solver.distance(self._as_sources(self.sources)))
         except BaseException:

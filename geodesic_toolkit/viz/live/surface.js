@@ -8,40 +8,46 @@
     window.gtSurface = { updates: 0 };
     const SHAPE = '/shape', VALUES = '/values', STYLE = '/style', N_COLOURS = 64;
 
-    const VERTEX_HEAD = `
+    // The material of viser computes lights and shadows of every vertex and pixel; these do not.
+    const VERTEX = `
 attribute vec3 gtCode;
-varying float gtValue;
-varying float gtHidden;
-varying float gtNone;`;
-    const VERTEX_BODY = `
-float gtNumber = dot(floor(gtCode * 255.0 + 0.5), vec3(1.0, 256.0, 65536.0));
-gtHidden = gtNumber > 16777214.0 ? 1.0 : 0.0;
-gtNone = gtNumber > 16777212.0 ? 1.0 : 0.0;
-gtValue = gtNone > 0.5 ? 0.0 : gtNumber / 16777211.0;`;
-    const FRAGMENT_HEAD = `
+varying vec3 gtShown; // the value from 0 to 1; more than 0 where there is none; where it is hidden
+varying vec3 gtNormal;
+varying vec3 gtToCamera;
+void main() {
+    float number = dot(floor(gtCode * 255.0 + 0.5), vec3(1.0, 256.0, 65536.0));
+    float none = number > 16777212.0 ? 1.0 : 0.0;
+    gtShown = vec3(none > 0.5 ? 0.0 : number / 16777211.0, none, number > 16777214.0 ? 1.0 : 0.0);
+    gtNormal = normalMatrix * normal;
+    #include <begin_vertex>
+    #include <project_vertex>
+    gtToCamera = -mvPosition.xyz;
+}`;
+    // A line is 1.5 pixels wide, and fades where lines are closer than three pixels. Light comes from
+    // the camera, and there is no tone mapping: colours are those of the colour bar.
+    const FRAGMENT = `
 uniform vec3 gtTable[${N_COLOURS + 3}];
-varying float gtValue;
-varying float gtHidden;
-varying float gtNone;`;
-    // A line is 1.5 pixels wide, and fades where lines are closer than three pixels.
-    const FRAGMENT_BODY = `
-if (gtHidden > 0.0) discard;
-vec3 gtEnds = gtTable[${N_COLOURS + 2}];
-float gtPlace = clamp(gtValue, 0.0, 1.0) * ${N_COLOURS - 1}.0;
-int gtBelow = int(min(floor(gtPlace), ${N_COLOURS - 2}.0));
-vec3 gtColour = mix(gtTable[gtBelow], gtTable[gtBelow + 1], gtPlace - float(gtBelow));
-if (gtEnds.z > 0.0) {
-    float gtLevel = (gtEnds.x + gtValue * (gtEnds.y - gtEnds.x)) / gtEnds.z;
-    float gtSlope = fwidth(gtLevel);
-    float gtGap = abs(gtLevel - floor(gtLevel + 0.5)) / max(gtSlope, 1e-9);
-    float gtInk = (1.0 - smoothstep(0.4, 1.4, gtGap)) * (1.0 - smoothstep(0.2, 0.4, gtSlope));
-    if (abs(floor(gtLevel + 0.5)) > 0.5) gtColour = mix(gtColour, gtTable[${N_COLOURS + 1}], 0.8 * gtInk);
-}
-if (gtNone > 0.0) gtColour = gtTable[${N_COLOURS}];`;
-    // Light from the camera, and without tone mapping: colours are those of the colour bar.
-    const FRAGMENT_END = `
-float gtFacing = abs(dot(normal, normalize(vViewPosition)));
-gl_FragColor = vec4(gtColour * (0.35 + 0.65 * gtFacing), 1.0);`;
+varying vec3 gtShown;
+varying vec3 gtNormal;
+varying vec3 gtToCamera;
+void main() {
+    if (gtShown.z > 0.0) discard;
+    vec3 ends = gtTable[${N_COLOURS + 2}];
+    float place = clamp(gtShown.x, 0.0, 1.0) * ${N_COLOURS - 1}.0;
+    int below = int(min(floor(place), ${N_COLOURS - 2}.0));
+    vec3 colour = mix(gtTable[below], gtTable[below + 1], place - float(below));
+    if (ends.z > 0.0) {
+        float level = (ends.x + gtShown.x * (ends.y - ends.x)) / ends.z;
+        float slope = fwidth(level);
+        float gap = abs(level - floor(level + 0.5)) / max(slope, 1e-9);
+        float ink = (1.0 - smoothstep(0.4, 1.4, gap)) * (1.0 - smoothstep(0.2, 0.4, slope));
+        if (abs(floor(level + 0.5)) > 0.5) colour = mix(colour, gtTable[${N_COLOURS + 1}], 0.8 * ink);
+    }
+    if (gtShown.y > 0.0) colour = gtTable[${N_COLOURS}];
+    float facing = abs(dot(normalize(gtNormal), normalize(gtToCamera)));
+    gl_FragColor = vec4(colour * (0.35 + 0.65 * facing), 1.0);
+    #include <colorspace_fragment>
+}`;
 
     function geometryOf(name) {
         let found = null;
@@ -63,14 +69,8 @@ gl_FragColor = vec4(gtColour * (0.35 + 0.65 * gtFacing), 1.0);`;
         const uniforms = { gtTable: { value: new Float32Array(3 * (N_COLOURS + 3)) } };
         material.onBeforeCompile = (shader) => {
             shader.uniforms.gtTable = uniforms.gtTable;
-            shader.vertexShader = shader.vertexShader
-                .replace('#include <common>', '#include <common>' + VERTEX_HEAD)
-                .replace('#include <begin_vertex>', '#include <begin_vertex>' + VERTEX_BODY);
-            shader.fragmentShader = shader.fragmentShader
-                .replace('#include <common>', '#include <common>' + FRAGMENT_HEAD)
-                .replace('#include <color_fragment>', '#include <color_fragment>' + FRAGMENT_BODY)
-                .replace('#include <opaque_fragment>', FRAGMENT_END)
-                .replace('#include <tonemapping_fragment>', '');
+            shader.vertexShader = VERTEX;
+            shader.fragmentShader = FRAGMENT;
         };
         material.customProgramCacheKey = () => 'gtSurface';
         material.needsUpdate = true;

@@ -8,6 +8,9 @@ from typing import Any, Self
 
 from numpy.typing import ArrayLike
 
+from geodesic_toolkit.core.warning import collected_warnings, warn
+from geodesic_toolkit.errors import GeodesicWarning
+from geodesic_toolkit.solver.solver import Refine
 from geodesic_toolkit.viz.live.controls import Controls, check_look
 from geodesic_toolkit.viz.live.server import HOST, close_server, open_server
 from geodesic_toolkit.viz.live.session import Session
@@ -28,6 +31,17 @@ class View:
         self._server, self._session, self._controls = server, session, controls
         self._stopped = threading.Event()
         self.url = f"http://{HOST}:{server.get_port()}"
+
+    def warn(self, text: str, kind: str = "Warning") -> None:
+        """Show a warning on the page, with those of this package.
+
+        Parameters
+        ----------
+        text : str
+        kind : str
+            The line above it.
+        """
+        self._controls.warn([(text, kind)])
 
     @property
     def session(self) -> Session:
@@ -68,6 +82,9 @@ def view(
     *,
     sources: Any = None,
     operator: Any = "auto",
+    mask: ArrayLike | None = None,
+    refine: Refine = "auto",
+    time_factor: float = 1.0,
     positions: ArrayLike | None = None,
     cmap: str = "viridis",
     isolines: int = 20,
@@ -93,6 +110,11 @@ def view(
         curves and offsets; by default one vertex.
     operator : LaplaceOperator or str
         As for :class:`GeodesicSolver`.
+    mask : array-like of shape (N,), bool, optional
+        As for :class:`GeodesicSolver`: True at vertices that paths may not cross. They are grey,
+        and clicks there are refused.
+    refine, time_factor : optional
+        As for :class:`GeodesicSolver`, at the beginning; the panel changes them.
     positions : array-like of shape (N, 3) or (N, 2), optional
         Positions at which the vertices of a graph are drawn.
     cmap : str
@@ -137,12 +159,24 @@ def view(
     True
     """
     check_look(cmap, isolines)
-    session = Session(
-        domain, positions=positions, sources=sources, operator=operator, name=name, like=like
-    )
+    with collected_warnings(GeodesicWarning) as collected:
+        session = Session(
+            domain,
+            positions=positions,
+            sources=sources,
+            operator=operator,
+            mask=mask,
+            refine=refine,
+            time_factor=time_factor,
+            name=name,
+            like=like,
+        )
+    for text, category in collected:  # issued to the caller, too
+        warn(text, category)
     server = open_server(port, name)
     try:
         controls = Controls(server, session, cmap=cmap, isolines=isolines, unit=unit)
+        controls.warn([(text, category.__name__) for text, category in collected])
     except BaseException:
         close_server(server)
         raise

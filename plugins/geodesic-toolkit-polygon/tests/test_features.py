@@ -218,6 +218,22 @@ def test_pictures_show_polygon_meshes():
     assert scene is not None
 
 
+def test_a_click_on_the_page_is_a_place_inside_a_polygon():
+    from geodesic_toolkit.viz.live.session import Session
+
+    session, toward = Session(quad_sphere(16)), np.array([0.3, 0.5, 0.9])
+    session.click(session.pick(9 * toward, -toward))
+    session.set_mode("measure")
+    session.click(session.pick(9 * toward, -toward))
+    assert session.measured[1] == pytest.approx(0.0, abs=1e-6)
+    session.click(session.pick(-9 * toward, toward))
+    assert session.measured[1] == pytest.approx(np.pi, rel=0.02)
+    session.set_mode("path")
+    for end in (toward, -toward):
+        session.click(session.pick(9 * end, -end))
+    assert session.path.length == pytest.approx(np.pi, rel=0.01)
+
+
 def test_plain_heat_of_blocks_is_that_of_single_sources():
     solver = gt.GeodesicSolver(hexagons(6), refine=False)
     both = solver.distances([0, 5])

@@ -197,3 +197,19 @@ def test_arrays_that_are_not_a_solid_are_refused(arguments, message):
 def test_a_mask_of_everything_is_refused():
     with pytest.raises(InvalidOptionError, match="leaves no cell"):
         TetMesh(CORNER, [[0, 1, 2, 3]]).without(np.array([True, False, False, False]))
+
+
+def test_a_click_on_the_page_is_a_place_on_the_surface_and_distances_cross_the_solid():
+    from geodesic_toolkit.viz.live.session import Session
+
+    session, toward = Session(cube()), np.array([1.0, 0.1, 0.2])
+    assert session.refined
+    session.click(session.pick(9 * toward, -toward))
+    assert len(session.sources[0].vertices) == 3
+    session.set_mode("measure")
+    session.click(session.pick(-9 * toward, toward))
+    through = np.linalg.norm(toward)  # from x = 1 to x = 0
+    assert session.measured[1] == pytest.approx(through, rel=0.01)
+    session.set_method(refine=False, time_factor=1.0)
+    assert not session.refined
+    assert session.measured[1] == pytest.approx(through, rel=0.2)

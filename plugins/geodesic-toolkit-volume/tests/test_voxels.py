@@ -132,3 +132,19 @@ def test_a_lone_voxel_and_a_mask_of_everything_are_refused():
         VoxelLaplacian().assemble(VoxelImage(np.ones((1, 1, 1), dtype=bool)))
     with pytest.raises(InvalidOptionError, match="leaves no voxel"):
         VoxelImage(ALL).without(np.ones(ALL.size, dtype=bool))
+
+
+def test_a_click_on_the_page_is_a_voxel_at_the_front():
+    from geodesic_toolkit.viz.live.session import Session
+
+    body = ALL.copy()
+    body[:, :, -1] = False
+    image = VoxelImage(body)
+    session = Session(image)
+    for x, y in ((3.0, 4.0), (3.4, 4.4), (3.5, 4.5)):  # on a centre, and between centres
+        above = (np.array([x, y, 50.0]) - session.scene.centre) / session.scene.radius
+        session.click(session.pick(above, [0.0, 0.0, -1.0]))
+        place = image.positions[session.sources[0].vertices[0]]
+        assert np.abs(place - [x, y, 6.0]).max() <= 0.5
+    assert np.isfinite(session.distances).sum() == body.sum()
+    assert session.sizes == [body.sum()]

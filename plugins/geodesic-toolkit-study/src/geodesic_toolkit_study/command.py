@@ -9,7 +9,7 @@ import typer
 from geodesic_toolkit.cli.arguments import Folder, Input, Json, Weld
 from geodesic_toolkit.cli.output import aligned, show, show_json, versions
 from geodesic_toolkit.cli.run import running
-from geodesic_toolkit.cli.welding import check_weld, welded
+from geodesic_toolkit.cli.welding import welded
 from geodesic_toolkit.errors import InvalidSourceError
 
 __all__ = ["study"]
@@ -44,7 +44,6 @@ def study(
     from geodesic_toolkit_study.run import run_study
 
     chosen = None if sources is None else _vertices(sources)
-    check_weld(weld)
     with running() as run:
         with run.step("reading"):
             shape = welded(read(path), weld, run)
