@@ -53,6 +53,20 @@ class Bounds:
         The sources of set k have the indices ``begins[k] <= p < begins[k + 1]`` in `places` and
         `starts`. Infinite distances stay.
         """
+    def hold_near(
+        self,
+        begins: Indices,
+        places: Numbers,
+        starts: Numbers,
+        row_begins: Indices,
+        near: Indices,
+        distances: Numbers,
+        limits: Numbers,
+    ) -> Bools:
+        """Do the same with the distances of sparse rows; return False for those that lack some.
+
+        They lack a vertex that a path along edges reaches within the limit of the row.
+        """
 
 @final
 class Polyhedron:
@@ -453,6 +467,24 @@ class Sweeper:
     ) -> None:
         """Write the distances from K source sets, (K, N), in the order of their heat, (N, K)."""
 
+    def sweep_near(
+        self,
+        heat: Numbers,
+        logarithmic: bool,
+        begins: Indices,
+        vertices: Indices,
+        known: Numbers,
+        curvatures: Numbers,
+        tolerances: Numbers,
+        returns: int,
+        steady: int,
+        most_sweeps: int,
+        limits: Numbers,
+        n_threads: int = 1,
+        have_offsets: bool = False,
+    ) -> tuple[Indices, Indices, Numbers]:
+        """Return the same up to limits (K,), and of some vertices beyond, in sparse rows."""
+
     def sweep_limited(
         self,
         vertices: Indices,
@@ -643,3 +675,13 @@ class GraphCorners:
         n_threads: int,
     ) -> None:
         """Write the distances (K, N) from each of K sets of vertices, infinite without a path."""
+
+    def cross_near(
+        self,
+        begins: Indices,
+        vertices: Indices,
+        starts: Numbers,
+        limits: Numbers,
+        n_threads: int,
+    ) -> tuple[Indices, Indices, Numbers]:
+        """Return the same up to limits (K,), in sparse rows."""

@@ -2,6 +2,7 @@
 
 import abc
 
+from geodesic_toolkit.core.near import NearRows
 from geodesic_toolkit.core.types import FloatArray, IntArray
 
 __all__ = ["Fronts"]
@@ -40,3 +41,27 @@ class Fronts(abc.ABC):
             ``inf`` where no element leads. A vertex that is given reads what is known of it, or
             less.
         """
+
+    def near(
+        self,
+        begins: IntArray,
+        vertices: IntArray,
+        known: FloatArray,
+        starts: FloatArray,
+        limits: FloatArray,
+    ) -> NearRows:
+        """Return the distances up to a limit for each of K sets of sources.
+
+        It computes all of them, unless a class has a faster way, whose result has to be the same.
+
+        Parameters
+        ----------
+        begins, vertices, known, starts
+            As for `distances`.
+        limits : ndarray of shape (K,), float64
+
+        Returns
+        -------
+        NearRows
+        """
+        return NearRows.of_table(self.distances(begins, vertices, known, starts), limits)

@@ -21,6 +21,7 @@ import numpy as np
 
 from geodesic_toolkit import _native
 from geodesic_toolkit.core.frozen import FrozenArrays
+from geodesic_toolkit.core.near import NearRows
 from geodesic_toolkit.core.types import FloatArray, IntArray
 from geodesic_toolkit.geometry.noise import squared_noise
 from geodesic_toolkit.geometry.threads import threads_for
@@ -133,6 +134,26 @@ class AcrossEdges(FrozenArrays):
             threads_for(distances.size),
         )
         return distances[:, others] if len(others) else distances
+
+    def near(
+        self, begins: IntArray, vertices: IntArray, starts: FloatArray, limits: FloatArray
+    ) -> NearRows:
+        """Return the distances up to a limit for each of K sets, (K,), to the bit as `distances`.
+
+        The cost of a set depends on the vertices within its limit only.
+        """
+        others = self.representatives
+        moved = others[vertices] if len(others) else vertices
+        found = NearRows(
+            *self.corners.cross_near(
+                np.ascontiguousarray(begins, dtype=np.int64),
+                np.ascontiguousarray(moved, dtype=np.int64),
+                np.ascontiguousarray(starts, dtype=np.float64),
+                np.ascontiguousarray(limits, dtype=np.float64),
+                threads_for(len(limits) * self.n_vertices),
+            )
+        )
+        return found.taken_from(others) if len(others) else found
 
     def __getstate__(self) -> dict[str, Any]:
         return {

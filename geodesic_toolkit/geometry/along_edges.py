@@ -9,9 +9,13 @@ from typing import Any
 import numpy as np
 
 from geodesic_toolkit.core.frozen import FrozenArrays
+from geodesic_toolkit.core.near import NearRows
 from geodesic_toolkit.core.types import FloatArray, IntArray
 
 __all__ = ["AlongEdges", "shortest_parallel_edges"]
+
+ROUNDING = 1e-9
+"""Share by which a limit is raised, more than sums are rounded."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -56,7 +60,9 @@ class AlongEdges(FrozenArrays):
         shape = (self.n_vertices, self.n_vertices)
         return csr_array(coo_array((np.tile(self.lengths, 2), tuple(ends)), shape=shape))
 
-    def distances(self, begins: IntArray, vertices: IntArray, starts: FloatArray) -> FloatArray:
+    def distances(
+        self, begins: IntArray, vertices: IntArray, starts: FloatArray, limit: float = np.inf
+    ) -> FloatArray:
         """Return the length of the shortest path from each of K sets of vertices.
 
         Parameters
@@ -66,11 +72,13 @@ class AlongEdges(FrozenArrays):
         vertices : ndarray of shape (P,), int64
         starts : ndarray of shape (P,), float64
             Initial distance of each vertex, of any sign.
+        limit : float
+            Paths beyond it need not be found.
 
         Returns
         -------
         ndarray of shape (K, N), float64
-            ``inf`` at vertices that edges do not connect to the set.
+            ``inf`` at vertices that edges do not connect to the set, and at some beyond the limit.
         """
         from scipy.sparse import csr_array
         from scipy.sparse.csgraph import dijkstra
@@ -93,8 +101,21 @@ class AlongEdges(FrozenArrays):
             ),
             shape=(count + len(sets), count + len(sets)),
         )
-        paths = dijkstra(graph, directed=True, indices=count + np.arange(len(sets)))
+        most = (limit - offset).max()
+        most = max(most + ROUNDING * abs(most), 0.0)
+        paths = dijkstra(graph, directed=True, indices=count + np.arange(len(sets)), limit=most)
         return np.asarray(paths[:, :count] + offset[:, None])
+
+    def near(
+        self, begins: IntArray, vertices: IntArray, starts: FloatArray, limits: FloatArray
+    ) -> NearRows:
+        """Return the distances up to a limit for each of K sets, (K,), to the bit as `distances`.
+
+        Arguments are those of `distances`.
+        """
+        return NearRows.of_table(
+            self.distances(begins, vertices, starts, float(limits.max())), limits
+        )
 
     def __getstate__(self) -> dict[str, Any]:
         return {name: value for name, value in self.__dict__.items() if name != "matrix"}

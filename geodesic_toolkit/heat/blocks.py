@@ -1,14 +1,21 @@
 """Blocks of source sets, each solved with one pass over a factor, on several threads."""
 
 import os
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from typing import TypeVar
 
 from geodesic_toolkit.core.types import FloatArray
 from geodesic_toolkit.sources.points import SourcePoints
 
-__all__ = ["MIN_VERTICES_PER_THREAD", "PROCESSORS", "in_blocks", "side_by_side"]
+__all__ = [
+    "MIN_VERTICES_PER_THREAD",
+    "PROCESSORS",
+    "SOURCE_SETS_PER_BLOCK",
+    "in_blocks",
+    "on_threads",
+    "side_by_side",
+]
 
 SOURCE_SETS_PER_BLOCK = 16
 """Source sets solved at once: they share one pass over a factor, and stay in cache."""
@@ -52,6 +59,16 @@ def in_blocks(
         return
     with ThreadPoolExecutor(min(len(starts), PROCESSORS)) as pool:
         yield from pool.map(solve_from, starts)
+
+
+def on_threads(
+    solve: Callable[[int], Report], starts: Sequence[int], n_vertices: int
+) -> list[Report]:
+    """Return what a function finds for each block, by its first source set, in their order."""
+    if len(starts) == 1 or n_vertices < MIN_VERTICES_PER_THREAD:
+        return [solve(start) for start in starts]
+    with ThreadPoolExecutor(min(len(starts), PROCESSORS)) as pool:
+        return list(pool.map(solve, starts))
 
 
 def side_by_side(

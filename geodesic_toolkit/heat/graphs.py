@@ -5,6 +5,7 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
+from geodesic_toolkit.core.near import NearRows
 from geodesic_toolkit.core.types import FloatArray, IntArray
 from geodesic_toolkit.discretization.data import Discretization
 from geodesic_toolkit.discretization.edge_gradient import EdgeGradient
@@ -13,23 +14,42 @@ from geodesic_toolkit.discretization.heat import Heat
 from geodesic_toolkit.geometry.along_edges import AlongEdges
 from geodesic_toolkit.sources.points import SourcePoints
 
-__all__ = ["ScaledGradient", "instead_of_heat", "limit_to_edges"]
+__all__ = ["ScaledGradient", "instead_of_heat", "limit_to_edges", "near_instead_of_heat"]
 
 
 def instead_of_heat(
     metric: Discretization, across: bool, block: Sequence[SourcePoints], distances: FloatArray
 ) -> None:
     """Write what fronts find, or the shortest paths along the edges of a graph, (K, N)."""
-    begins = np.cumsum([0, *(len(points.vertices) for points in block)])
-    starts = np.concatenate([points.starts[points.rows] for points in block])
-    known = np.concatenate([points.distances for points in block]) + starts
-    vertices = np.concatenate([points.vertices for points in block])
+    begins, vertices, known, starts = _entries(block)
     if across and metric.fronts is not None:
         distances[:] = metric.fronts.distances(begins, vertices, known, starts)
         return
     paths = metric.across_edges if across else metric.along_edges
     assert paths is not None  # for the type checker; the heat method has checked
     distances[:] = paths.distances(begins, vertices, known)
+
+
+def near_instead_of_heat(
+    metric: Discretization, across: bool, block: Sequence[SourcePoints], limits: FloatArray
+) -> NearRows:
+    """Return the same up to a limit for each source set, (K,)."""
+    begins, vertices, known, starts = _entries(block)
+    if across and metric.fronts is not None:
+        return metric.fronts.near(begins, vertices, known, starts, limits)
+    paths = metric.across_edges if across else metric.along_edges
+    assert paths is not None  # for the type checker; the heat method has checked
+    return paths.near(begins, vertices, known, limits)
+
+
+def _entries(
+    block: Sequence[SourcePoints],
+) -> tuple[IntArray, IntArray, FloatArray, FloatArray]:
+    """Return where vertices of each set begin, these, what is known of them, and the offsets."""
+    begins = np.cumsum([0, *(len(points.vertices) for points in block)])
+    starts = np.concatenate([points.starts[points.rows] for points in block])
+    known = np.concatenate([points.distances for points in block]) + starts
+    return begins, np.concatenate([points.vertices for points in block]), known, starts
 
 
 def limit_to_edges(

@@ -13,14 +13,26 @@ from numpy.typing import ArrayLike
 
 from geodesic_toolkit.core.arrays import empty
 from geodesic_toolkit.core.checks import is_one_of
+from geodesic_toolkit.core.near import NearRows
 from geodesic_toolkit.core.types import FloatArray
 from geodesic_toolkit.core.words import a_kind_of
 from geodesic_toolkit.discretization.data import Discretization, check_discretization
+from geodesic_toolkit.discretization.fronts import Fronts as MetricFronts
 from geodesic_toolkit.discretization.heat import Heat
 from geodesic_toolkit.errors import InvalidOptionError, UnsupportedDomainError
-from geodesic_toolkit.heat.blocks import in_blocks, side_by_side
+from geodesic_toolkit.heat.blocks import (
+    SOURCE_SETS_PER_BLOCK,
+    in_blocks,
+    on_threads,
+    side_by_side,
+)
 from geodesic_toolkit.heat.diffusion import Boundary, HeatReport
-from geodesic_toolkit.heat.graphs import ScaledGradient, instead_of_heat, limit_to_edges
+from geodesic_toolkit.heat.graphs import (
+    ScaledGradient,
+    instead_of_heat,
+    limit_to_edges,
+    near_instead_of_heat,
+)
 from geodesic_toolkit.heat.poisson import PoissonStep
 from geodesic_toolkit.heat.positive import PositiveFlow, worse
 from geodesic_toolkit.heat.refined import Fronts, RefinedStep
@@ -36,6 +48,10 @@ from geodesic_toolkit.sources.points import SourcePoints, as_vertices
 __all__ = ["Boundary", "HeatMethod", "HeatReport", "Progress", "SourcePoints"]
 
 Progress: TypeAlias = Callable[[int, int], None]
+
+SETS_OF_FRONTS_PER_BLOCK = 256
+"""Source sets whose near vertices fronts visit in one call; shortest paths along edges need a row of
+distances for each."""
 
 
 class HeatMethod:
@@ -248,6 +264,62 @@ class HeatMethod:
                 progress(done, len(points))
         self._warn_of(worst)
         return distances
+
+    def near(self, points: Sequence[SourcePoints], limits: FloatArray) -> NearRows:
+        """Return the distances from K source sets up to a limit for each.
+
+        They have the bits of those of `distances`. Where fronts measure them, on graphs and on
+        triangles, they end a little beyond the limit; heat alone has no end.
+
+        Parameters
+        ----------
+        points : sequence of SourcePoints
+        limits : ndarray of shape (K,), float64
+
+        Returns
+        -------
+        NearRows
+        """
+
+        def solve(start: int) -> NearRows:
+            block = slice(start, start + size)
+            return self._near_block(points[block], limits[block])
+
+        size = SOURCE_SETS_PER_BLOCK if self.flows else SETS_OF_FRONTS_PER_BLOCK
+        starts = range(0, len(points), size)
+        if not self.flows:  # these kernels share the processors themselves
+            return NearRows.together([solve(start) for start in starts])
+        return NearRows.together(on_threads(solve, starts, self.n_vertices))
+
+    @property
+    def ends_at_limits(self) -> bool:
+        """True if `near` costs less than `distances`: fronts end, and heat alone does not."""
+        if self.flows:
+            return self._refined is not None and self._refined.has_near
+        fronts = self.metric.fronts if self.across else None
+        return fronts is None or type(fronts).near is not MetricFronts.near
+
+    def _near_block(self, block: Sequence[SourcePoints], limits: FloatArray) -> NearRows:
+        if not self.flows:
+            return near_instead_of_heat(self.metric, self.across, block, limits)
+        if self._refined is None or not self._refined.has_near:
+            return self._near_of_all(block, limits)
+        heat, _ = self._diffuse(block)
+        near, are_known = self._refined.near(heat, self._at_representatives(block), limits)
+        if len(self.metric.representatives):
+            near = near.taken_from(self.metric.representatives)
+        rest = np.flatnonzero(~are_known)
+        if not len(rest):
+            return near
+        return near.replaced(
+            rest, self._near_of_all([block[k] for k in rest.tolist()], limits[rest])
+        )
+
+    def _near_of_all(self, block: Sequence[SourcePoints], limits: FloatArray) -> NearRows:
+        """Return the distances up to limits among those to all vertices."""
+        distances = empty((len(block), self.n_vertices), np.float64)
+        self._warn_of(self._solve(block, distances))
+        return NearRows.of_table(distances, limits)
 
     def fronts(self, points: SourcePoints, around: SourcePoints | None = None) -> Fronts:
         """Return the fronts of one source set, whether distances are refined or not.

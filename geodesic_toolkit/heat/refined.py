@@ -6,7 +6,8 @@ from typing import NamedTuple
 import numpy as np
 
 from geodesic_toolkit.core.arrays import empty
-from geodesic_toolkit.core.types import FloatArray
+from geodesic_toolkit.core.near import NearRows
+from geodesic_toolkit.core.types import BoolArray, FloatArray
 from geodesic_toolkit.discretization.data import Discretization
 from geodesic_toolkit.discretization.heat import Heat
 from geodesic_toolkit.errors import UnsupportedDomainError
@@ -81,6 +82,36 @@ class RefinedStep:
             finer,
         )
         distances[:] = finer[:, : self._subdivision.n_vertices]
+
+    @property
+    def has_near(self) -> bool:
+        """True if `near` can be called: the triangles have no vertices but those of the domain."""
+        return self._subdivision is None
+
+    def near(
+        self, heat: Heat, block: Sequence[SourcePoints], limits: FloatArray
+    ) -> tuple[NearRows, BoolArray]:
+        """Return distances up to a limit, to the bit those of `distances`.
+
+        Parameters
+        ----------
+        heat : Heat of shape (N, K)
+        block : sequence of SourcePoints
+        limits : ndarray of shape (K,), float64
+
+        Returns
+        -------
+        near : NearRows
+        are_known : ndarray of shape (K,), bool
+            False for rows of which more has to be known, and which `distances` has to measure.
+        """
+        near = self.sweeper.near(heat, block, limits)
+        are_known = np.ones(len(block), dtype=np.bool_)
+        if self._bounds is not None:
+            are_known = self._bounds.hold_near(near, block, limits)
+        if self._small_parts is not None:
+            are_known &= [not self._small_parts.has(points) for points in block]
+        return near.within(limits), are_known
 
     def _sweep(self, heat: Heat, block: Sequence[SourcePoints], distances: FloatArray) -> None:
         """Write refined distances at the vertices of the triangles."""

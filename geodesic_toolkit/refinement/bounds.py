@@ -9,7 +9,8 @@ import numpy as np
 
 from geodesic_toolkit import _native
 from geodesic_toolkit.core.arrays import joined
-from geodesic_toolkit.core.types import FloatArray, IndexArray, IntArray
+from geodesic_toolkit.core.near import NearRows
+from geodesic_toolkit.core.types import BoolArray, FloatArray, IndexArray, IntArray
 from geodesic_toolkit.discretization.data import Discretization
 from geodesic_toolkit.domains import Domain, PointCloud, TriangleMesh
 from geodesic_toolkit.sources.points import SourcePoints
@@ -42,18 +43,37 @@ class DistanceBounds:
         Distances are raised to the straight line to the nearest source, and lowered to the shortest
         path along edges. Infinite ones stay.
         """
+        self._kernel.hold(*self._sources(block), distances, n_threads)
+
+    def hold_near(
+        self, near: NearRows, block: Sequence[SourcePoints], limits: FloatArray
+    ) -> BoolArray:
+        """Do the same with the distances of some vertices, in place.
+
+        Parameters
+        ----------
+        near : NearRows
+            With all vertices up to a limit, and some beyond it.
+        block : sequence of SourcePoints
+        limits : ndarray of shape (K,), float64
+
+        Returns
+        -------
+        ndarray of shape (K,), bool
+            False for rows in which a vertex may be missing.
+        """
+        return self._kernel.hold_near(
+            *self._sources(block), near.begins, near.vertices, near.distances, limits
+        )
+
+    def _sources(self, block: Sequence[SourcePoints]) -> tuple[IntArray, FloatArray, FloatArray]:
+        """Return where the points of each set begin, their positions, and what they start with."""
         begins, positions, starts = [0], [], []
         for points in block:
             begins.append(begins[-1] + points.count)
             positions.append(self._positions(points))
             starts.append(points.starts - self._reach(points, positions[-1]))
-        self._kernel.hold(
-            np.array(begins, dtype=np.int64),
-            joined(positions),
-            joined(starts),
-            distances,
-            n_threads,
-        )
+        return np.array(begins, dtype=np.int64), joined(positions), joined(starts)
 
     @cached_property
     def _kernel(self) -> _native.Bounds:

@@ -94,18 +94,22 @@ class SmallParts:
         Distances from curves are not changed, because their fronts are not those of points.
         """
         for row, points in zip(distances, block, strict=True):
-            own = None if points.front_curvatures is not None else self._own(points)
-            if own is None:
+            if not self.has(points):
                 continue
+            own = self._own(points)
             exact = exact_distances(self.shape, own, MOST_WINDOWS * len(self.faces))
             reached = self._members[np.isfinite(exact)]
             row[reached] = exact[self.numbers[reached]]
 
-    def _own(self, points: SourcePoints) -> SourcePoints | None:
+    def has(self, points: SourcePoints) -> bool:
+        """Return True if distances from a source set are exact on some component."""
+        if points.front_curvatures is not None:
+            return False
+        return bool((self.numbers[points.first_vertices] >= 0).any())
+
+    def _own(self, points: SourcePoints) -> SourcePoints:
         """Return the points on small components, in the numbering of these."""
         inside = self.numbers[points.first_vertices] >= 0
-        if not inside.any():
-            return None
         entries = inside[points.rows]
         return SourcePoints(
             vertices=self.numbers[points.vertices[entries]],

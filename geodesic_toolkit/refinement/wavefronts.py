@@ -21,6 +21,7 @@ import numpy as np
 
 from geodesic_toolkit import _native
 from geodesic_toolkit.core.arrays import empty, joined
+from geodesic_toolkit.core.near import NearRows
 from geodesic_toolkit.core.types import BoolArray, FloatArray, IntArray
 from geodesic_toolkit.discretization.data import Discretization
 from geodesic_toolkit.discretization.element_gradient import ElementGradient
@@ -171,26 +172,51 @@ class WavefrontSweeper:
         kappas : ndarray of shape (K, N), float64, optional
             Takes the geodesic curvature of the front at each vertex.
         """
-        count = self._gradient.n_vertices
+        late = any(points.delayed for points in block)
+        self._fronts.sweep(*self._arguments(heat, block), distances, kappas, n_threads, late)
+
+    def near(self, heat: Heat, block: Sequence[SourcePoints], limits: FloatArray) -> NearRows:
+        """Return refined distances from each of K source sets up to a limit, and of some beyond.
+
+        Up to the limit they are to the bit those of `fill`.
+
+        Parameters
+        ----------
+        heat : Heat of shape (N, K)
+        block : sequence of SourcePoints
+        limits : ndarray of shape (K,), float64
+
+        Returns
+        -------
+        NearRows
+        """
+        late = any(points.delayed for points in block)
+        return NearRows(
+            *self._fronts.sweep_near(*self._arguments(heat, block), limits, have_offsets=late)
+        )
+
+    def _arguments(
+        self, heat: Heat, block: Sequence[SourcePoints]
+    ) -> tuple[
+        FloatArray, bool, IntArray, IntArray, FloatArray, FloatArray, FloatArray, int, int, int
+    ]:
+        """Return the first arguments of both kernels: the heat, the sources, and the effort."""
         fronts = [self._fronts_at(points) for points in block]
         vertices, known, curvatures = (joined(parts) for parts in zip(*fronts, strict=True))
         begins = np.array([0, *accumulate(len(own) for own, _, _ in fronts)], dtype=np.int64)
-        self._fronts.sweep(
+        scales = np.minimum.reduceat(self.metric.scales[vertices], begins[:-1])
+        count = self._gradient.n_vertices
+        returns = MAX_RETURNS_PER_POINT if self._gradient.stars else MAX_RETURNS_PER_VERTEX
+        return (
             *heat.for_kernels(),
             begins,
             vertices,
             known,
             curvatures,
-            SWEEP_TOLERANCE * np.minimum.reduceat(self.metric.scales[vertices], begins[:-1]),
-            returns=int(
-                (MAX_RETURNS_PER_POINT if self._gradient.stars else MAX_RETURNS_PER_VERTEX) * count
-            ),
-            steady=int(count < MIN_VERTICES_OF_EARLY_RETURNS),
-            most_sweeps=MAX_SWEEPS,
-            distances=distances,
-            kappas=kappas,
-            n_threads=n_threads,
-            have_offsets=any(points.delayed for points in block),
+            SWEEP_TOLERANCE * scales,
+            int(returns * count),
+            int(count < MIN_VERTICES_OF_EARLY_RETURNS),
+            MAX_SWEEPS,
         )
 
     def distance_within(self, points: SourcePoints, latest: FloatArray) -> FloatArray:

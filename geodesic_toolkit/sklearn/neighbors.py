@@ -2,7 +2,6 @@
 
 import math
 import numbers
-from collections.abc import Iterator
 from typing import Any, ClassVar, Literal, Self, TypeAlias
 
 import numpy as np
@@ -13,8 +12,10 @@ from sklearn.utils.validation import check_is_fitted
 from geodesic_toolkit.analysis.matrix.matrix import distance_matrix
 from geodesic_toolkit.analysis.matrix.symmetry import Symmetrize, check_symmetrize
 from geodesic_toolkit.core.checks import is_one_of
+from geodesic_toolkit.core.near import NearRows
 from geodesic_toolkit.core.types import FloatArray, IntArray
 from geodesic_toolkit.errors import InvalidOptionError
+from geodesic_toolkit.sklearn.nearest import near_blocks, nearest_blocks
 from geodesic_toolkit.sklearn.samples import OnSamples, check_count
 from geodesic_toolkit.sources.kinds import OffsetSources
 
@@ -30,8 +31,8 @@ class GeodesicNeighbors(ClassNamePrefixFeaturesOutMixin, TransformerMixin, OnSam
 
     Methods and results are those of scikit-learn's ``KNeighborsTransformer`` and
     ``RadiusNeighborsTransformer``: `transform` gives the graph that estimators with
-    ``metric="precomputed"`` take. Distances to all samples are measured from each sample that is
-    asked for.
+    ``metric="precomputed"`` take. Distances are measured from each sample that is asked for, to the
+    samples near it where distances are refined or fronts measure them, and else to all.
 
     Parameters
     ----------
@@ -291,32 +292,21 @@ class GeodesicNeighbors(ClassNamePrefixFeaturesOutMixin, TransformerMixin, OnSam
             for own, late in zip(near, far, strict=True)
         ], False
 
-    def _rows(self, sets: Any, own: bool) -> Iterator[FloatArray]:
-        """Yield distances (b, N) of blocks of samples; ``inf`` to themselves if `own`."""
-        begin = 0
-        for block in self.solver_.blocks(sets):
-            if own:
-                block[np.arange(len(block)), begin + np.arange(len(block))] = np.inf
-            begin += len(block)
-            yield block
-
     def _nearest(
         self, sets: Any, own: bool, n_neighbors: int | None
     ) -> tuple[FloatArray, IntArray]:
         count = self.n_neighbors if n_neighbors is None else n_neighbors
         count = self._checked_count(count, own)
-        distances = np.empty((len(sets), count))
-        indices = np.empty((len(sets), count), dtype=np.int64)
-        begin = 0
-        for block in self._rows(sets, own):
-            some = np.argpartition(block, count - 1, axis=1)[:, :count]
-            far = np.take_along_axis(block, some, axis=1)
-            order = np.lexsort((some, far), axis=1)
-            place = slice(begin, begin + len(block))
-            distances[place] = np.take_along_axis(far, order, axis=1)
-            indices[place] = np.take_along_axis(some, order, axis=1)
-            begin += len(block)
-        indices[np.isinf(distances)] = self.n_samples_fit_
+        distances = np.full((len(sets), count), np.inf)
+        indices = np.full((len(sets), count), self.n_samples_fit_)
+        for rows, near in nearest_blocks(self.solver_, sets, count + own):
+            row, vertex, far = _entries(rows, near, own)
+            order = np.lexsort((vertex, far, row))
+            row, vertex, far = row[order], vertex[order], far[order]
+            rank = np.arange(len(row)) - np.searchsorted(row, row)
+            chosen = rank < count
+            place = row[chosen], rank[chosen]
+            distances[place], indices[place] = far[chosen], vertex[chosen]
         return distances, indices
 
     def _within(
@@ -324,14 +314,14 @@ class GeodesicNeighbors(ClassNamePrefixFeaturesOutMixin, TransformerMixin, OnSam
     ) -> tuple[Objects, Objects]:
         limit = _check_radius(self.radius if radius is None else radius)
         distances, indices = np.empty((2, len(sets)), dtype=object)
-        position = 0
-        for block in self._rows(sets, own):
-            for row in block:
-                near = np.flatnonzero(row <= limit)
-                if sort_results:
-                    near = near[np.argsort(row[near], kind="stable")]
-                distances[position], indices[position] = row[near], near
-                position += 1
+        for rows, near in near_blocks(self.solver_, sets, limit):
+            row, vertex, far = _entries(rows, near, own)
+            if sort_results:
+                order = np.lexsort((vertex, far, row))
+                vertex, far = vertex[order], far[order]
+            ends = np.searchsorted(row, np.append(rows, rows[-1] + 1))
+            for position, begin, end in zip(rows.tolist(), ends[:-1], ends[1:], strict=True):
+                distances[position], indices[position] = far[begin:end], vertex[begin:end]
         return distances, indices
 
     def _graph(self, distances: Objects, indices: Objects, mode: Mode) -> Any:
@@ -346,6 +336,15 @@ class GeodesicNeighbors(ClassNamePrefixFeaturesOutMixin, TransformerMixin, OnSam
         if mode == "connectivity":
             data = np.ones(len(data))
         return csr_matrix((data, columns, ends), shape=(len(rows), self.n_samples_fit_))
+
+
+def _entries(rows: IntArray, near: NearRows, own: bool) -> tuple[IntArray, IntArray, FloatArray]:
+    """Return row, sample and distance of each entry; without that of a sample itself if `own`."""
+    row = rows[near.rows]
+    if not own:
+        return row, near.vertices, near.distances
+    others = row != near.vertices
+    return row[others], near.vertices[others], near.distances[others]
 
 
 def _check_mode(mode: object) -> None:

@@ -3,8 +3,10 @@
 from collections.abc import Iterable, Iterator
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
 from numpy.typing import ArrayLike
 
+from geodesic_toolkit.core.near import NearRows
 from geodesic_toolkit.core.types import FloatArray
 from geodesic_toolkit.core.words import a_kind_of
 from geodesic_toolkit.errors import InvalidOptionError
@@ -234,6 +236,54 @@ class GeodesicSolver(TangentSolver):
             self._complaints.warn_where_off(some, distances)
             yield distances
 
+    def near(self, source_sets: ArrayLike | Iterable[Any], limits: ArrayLike) -> NearRows:
+        """Return the distances from K sets of sources to the vertices up to a limit for each.
+
+        They have the bits of those of :meth:`distances`, and cost less where limits are small: see
+        :func:`distance_matrix`, whose `max_distance` is one limit for all.
+
+        Parameters
+        ----------
+        source_sets : array-like of int, or iterable of what `distance` takes
+            As for :meth:`distances`.
+        limits : float or array-like of shape (K,)
+            In the unit of the domain; ``inf`` gives all vertices that are connected.
+
+        Returns
+        -------
+        NearRows
+            ``begins`` (K + 1,), ``vertices`` (nnz,) and ``distances`` (nnz,): those of set k are
+            ``vertices[begins[k]:begins[k + 1]]``, which ascend.
+
+        Raises
+        ------
+        InvalidSourceError
+            As for :meth:`distances`, before any work.
+        InvalidOptionError
+            Limits that are not numbers, or not one for each set.
+
+        Examples
+        --------
+        >>> import geodesic_toolkit as gt
+        >>> solver = gt.GeodesicSolver(gt.testing.shapes.icosphere(3))
+        >>> near = solver.near([0, 1], limits=0.1)
+        >>> near.begins.tolist(), near.vertices.tolist()
+        ([0, 1, 2], [0, 1])
+        """
+        sets = self.locate_sets(source_sets)
+        each = _limits(limits, len(sets))
+        self._complaints.warn_where_cut(sets)
+        if not self.method.refine and self.method.flows:  # the heat of all vertices, with warnings
+            parts, begin = [], 0
+            for block in self.blocks(sets):
+                end = begin + len(block)
+                parts.append(NearRows.of_table(block, each[begin:end]))
+                begin = end
+            return NearRows.together(parts)
+        found = self.method.near(sets, each)
+        finite = np.isfinite(found.distances)
+        return found if finite.all() else found.within(np.minimum(each, np.finfo(float).max))
+
     def heat(self, sources: Any) -> FloatArray:
         """Return the heat u of step 1 as the solver gives it, of shape (N,).
 
@@ -271,6 +321,23 @@ class GeodesicSolver(TangentSolver):
         return (
             f"GeodesicSolver({self.domain!r}, operator={self.operator!r}, method={self.method!r})"
         )
+
+
+def _limits(limits: ArrayLike, n_sets: int) -> FloatArray:
+    """Return a limit for each source set, (K,)."""
+    try:
+        each = np.asarray(limits, dtype=np.float64)
+    except (TypeError, ValueError) as error:
+        raise InvalidOptionError(f"limits must be numbers, not {limits!r}") from error
+    if each.shape not in ((), (n_sets,)):
+        raise InvalidOptionError(
+            f"limits must be one number, or one for each of {n_sets} source sets, not of shape "
+            f"{each.shape}"
+        )
+    wrong = np.flatnonzero(np.isnan(each))
+    if len(wrong):
+        raise InvalidOptionError(f"limit {wrong[0]} is not a number")
+    return np.ascontiguousarray(np.broadcast_to(each, n_sets))
 
 
 def check_solver(solver: object, what: str) -> None:

@@ -25,6 +25,11 @@ double square_of_length(const double* a, const double* b) {
   return x * x + y * y + z * z;
 }
 
+void raise(SourceTree& places, const double* vertex, double& distance) {
+  if (places.last_reads_at_most(distance, vertex)) return;
+  distance = std::max(distance, places.straight(vertex, distance));
+}
+
 // A search along edges from those that are too short.
 class Search {
  public:
@@ -92,12 +97,13 @@ Matrix edges_of(std::span<const Index> triangles, Index n_vertices) {
 void raise_to_straight_line(std::span<const double> vertices, const SourceValues& starts,
                             std::span<double> distances) {
   SourceTree places(starts);
-  for (Index v = 0; v < count(distances); ++v) {
-    double& distance = distances[v];
-    const double* const vertex = &vertices[3 * v];
-    if (places.last_reads_at_most(distance, vertex)) continue;
-    distance = std::max(distance, places.straight(vertex, distance));
-  }
+  for (Index v = 0; v < count(distances); ++v) raise(places, &vertices[3 * v], distances[v]);
+}
+
+void raise_to_straight_line(std::span<const double> vertices, std::span<const Index> near,
+                            const SourceValues& starts, std::span<double> distances) {
+  SourceTree places(starts);
+  for (std::size_t i = 0; i < near.size(); ++i) raise(places, &vertices[3 * near[i]], distances[i]);
 }
 
 EdgeBounds::EdgeBounds(std::span<const double> vertices, const Pattern& edges)
@@ -127,6 +133,25 @@ void EdgeBounds::lower(std::span<double> distances) const {
       search.compare(tails[k], heads[k]);
   }
   search.settle();
+}
+
+bool EdgeBounds::lower_near(std::span<const Index> near, double limit,
+                            std::span<double> distances) const {
+  Search search(vertices_, edges_, distances);
+  for (const Index v : near)  // in the same order as above
+    for (Row i = edges_.indptr[v + 1]; i-- > edges_.indptr[v] && edges_.indices[i] > v;)
+      search.compare(v, edges_.indices[i]);
+  search.settle();
+  for (const Index v : near) {
+    if (!(distances[v] <= limit)) continue;
+    for (Row i = edges_.indptr[v]; i < edges_.indptr[v + 1]; ++i) {
+      const Index w = edges_.indices[i];
+      if (std::isfinite(distances[w])) continue;
+      const double square = square_of_length(&vertices_[3 * v], &vertices_[3 * w]);
+      if (distances[v] + std::sqrt(square) <= limit) return false;
+    }
+  }
+  return true;
 }
 
 }  // namespace geodesic

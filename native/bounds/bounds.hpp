@@ -13,6 +13,10 @@ Matrix edges_of(std::span<const Index> triangles, Index n_vertices);
 void raise_to_straight_line(std::span<const double> vertices, const SourceValues& starts,
                             std::span<double> distances);
 
+// The same of some vertices, whose distances these are.
+void raise_to_straight_line(std::span<const double> vertices, std::span<const Index> near,
+                            const SourceValues& starts, std::span<double> distances);
+
 // Edges from their lower ends, one after the other, each with a little less than its length: what
 // most have to be looked at for.
 struct Spans {
@@ -32,6 +36,10 @@ class EdgeBounds {
   // https://doi.org/10.1007/BF01386390, begun at the edges across which distances differ by more
   // than their length: on most meshes there are a few, so a search begins in nearly every call.
   void lower(std::span<double> distances) const;
+
+  // The same where all but some vertices, which ascend, are infinite because they are not known.
+  // Return false if one of the others may be within the limit.
+  bool lower_near(std::span<const Index> near, double limit, std::span<double> distances) const;
 
  private:
   std::span<const double> vertices_;

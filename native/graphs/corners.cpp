@@ -430,6 +430,10 @@ GraphCorners corners_of(Index n, std::span<const Index> edges, std::span<const d
   store(rows, angles, result);
   result.starts = std::move(rows.starts), result.ends = std::move(rows.ends);
   result.lengths = std::move(rows.lengths), result.back = std::move(rows.back);
+  result.reaches.resize(at(n));
+  for (Index v = 0; v < n; ++v)
+    for (Index s = result.starts[at(v)]; s < result.starts[at(v) + 1]; ++s)
+      result.reaches[at(v)] = std::max(result.reaches[at(v)], result.lengths[at(s)]);
   return result;
 }
 

@@ -21,11 +21,12 @@ struct GraphCorners {
   std::vector<Index> begins;
   std::vector<Row> other;
   std::vector<double> across;
-  bool solid = false;    // whether fronts cross the triangles of three corners as well
-  bool lattice = false;  // whether nearly all corners are those of rectangles
-  double covered = 0;    // share of the junctions whose edges corners connect
-  double growth = 0;     // vertices up to two edges away, for each neighbour
-  double closed = 0;     // share of the edges that triangles surround: their third corners connect
+  std::vector<double> reaches;  // the length of the longest edge or chord of each vertex
+  bool solid = false;           // whether fronts cross the triangles of three corners as well
+  bool lattice = false;         // whether nearly all corners are those of rectangles
+  double covered = 0;           // share of the junctions whose edges corners connect
+  double growth = 0;            // vertices up to two edges away, for each neighbour
+  double closed = 0;  // share of the edges that triangles surround: their third corners connect
 
   Index n_vertices() const { return static_cast<Index>(starts.size()) - 1; }
 };

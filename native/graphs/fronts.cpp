@@ -84,32 +84,65 @@ double across_triangle(const End& a, const End& b, const End& c, double ab, doub
   return std::hypot(source.x - apex.x, source.y - apex.y, up + down);
 }
 
+// Edges by which a vertex may be nearer than its path along an edge, before fronts end at a limit.
+// With 0, 4,430 of 4.1 million distances within the limit differed from those without one, with 1
+// and 2 none did: 30 graphs of 6 to 12 neighbours of 2,000 samples, in the plane, on rolls, in
+// cubes and in clusters, also with noise, and a random graph, from 150 sources with four limits
+// each.
+constexpr double kEdgesBeyondLimit = 2;
+
+// Fronts from one set of sources after the other.
 class Fronts {
  public:
-  Fronts(const GraphCorners& corners, std::span<double> distances)
+  explicit Fronts(const GraphCorners& corners)
       : corners_(corners),
-        distances_(distances),
-        began_(distances.size()),
-        settled_(distances.size()) {
-    std::ranges::fill(distances, kInfinity);
+        distances_(at(corners.n_vertices()), kInfinity),
+        began_(distances_.size()),
+        states_(distances_.size()) {}
+
+  // Forget the last set, and let fronts be known up to a distance.
+  void begin(double limit) {
+    limit_ = limit;
+    for (const Index v : reached_) distances_[at(v)] = kInfinity, states_[at(v)] = {};
+    reached_.clear();
+    queue_.clear();
+    n_near_ = 0;
   }
 
   void start(Index v, double distance) { lower(v, distance, distance); }
 
   void run() {
-    while (!queue_.empty()) {
+    while (n_near_ > 0) {
       const auto [distance, v] = queue_.top();
       queue_.pop();
-      if (settled_[at(v)]) continue;
-      settled_[at(v)] = true;
+      State& state = states_[at(v)];
+      if (state.is_settled) continue;
+      state.is_settled = true;
+      n_near_ -= state.is_near;
       for (Index s = corners_.starts[at(v)]; s < corners_.starts[at(v) + 1]; ++s)
-        if (!settled_[at(corners_.ends[at(s)])]) reach(v, s);
+        if (!is_settled(corners_.ends[at(s)])) reach(v, s);
     }
   }
 
+  std::span<const double> distances() const { return distances_; }
+  // The vertices that have distances, in any order.
+  std::span<const Index> reached() const { return reached_; }
+
  private:
+  struct State {
+    bool is_settled = false, is_near = false;  // near: to become final before fronts end
+  };
+
+  bool is_settled(Index v) const { return states_[at(v)].is_settled; }
+
   void lower(Index v, double distance, double began) {
     if (!(distance < distances_[at(v)])) return;
+    if (distances_[at(v)] == kInfinity) reached_.push_back(v);
+    bool& is_near = states_[at(v)].is_near;
+    if (!is_near && distance - kEdgesBeyondLimit * corners_.reaches[at(v)] <= limit_) {
+      is_near = true;
+      ++n_near_;
+    }
     distances_[at(v)] = distance, began_[at(v)] = began;
     queue_.emplace(distance, v);
   }
@@ -129,7 +162,7 @@ class Fronts {
     lower(x, distances_[at(v)] + corners_.lengths[at(s)], began_[at(v)]);
     for (Index k = corners_.begins[at(home)]; k < corners_.begins[at(home) + 1]; ++k) {
       const Index t = corners_.other[at(k)], b = corners_.ends[at(t)];
-      if (!settled_[at(b)]) continue;
+      if (!is_settled(b)) continue;
       const double began = std::min(began_[at(v)], began_[at(b)]);
       lower(x, began + across_side(end_of(home, began), end_of(t, began), corners_.across[at(k)]),
             began);
@@ -142,7 +175,7 @@ class Fronts {
     for (Index m = k + 1; m < corners_.begins[at(home) + 1]; ++m) {
       const Index u = corners_.other[at(m)];
       const Index a = corners_.ends[at(home)], b = corners_.ends[at(t)], c = corners_.ends[at(u)];
-      if (!settled_[at(c)]) continue;
+      if (!is_settled(c)) continue;
       const double between = across(t, u);
       if (between < 0) continue;
       const double began = std::min({began_[at(a)], began_[at(b)], began_[at(c)]});
@@ -161,12 +194,24 @@ class Fronts {
   }
 
   using Entry = std::pair<double, Index>;
+  struct Queue : std::priority_queue<Entry, std::vector<Entry>, std::greater<>> {
+    void clear() { c.clear(); }
+  };
+
   const GraphCorners& corners_;
-  std::span<double> distances_;
-  std::vector<double> began_;  // the distance that the source of a front started with
-  std::vector<bool> settled_;
-  std::priority_queue<Entry, std::vector<Entry>, std::greater<>> queue_;
+  std::vector<double> distances_, began_;  // with what the source of a front started
+  std::vector<State> states_;
+  std::vector<Index> reached_;
+  Queue queue_;
+  double limit_ = kInfinity;
+  Index n_near_ = 0;  // that are not final
 };
+
+// The sets that a thread takes at once, so that few of them need memory for all vertices.
+Index sets_of_piece(Index n_sets, int n_threads) {
+  const Index n_pieces = Index{4} * n_threads;
+  return std::max<Index>((n_sets + n_pieces - 1) / n_pieces, 1);
+}
 
 }  // namespace
 
@@ -174,14 +219,38 @@ void cross_corners(const GraphCorners& corners, std::span<const Index> begins,
                    std::span<const Index> vertices, std::span<const double> starts,
                    std::span<double> distances, int n_threads) {
   const auto n = at(corners.n_vertices());
-  in_pieces(count(begins) - 1, 1, n_threads, [&](Index first, Index last) {
+  const Index n_sets = count(begins) - 1;
+  in_pieces(n_sets, sets_of_piece(n_sets, n_threads), n_threads, [&](Index first, Index last) {
+    Fronts fronts(corners);
     for (Index k = first; k < last; ++k) {
-      Fronts fronts(corners, distances.subspan(at(k) * n, n));
+      fronts.begin(kInfinity);
       for (Index i = begins[at(k)]; i < begins[at(k) + 1]; ++i)
         fronts.start(vertices[at(i)], starts[at(i)]);
       fronts.run();
+      std::ranges::copy(fronts.distances(), distances.subspan(at(k) * n, n).begin());
     }
   });
+}
+
+NearRows cross_corners_near(const GraphCorners& corners, std::span<const Index> begins,
+                            std::span<const Index> vertices, std::span<const double> starts,
+                            std::span<const double> limits, int n_threads) {
+  const Index n_sets = count(begins) - 1, size = sets_of_piece(n_sets, n_threads);
+  std::vector<NearPiece> pieces(at((n_sets + size - 1) / size));
+  in_pieces(n_sets, size, n_threads, [&](Index first, Index last) {
+    NearPiece& piece = pieces[at(first / size)];
+    Fronts fronts(corners);
+    for (Index k = first; k < last; ++k) {
+      fronts.begin(limits[at(k)]);
+      for (Index i = begins[at(k)]; i < begins[at(k) + 1]; ++i)
+        fronts.start(vertices[at(i)], starts[at(i)]);
+      fronts.run();
+      for (const Index v : fronts.reached())
+        if (fronts.distances()[at(v)] <= limits[at(k)]) piece.add(v, fronts.distances()[at(v)]);
+      piece.end_row();
+    }
+  });
+  return together(pieces);
 }
 
 }  // namespace geodesic

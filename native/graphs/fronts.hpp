@@ -3,6 +3,7 @@
 
 #include <span>
 
+#include "core/near.hpp"
 #include "graphs/corners.hpp"
 
 namespace geodesic {
@@ -18,5 +19,14 @@ namespace geodesic {
 void cross_corners(const GraphCorners& corners, std::span<const Index> begins,
                    std::span<const Index> vertices, std::span<const double> starts,
                    std::span<double> distances, int n_threads);
+
+// The same, to the bit, of the vertices up to limits[k] from set k alone.
+//
+// Only the vertices around are visited, and a few more: a vertex may still be reached across a
+// corner from two that are farther, but by less than their edges to it, and its path along these is
+// known. So it has to become final if that path is within the limit and twice its longest edge.
+NearRows cross_corners_near(const GraphCorners& corners, std::span<const Index> begins,
+                            std::span<const Index> vertices, std::span<const double> starts,
+                            std::span<const double> limits, int n_threads);
 
 }  // namespace geodesic

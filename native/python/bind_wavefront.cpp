@@ -266,6 +266,28 @@ void bind_wavefront(nb::module_& module) {
           "returns"_a, "steady"_a, "most_sweeps"_a, "distances"_a.noconvert(),
           "kappas"_a.noconvert() = nb::none(), "n_threads"_a = 1, "have_offsets"_a = false)
       .def(
+          "sweep_near",
+          [](const Sweeper& self, Columns heat, bool logarithmic, In<Index> begins,
+             In<Index> vertices, In<double> known, In<double> curvatures, In<double> tolerances,
+             Index returns, Index steady, Index most_sweeps, In<double> limits, int n_threads,
+             bool have_offsets) {
+            const HeatTable table{span(heat), n_columns(heat), logarithmic};
+            const Sources sources{span(begins),     span(vertices),   span(known),
+                                  span(curvatures), span(tolerances), have_offsets};
+            require(n_rows(heat) == self.n_vertices(), "a number for each vertex");
+            require_sources(sources, table.n_columns, self.n_vertices());
+            require(n_rows(limits) == table.n_columns, "a limit for each set of sources");
+            require(n_threads > 0, "at least one thread");
+            return give(unlocked([&] {
+              return self.sweep_near(table, sources, {returns, steady, most_sweeps}, span(limits),
+                                     n_threads);
+            }));
+          },
+          "heat"_a.noconvert(), "logarithmic"_a, "begins"_a.noconvert(), "vertices"_a.noconvert(),
+          "known"_a.noconvert(), "curvatures"_a.noconvert(), "tolerances"_a.noconvert(),
+          "returns"_a, "steady"_a, "most_sweeps"_a, "limits"_a.noconvert(), "n_threads"_a = 1,
+          "have_offsets"_a = false)
+      .def(
           "sweep_limited",
           [](const Sweeper& self, In<Index> vertices, In<double> known, In<double> curvatures,
              double tolerance, In<double> latest, Index most_visits, Out<double> distances,

@@ -10,6 +10,7 @@
 #include <string>
 
 #include "core/matrix.hpp"
+#include "core/near.hpp"
 
 namespace nb = nanobind;
 using namespace nb::literals;
@@ -77,6 +78,11 @@ auto give(Array<T> array, Index columns = 0) {
 inline auto give(Matrix matrix) {
   return nb::make_tuple(give(std::move(matrix.indptr)), give(std::move(matrix.indices)),
                         give(std::move(matrix.data)));
+}
+
+inline auto give(NearRows rows) {
+  return nb::make_tuple(give(std::move(rows.begins)), give(std::move(rows.vertices)),
+                        give(std::move(rows.distances)));
 }
 
 // A matrix in compressed rows, whose arrays are checked against each other; their values are not

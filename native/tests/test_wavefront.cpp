@@ -36,20 +36,37 @@ struct Flat {
         exact.push_back(length(at(mesh.vertices, v) - at(mesh.vertices, source)));
   }
 
-  std::vector<double> swept(int n_threads) const {
+  // Use a sweeper with heat, sources and effort.
+  template <class Use>
+  void sweep(const Use& use) const {
     const Measured measured = measure_triangles(mesh.vertices, mesh.faces);
     Corners corners = gather_corners(mesh.faces, measured.triangles.frames, false, n);
     close_rims(corners, Array<bool>(n, true));
     const Sweeper sweeper(corners, Array<double>(n, 0.0), Array<bool>(n, false));
-    std::vector<double> heat(exact.size()), found(exact.size());
+    std::vector<double> heat(exact.size());
     for (Index k = 0; k < n_sets; ++k)
       for (Index v = 0; v < n; ++v) heat[v * n_sets + k] = -exact[k * n + v];
     std::vector<Index> begins;
     for (Index k = 0; k <= n_sets; ++k) begins.push_back(k);
     const std::vector<double> distances(n_sets, 0.0), tolerances(n_sets, 1e-12);
     const std::vector<double> curvatures(n_sets, std::numeric_limits<double>::infinity());
-    sweeper.sweep({heat, n_sets, true}, {begins, vertices, distances, curvatures, tolerances},
-                  {8 * n, 0, 100}, found, {}, n_threads);
+    use(sweeper, HeatTable{heat, n_sets, true},
+        Sources{begins, vertices, distances, curvatures, tolerances}, Effort{8 * n, 0, 100});
+  }
+
+  std::vector<double> swept(int n_threads) const {
+    std::vector<double> found(exact.size());
+    sweep([&](const Sweeper& sweeper, const auto&... arguments) {
+      sweeper.sweep(arguments..., found, {}, n_threads);
+    });
+    return found;
+  }
+
+  NearRows swept_near(double limit, int n_threads) const {
+    NearRows found;
+    sweep([&](const Sweeper& sweeper, const auto&... arguments) {
+      found = sweeper.sweep_near(arguments..., std::vector<double>(n_sets, limit), n_threads);
+    });
     return found;
   }
 };
@@ -71,6 +88,43 @@ TEST(sweeps_give_the_same_bits_on_any_number_of_threads) {
   for (const int n_threads : {2, 3, 8}) {
     const std::vector<double> several = flat.swept(n_threads);
     CHECK(std::memcmp(one.data(), several.data(), one.size() * sizeof(double)) == 0);
+  }
+}
+
+TEST(sweeps_that_end_at_a_limit_give_the_same_bits_up_to_it) {
+  const Flat flat;
+  const std::vector<double> all = flat.swept(1);
+  for (const double limit : {0.0, 0.1, 0.5, 10.0}) {
+    const NearRows near = flat.swept_near(limit, limit > 0.1 ? 3 : 1);
+    for (Index k = 0; k < flat.n_sets; ++k) {
+      const double* const row = all.data() + k * flat.n;
+      Index found = 0;
+      for (Index i = near.begins[k]; i < near.begins[k + 1]; ++i) {
+        CHECK(i == near.begins[k] || near.vertices[i - 1] < near.vertices[i]);
+        if (near.distances[i] > limit) continue;
+        ++found;
+        CHECK(near.distances[i] == row[near.vertices[i]]);
+      }
+      CHECK(found == std::count_if(row, row + flat.n, [&](double d) { return d <= limit; }));
+    }
+  }
+}
+
+TEST(slices_of_an_order_are_its_beginning) {
+  const std::vector<double> heat{0.5, -1.0, 2.0, 0.5, 1e-300, 1e300, 0.0, 3.0};
+  for (const bool logarithmic : {false, true}) {
+    const HeatTable table{heat, 1, logarithmic};
+    const Array<Row> whole = falling(table, 0, 1);
+    FallingKeys keys(table, 0, 1);
+    CHECK(keys.are_heat[0] == logarithmic);
+    FallingSlices slices;
+    slices.begin(keys.column(0), keys.mosts[0], keys.number);
+    for (Index size = 1; !slices.is_whole(); ++size) {
+      slices.add(size);
+      CHECK(std::ranges::equal(slices.order(), std::span(whole).first(slices.order().size())));
+    }
+    slices.add(1);
+    CHECK(count(slices.order()) == whole.size());
   }
 }
 

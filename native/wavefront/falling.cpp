@@ -5,7 +5,9 @@
 namespace geodesic {
 namespace {
 
-using Key = std::uint64_t;
+using Key = FallingKeys::Key;
+
+constexpr std::size_t at(Index i) { return static_cast<std::size_t>(i); }
 
 constexpr int kMaxBitsOfDigit =
     12;  // of a digit by which keys are sorted in a pass: a table stays in L1
@@ -55,39 +57,75 @@ void sort(std::span<Key> keys, int first, int end, Array<Key>& workspace) {
 
 // Numbers of rows are written into the last bits of the keys, so that these can be sorted as they
 // are.
-Array<Row> falling(const HeatTable& heat, Index begin, Index end) {
-  const Index n = heat.n_rows(), n_columns = end - begin;
-  const int number_bits = std::bit_width(static_cast<Key>(std::max<Index>(n - 1, 1)));
-  const int rest =
-      std::max(heat.logarithmic ? kIgnoredBitsOfLogarithm : kIgnoredBitsOfHeat, number_bits);
-  const Key number = (Key{1} << number_bits) - 1, one = Key{1} << rest;
+FallingKeys::FallingKeys(const HeatTable& heat, Index begin, Index end)
+    : n_rows(heat.n_rows()),
+      keys((end - begin) * n_rows),
+      mosts(end - begin),
+      are_heat(end - begin, true) {
+  const Index n_columns = end - begin;
+  const int number_bits = std::bit_width(static_cast<Key>(std::max<Index>(n_rows - 1, 1)));
+  rest = std::max(heat.logarithmic ? kIgnoredBitsOfLogarithm : kIgnoredBitsOfHeat, number_bits);
+  number = (Key{1} << number_bits) - 1;
+  const Key one = Key{1} << rest;
   Array<Range> ranges(n_columns, Range{});
-  for (Index row = 0; row < n; ++row) {
+  for (Index row = 0; row < n_rows; ++row) {
     const double* const values = heat.values.data() + row * heat.n_columns + begin;
     for (Index c = 0; c < n_columns; ++c)
-      if (heat.is_heat(values[c])) ranges[c].add(falling_key(values[c]));
+      if (heat.is_heat(values[c]))
+        ranges[c].add(falling_key(values[c]));
+      else
+        are_heat[c] = false;
   }
-  for (Range& range : ranges) {
+  for (Index c = 0; c < n_columns; ++c) {
+    Range& range = ranges[c];
     range.least &= ~(one - 1);
     range.most = range.most < range.least ? one : range.most - range.least + one;
+    mosts[c] = range.most;
   }
-  Array<Key> keys(n_columns * n), workspace(n);
-  for (Index row = 0; row < n; ++row) {
+  for (Index row = 0; row < n_rows; ++row) {
     const double* const values = heat.values.data() + row * heat.n_columns + begin;
     for (Index c = 0; c < n_columns; ++c) {
       const auto [least, most] = ranges[c];
       const Key key = heat.is_heat(values[c]) ? falling_key(values[c]) - least : most;
-      keys[c * n + row] = (key & ~(one - 1)) | static_cast<Key>(row);
+      keys[c * n_rows + row] = (key & ~(one - 1)) | static_cast<Key>(row);
     }
   }
+}
+
+Array<Row> falling(const HeatTable& heat, Index begin, Index end) {
+  FallingKeys keys(heat, begin, end);
+  const Index n = keys.n_rows, n_columns = end - begin;
+  Array<Key> workspace(n);
   Array<Row> order(n_columns * n);
   for (Index c = 0; c < n_columns; ++c) {
-    const std::span<Key> own(keys.data() + c * n, static_cast<std::size_t>(n));
-    sort(own, rest, std::bit_width(ranges[c].most), workspace);
+    const std::span<Key> own = keys.column(c);
+    sort(own, keys.rest, std::bit_width(keys.mosts[c]), workspace);
     for (Index rank = 0; rank < n; ++rank)
-      order[c * n + rank] = static_cast<Row>(own[rank] & number);
+      order[c * n + rank] = static_cast<Row>(own[at(rank)] & keys.number);
   }
   return order;
+}
+
+void FallingSlices::begin(std::span<const Key> column, Key most, Key number) {
+  column_ = column, number_ = number, next_ = 0;
+  shift_ = std::max(static_cast<int>(std::bit_width(most)) - kBitsOfBucket, 0);
+  sizes_.assign(at(bucket(most | number) + 1), 0);
+  order_.clear();
+  for (const Key key : column) ++sizes_[at(bucket(key))];
+}
+
+void FallingSlices::add(Index size) {
+  const Index first = next_;
+  Index found = 0;
+  while (next_ < static_cast<Index>(sizes_.size()) && found < size) found += sizes_[at(next_++)];
+  if (next_ == first) return;
+  const Key low = static_cast<Key>(first) << shift_;
+  const Key span = (static_cast<Key>(next_ - first) << shift_) - 1;  // 2^64 - 1 at most
+  slice_.clear();
+  for (const Key key : column_)
+    if (key - low <= span) slice_.push_back(key);
+  std::ranges::sort(slice_);
+  for (const Key key : slice_) order_.push_back(static_cast<Row>(key & number_));
 }
 
 }  // namespace geodesic

@@ -6,6 +6,7 @@
 // into the plane, with the curvature of the front carried along by its Riccati equation.
 #pragma once
 
+#include "core/near.hpp"
 #include "wavefront/falling.hpp"
 #include "wavefront/fans.hpp"
 
@@ -40,6 +41,11 @@ class Sweeper {
   // set gives the order of visits.
   void sweep(const HeatTable& heat, const Sources& sources, const Effort& effort,
              std::span<double> distances, std::span<double> kappas, int n_threads) const;
+
+  // The same, to the bit, of the vertices up to limits[k] from set k, and of others near them: as
+  // vertices come in the order of the heat, a sweep ends when those that follow are farther.
+  NearRows sweep_near(const HeatTable& heat, const Sources& sources, const Effort& effort,
+                      std::span<const double> limits, int n_threads) const;
 
   // Write the distances from one set alone of the vertices that a front reaches before the distance
   // `latest` there, infinite elsewhere, in at most so many visits. No heat is needed: vertices are

@@ -30,6 +30,7 @@ import geodesic_toolkit as gt
 from geodesic_toolkit import errors
 from geodesic_toolkit.analysis.matrix import fingerprints, stores, symmetry, workers
 from geodesic_toolkit.analysis.matrix.tasks import rows_of_task
+from geodesic_toolkit.core.near import NearRows
 from geodesic_toolkit.linear import memory
 from geodesic_toolkit.testing import shapes
 
@@ -210,10 +211,38 @@ def test_symmetry_of_sparse_entries_is_that_of_dense_ones(entries, how, limit):
     kept = dense <= symmetry.widened(limit, how)
     starts = np.concatenate([[0], np.cumsum(kept.sum(axis=1))])
     thinned = csr_array((dense[kept], np.nonzero(kept)[1], starts), shape=dense.shape)
+    rows, farther = symmetry.unknown_rows(thinned, how, limit)
+    assert len(rows) == 0 or how == "mean"
+    kept[rows] = dense[rows] <= farther
+    starts = np.concatenate([[0], np.cumsum(kept.sum(axis=1))])
+    thinned = csr_array((dense[kept], np.nonzero(kept)[1], starts), shape=dense.shape)
     found = symmetry.symmetrized_entries(thinned, how, limit)
     expected = UFUNCS[how](dense, dense.T)
     np.testing.assert_array_equal(found.nnz, (expected <= limit).sum())
     np.testing.assert_array_equal(found.toarray(), np.where(expected <= limit, expected, 0))
+
+
+@pytest.mark.parametrize("dtype", ["float32", "float64"])
+def test_mirrored_distances_that_differ_much_are_measured_again(tmp_path, dtype):
+    line = np.arange(12.0)
+    one_way = np.where(line > line[:, None], 1.0, 1.8) * np.abs(line - line[:, None])
+
+    class Slow(gt.GeodesicSolver):
+        def near(self, source_sets, limits):
+            vertices = [sources.vertices[0] for sources in self.locate_sets(source_sets)]
+            rows = one_way[vertices]
+            return NearRows.of_table(rows, np.full(len(rows), limits))
+
+    graph = gt.Graph(12, np.column_stack([np.arange(11), np.arange(1, 12)]))
+    expected = (one_way + one_way.T) / 2
+    for limit in (0.0, 1.4, 2.8, 5.0, 100.0):
+        found = gt.distance_matrix(Slow(graph), max_distance=limit, dtype=dtype)
+        assert found.nnz == (expected.astype(dtype) <= limit).sum()
+        kept = np.where(expected <= limit, expected, 0)
+        np.testing.assert_allclose(found.toarray(), kept, rtol=1e-6)
+    saved = gt.distance_matrix(Slow(graph), max_distance=2.8, out=tmp_path / "D.npz")
+    memory_of_it = gt.distance_matrix(Slow(graph), max_distance=2.8)
+    np.testing.assert_array_equal(saved.toarray(), memory_of_it.toarray())
 
 
 # -- the same on every way -------------------------------------------------------------------------

@@ -466,3 +466,55 @@ def test_tables_out_of_the_range_of_floats_are_refused():
     for unit in (1e-200, 1e200, 1e308):
         with pytest.raises(UnsupportedDomainError, match=r"the table of samples is .* wide"):
             GeodesicDistances().fit(unit * table)
+
+
+# -- nearest samples, as brute force finds them ----------------------------------------------------
+
+
+def brute_force(model, count):
+    """Return the nearest by the whole matrix, ties by number: distances and indices."""
+    solver = model.solver_
+    rows = solver.distances(np.arange(solver.domain.n_vertices))
+    np.fill_diagonal(rows, np.inf)
+    order = np.lexsort((np.broadcast_to(np.arange(len(rows)), rows.shape), rows))[:, :count]
+    far = np.take_along_axis(rows, order, axis=1)
+    return far, np.where(np.isinf(far), len(rows), order)
+
+
+def lattice_with_parts():
+    """A grid, on which many distances are equal, and a part of three samples."""
+    side = np.arange(8.0)
+    grid = np.stack(np.meshgrid(side, side), axis=-1).reshape(-1, 2)
+    return np.concatenate([grid, [[100.0, 0.0], [101.0, 0.0], [100.5, 0.5]]])
+
+
+@pytest.mark.parametrize("refine", ["across", True, False])
+@pytest.mark.parametrize("count", [1, 4, 30])
+def test_the_nearest_are_those_of_the_whole_matrix_with_ties(refine, count):
+    model = GeodesicNeighbors(graph_neighbors=2 if refine is False else 4, refine=refine)
+    model.fit(GRID if refine is False else lattice_with_parts())
+    distances, indices = model.kneighbors(n_neighbors=count)
+    expected, nearest = brute_force(model, count)
+    np.testing.assert_array_equal(distances, expected)
+    np.testing.assert_array_equal(indices, nearest)
+
+
+@pytest.mark.parametrize(
+    "make", [shapes.icosphere, lambda n: gt.PointCloud(shapes.icosphere(n).vertices)]
+)
+def test_the_nearest_vertices_of_a_surface_are_those_of_the_whole_matrix(make):
+    model = GeodesicNeighbors().fit(make(4 if make is shapes.icosphere else 3))
+    expected, nearest = brute_force(model, 6)
+    distances, indices = model.kneighbors(n_neighbors=6)
+    np.testing.assert_array_equal(distances, expected)
+    np.testing.assert_array_equal(indices, nearest)
+
+
+def test_graphs_within_a_radius_are_symmetric():
+    graph = GeodesicNeighbors(radius=2.5).fit_transform(GRID).toarray()
+    np.testing.assert_array_equal(graph, graph.T)
+    model = GeodesicNeighbors(radius=2.5, symmetrize=None).fit(GRID)
+    rows = model.solver_.distances(np.arange(len(GRID)))
+    np.testing.assert_array_equal(model.transform(GRID).toarray(), np.where(rows <= 2.5, rows, 0))
+    along = GeodesicNeighbors(radius=2.5, symmetrize=None, refine=True).fit_transform(GRID)
+    np.testing.assert_array_equal(along.toarray(), along.toarray().T)

@@ -154,6 +154,7 @@ def calls():
     diagonal = (np.array([0, 3, 4, 7]), np.full(4, 2.0), np.arange(4.0))
     edges = _native.edges_of(FACES, 4)
     bounds = _native.Bounds(VERTICES, *edges)
+    corners = _native.gather_corners(FACES, FRAMES, False, False, HELD)
     return {
         "components": (_native.components, INDPTR, INDICES),
         "components_of_edges": (_native.components_of_edges, EDGES, 4),
@@ -165,6 +166,38 @@ def calls():
         "edges_of": (_native.edges_of, FACES, 4),
         "Bounds": (_native.Bounds, VERTICES, *edges),
         "hold": (bounds.hold, np.array([0, 1]), VERTICES[:1], np.zeros(1), np.ones((1, 4))),
+        "hold_near": (
+            bounds.hold_near,
+            np.array([0, 1]),
+            VERTICES[:1],
+            np.zeros(1),
+            np.array([0, 2]),
+            np.array([0, 1]),
+            np.ones(2),
+            np.ones(1),
+        ),
+        "cross_near": (
+            _native.GraphCorners(4, EDGES, np.ones(2)).cross_near,
+            np.array([0, 1]),
+            np.array([2]),
+            np.zeros(1),
+            np.ones(1),
+            1,
+        ),
+        "sweep_near": (
+            _native.Sweeper(corners, np.zeros(4), HELD).sweep_near,
+            np.ones(4),
+            False,
+            np.array([0, 1]),
+            np.array([2]),
+            np.zeros(1),
+            np.ones(1),
+            np.full(1, 1e-9),
+            8,
+            0,
+            9,
+            np.ones(1),
+        ),
         "faces_at": (_native.faces_at, FACES, HELD),
         "is_symmetric": (_native.is_symmetric, INDPTR, INDICES),
         "minimum_degree": (_native.minimum_degree, INDPTR, INDICES),
@@ -268,6 +301,7 @@ WRITES = {
     "flip_edges_with_directions",
     "fill",
     "hold",
+    "hold_near",
 }
 ARRAYS = [
     (name, place)
@@ -347,6 +381,14 @@ def test_what_may_not_be_written_to_is_not(name, place):
         ("edges_of", 0, np.zeros((3, 2), np.int64)),
         ("Bounds", 0, np.ones((5, 3))),
         ("hold", 3, np.ones((1, 3))),
+        ("hold_near", 3, np.array([0, 3])),
+        ("hold_near", 4, np.array([0, 4])),  # a vertex that there is not
+        ("hold_near", 6, np.ones(2)),
+        ("cross_near", 1, np.array([4])),
+        ("cross_near", 3, np.ones(2)),
+        ("sweep_near", 0, np.ones(3)),
+        ("sweep_near", 3, np.array([4])),
+        ("sweep_near", 10, np.ones(2)),
         ("faces_at", 0, np.zeros((3, 2), np.int64)),
         ("is_symmetric", 1, INDICES[:-1]),
         ("minimum_degree", 1, INDICES[:-1]),

@@ -27,6 +27,7 @@ from geodesic_toolkit.analysis.matrix.stores import (
 from geodesic_toolkit.analysis.matrix.symmetry import Symmetrize, check_symmetrize, widened
 from geodesic_toolkit.analysis.matrix.tasks import (
     EveryVertex,
+    Rows,
     RowTask,
     Sets,
     rows_of_task,
@@ -81,10 +82,12 @@ def distance_matrix(
         The value of an entry and of the one that mirrors it, as heat distances are not symmetric.
         For square matrices whose rows and columns are the same vertices; others do not change.
     max_distance : float, optional
-        Keep the entries up to this distance, in a sparse matrix. Blocks of rows are thinned
-        before they are collected. The zeros of the diagonal are stored entries, as neighbour
-        searches expect: an entry that is not stored is farther, and ``eliminate_zeros`` would lose
-        the zeros. With ``symmetrize="mean"``, entries up to twice as far are held until the end.
+        Keep the entries up to this distance, in a sparse matrix; they are those of the dense one,
+        to the bit. Refined distances and fronts across graphs end a little beyond it, so that a
+        row costs what lies within: on graphs that alone, and on triangles the heat of all vertices
+        as well, a tenth of a full row. Plain heat costs the full row. The zeros of the diagonal are
+        stored entries, as neighbour searches expect: an entry that is not stored is farther, and
+        ``eliminate_zeros`` would lose the zeros.
     out : path-like, optional
         A file to write: ``.npy``, or ``.zarr`` with one task per chunk, or with `max_distance`
         SciPy's ``.npz``. It is put in place when it is complete. Until then a folder beside it,
@@ -235,6 +238,13 @@ def _plan(
         "max_distance": repr(limit),
         "rows of a task": str(step),
     }
+
+    def again(numbers: IntArray, limit: float) -> Rows:
+        assert rows is not None  # for the type checker: the matrix is symmetric
+        some = rows[numbers]
+        own = EveryVertex(some) if isinstance(sets, EveryVertex) else some
+        return RowTask(-1, 0, len(numbers), own, columns, dtype, limit).compute(solver)
+
     return Plan(
         tasks=tasks,
         shape=(len(sets), len(across)),
@@ -242,6 +252,7 @@ def _plan(
         symmetrize=how,
         limit=limit,
         request=request,
+        again=again,
     )
 
 

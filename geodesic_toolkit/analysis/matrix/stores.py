@@ -3,10 +3,10 @@
 import abc
 import os
 import shutil
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, final
+from typing import Any, TypeAlias, final
 
 import numpy as np
 from numpy.lib.format import open_memmap
@@ -17,12 +17,13 @@ from geodesic_toolkit.analysis.matrix.symmetry import (
     symmetric_bands,
     symmetrize_in_place,
     symmetrized_entries,
+    unknown_rows,
 )
 from geodesic_toolkit.analysis.matrix.tasks import Rows, RowTask
 from geodesic_toolkit.analysis.matrix.unfinished import Unfinished
 from geodesic_toolkit.core.atomic import replacing, sync, writing
 from geodesic_toolkit.core.optional import require
-from geodesic_toolkit.core.types import BoolArray
+from geodesic_toolkit.core.types import BoolArray, IntArray
 from geodesic_toolkit.errors import WriteError
 from geodesic_toolkit.linear.memory import require_memory
 
@@ -36,6 +37,10 @@ __all__ = [
     "check_disk",
     "require_zarr",
 ]
+
+
+Again: TypeAlias = Callable[[IntArray, float], Rows]
+"""Function of the numbers of R rows, and a limit, that measures these again as far as that."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -53,6 +58,8 @@ class Plan:
         The largest distance that a sparse matrix keeps; None for a dense one.
     request : mapping of str to str
         The whole request in words, for the record of an unfinished matrix.
+    again : callable
+        Measures rows of a sparse matrix that have to be known farther than its tasks do.
     """
 
     tasks: Sequence[RowTask]
@@ -61,6 +68,7 @@ class Plan:
     symmetrize: str | None
     limit: float | None
     request: Mapping[str, str]
+    again: Again
 
     @property
     def rows_of_task(self) -> int:
@@ -149,6 +157,12 @@ def _assembled(blocks: list[csr_array], plan: Plan) -> csr_array:
     assert plan.limit is not None  # for the type checker
     matrix = csr_array(vstack(blocks, format="csr"))
     if plan.symmetrize is not None:
+        rows, limit = unknown_rows(matrix, plan.symmetrize, plan.limit)
+        if len(rows):
+            order = np.arange(len(matrix.indptr) - 1)
+            order[rows] = len(order) + np.arange(len(rows))
+            farther = csr_array(plan.again(rows, limit))
+            matrix = csr_array(csr_array(vstack([matrix, farther], format="csr"))[order])
         matrix = symmetrized_entries(matrix, plan.symmetrize, plan.limit)
     index: type[np.signedinteger[Any]] = np.int64
     if max(matrix.nnz, *matrix.shape) <= np.iinfo(np.int32).max:

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import csr_array
 
+from geodesic_toolkit.core.types import IntArray
 from geodesic_toolkit.errors import InvalidOptionError
 
 __all__ = [
@@ -19,6 +20,7 @@ __all__ = [
     "symmetric_bands",
     "symmetrize_in_place",
     "symmetrized_entries",
+    "unknown_rows",
     "widened",
 ]
 
@@ -29,6 +31,14 @@ Matrix: TypeAlias = NDArray[np.floating[Any]]
 
 BAND_BYTES = 256e6
 """Size of a band of rows in memory, and of the columns that mirror it, in bytes."""
+
+
+SHARE_BEYOND_LIMIT = 0.05
+"""Share by which rows are known beyond the limit of a mean. Mirrored entries that differ by more
+make a few rows be measured again, farther; refined distances differ by 0.2 %, plain ones by 1 %."""
+
+ROUNDING_OF_SUMS = 1e-6
+"""Share by which the sum of two entries in single precision may be smaller than it is."""
 
 
 def check_symmetrize(how: object) -> None:
@@ -87,11 +97,43 @@ def _pick(how: str) -> Callable[[Matrix, Matrix], Matrix]:
 
 
 def widened(limit: float, how: str | None) -> float:
-    """Return the limit up to which entries must be kept, so that the symmetric ones are known.
+    """Return the limit up to which entries are kept, so that nearly all symmetric ones are known.
 
-    The mean of 0 and of twice the limit is not above the limit.
+    See `unknown_rows` for the others.
     """
-    return 2 * limit if how == "mean" else limit
+    return (1 + SHARE_BEYOND_LIMIT) * limit if how == "mean" else limit
+
+
+def unknown_rows(matrix: csr_array, how: str, limit: float) -> tuple[IntArray, float]:
+    """Return the rows that must be known farther, and how far, for the symmetric entries.
+
+    The mean of an entry and of the one that mirrors it may be up to the limit although the latter
+    is not stored: the mean of 0 and of twice the limit is.
+
+    Parameters
+    ----------
+    matrix : csr_array of shape (N, N)
+        Entries that are not stored are above ``widened(limit, how)``.
+    how : {"mean", "min", "max"}
+    limit : float
+
+    Returns
+    -------
+    rows : ndarray of int64
+        Ascending.
+    limit : float
+    """
+    most = 2 * limit * (1 + ROUNDING_OF_SUMS)
+    rows = np.repeat(np.arange(matrix.shape[0], dtype=np.int64), np.diff(matrix.indptr))
+    columns, size = matrix.indices.astype(np.int64), matrix.shape[0]
+    near = np.flatnonzero(matrix.data + widened(limit, how) < most) if how == "mean" else rows[:0]
+    stored = np.sort(rows * size + columns)
+    mirrored = columns[near] * size + rows[near]
+    place = np.minimum(np.searchsorted(stored, mirrored), len(stored) - 1)
+    alone = near[stored[place] != mirrored]
+    if not len(alone):
+        return alone, limit
+    return np.unique(columns[alone]), most - float(matrix.data[alone].min())
 
 
 def symmetrized_entries(matrix: csr_array, how: str, limit: float) -> csr_array:
@@ -100,7 +142,8 @@ def symmetrized_entries(matrix: csr_array, how: str, limit: float) -> csr_array:
     Parameters
     ----------
     matrix : csr_array of shape (N, N)
-        Entries that are not stored are above ``widened(limit, how)``.
+        Entries that are not stored are above the limit, and those whose mean with a stored one is
+        not are stored.
     how : {"mean", "min", "max"}
     limit : float
     """

@@ -17,7 +17,7 @@ from geodesic_toolkit.errors import InvalidSourceError
 from geodesic_toolkit.solver.solver import GeodesicSolver
 from geodesic_toolkit.sources.points import SourcePoints
 
-__all__ = ["EveryVertex", "RowTask", "Rows", "Sets", "rows_of_task", "thinned", "vertices_of"]
+__all__ = ["EveryVertex", "RowTask", "Rows", "Sets", "rows_of_task", "vertices_of"]
 
 Rows: TypeAlias = NDArray[np.floating[Any]] | csr_array
 """Rows of a matrix: dense, or only the entries up to a limit."""
@@ -85,24 +85,47 @@ class RowTask:
 
     def compute(self, solver: GeodesicSolver) -> Rows:
         """Return the rows, dense or thinned."""
-        distances = _distances(solver, self.sets)
+        found, rows = _located(solver, self.sets)
+        if self.limit is not None:
+            return self._near(solver, found, rows)
+        distances = np.full((len(self.sets), solver.domain.n_vertices), np.inf)
+        if len(rows) == len(self.sets):
+            distances = solver.distances(found)
+        elif len(rows):
+            distances[rows] = solver.distances(found)
         if self.targets is not None:
             distances = distances[:, self.targets]
-        rows = distances.astype(self.dtype, copy=False)
-        return rows if self.limit is None else thinned(rows, self.limit)
+        return distances.astype(self.dtype, copy=False)
+
+    def _near(self, solver: GeodesicSolver, found: Any, rows: IntArray) -> csr_array:
+        """Return the entries up to the limit; zeros among them are stored too."""
+        assert self.limit is not None  # for the type checker
+        # Numbers just above the limit may be rounded to it.
+        limit = self.limit * (1 + float(np.finfo(self.dtype).eps))
+        shape = (len(self.sets), solver.domain.n_vertices)
+        if not len(rows):
+            return csr_array(shape, dtype=self.dtype)
+        near = solver.near(found, limit)
+        values = near.distances.astype(self.dtype, copy=False)
+        within = values <= np.float64(self.limit)  # not a Python float, which float32 would round
+        counts = np.zeros(len(self.sets), dtype=np.int64)
+        counts[rows] = np.diff(np.concatenate([[0], np.cumsum(within)])[near.begins])
+        starts = np.concatenate([[0], np.cumsum(counts)])
+        matrix = csr_array((values[within], near.vertices[within], starts), shape=shape)
+        if self.targets is None:
+            return matrix
+        chosen = csr_array(matrix[:, self.targets])
+        chosen.sort_indices()
+        return chosen
 
 
-def _distances(solver: GeodesicSolver, sets: Sets) -> NDArray[np.float64]:
+def _located(solver: GeodesicSolver, sets: Sets) -> tuple[Any, IntArray]:
+    """Return the sources that there are, and the row of each."""
     if not isinstance(sets, EveryVertex):
-        return solver.distances(sets)
+        return sets, np.arange(len(sets))
     located = [_source_at(solver, vertex) for vertex in sets.vertices.tolist()]
-    found = [source for source in located if source is not None]
-    if len(found) == len(located):
-        return solver.distances(found)
-    distances = np.full((len(located), solver.domain.n_vertices), np.inf)
-    if found:
-        distances[[source is not None for source in located]] = solver.distances(found)
-    return distances
+    rows = [row for row, source in enumerate(located) if source is not None]
+    return [located[row] for row in rows], np.array(rows, dtype=np.int64)
 
 
 def _source_at(solver: GeodesicSolver, vertex: int) -> SourcePoints | None:
@@ -111,14 +134,6 @@ def _source_at(solver: GeodesicSolver, vertex: int) -> SourcePoints | None:
         return solver.locate(vertex)  # once, here, instead of in each block
     except InvalidSourceError:
         return None
-
-
-def thinned(rows: NDArray[np.floating[Any]], limit: float) -> csr_array:
-    """Return the entries up to `limit`; zeros among them are stored too."""
-    kept = rows <= np.float64(limit)  # not a Python float, which float32 would round
-    starts = np.concatenate([[0], np.cumsum(np.count_nonzero(kept, axis=1))]).astype(np.int64)
-    columns = np.nonzero(kept)[1].astype(np.int64)
-    return csr_array((rows[kept], columns, starts), shape=rows.shape)
 
 
 def rows_of_task(n_rows: int, n_vertices: int) -> int:
