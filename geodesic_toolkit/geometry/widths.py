@@ -21,7 +21,7 @@ def check_width(extent: float, noun: str) -> None:
     extent : float
         Its width; a shape without one is not refused.
     noun : str
-        What it is, for the message: "mesh".
+        The noun of the message: "mesh".
 
     Raises
     ------

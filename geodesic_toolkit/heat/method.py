@@ -50,8 +50,8 @@ __all__ = ["Boundary", "HeatMethod", "HeatReport", "Progress", "SourcePoints"]
 Progress: TypeAlias = Callable[[int, int], None]
 
 SETS_OF_FRONTS_PER_BLOCK = 256
-"""Source sets whose near vertices fronts visit in one call; shortest paths along edges need a row of
-distances for each."""
+"""Source sets whose near vertices fronts visit in one call; shortest paths along edges need a row
+of distances for each."""
 
 
 class HeatMethod:

@@ -55,7 +55,7 @@ def check_name(name: str, fixed: Mapping[str, str], held: Mapping[str, Any]) -> 
     fixed : mapping of str to str
         Names that the library uses itself, and for what.
     held : mapping
-        What the object holds under its names. A column of numbers is replaced; other data, such as
+        The data of the object by their names. A column of numbers is replaced; other data, such as
         texture coordinates or categories, would be lost.
 
     Raises

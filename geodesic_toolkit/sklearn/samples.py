@@ -211,7 +211,7 @@ def check_count(value: object, name: str, most: int | None = None, why: str = ""
     most : int, optional
         Its largest value.
     why : str
-        What the largest value follows from: "there are 40 samples".
+        The reason for the largest value: "there are 40 samples".
 
     Raises
     ------

@@ -35,7 +35,7 @@ Sheets::Sheets(const Surface& surface, double min_hole)
 
 void Sheets::join_edges(const Surface& surface) {
   const HalfEdges sorted = sorted_half_edges(surface.faces(), surface.n_vertices());
-  Array<Row> edge_to(surface.n_vertices(), kNone);  // from the vertex at hand
+  Array<Row> edge_to(surface.n_vertices(), kNone);  // from the current vertex
   for (Row v = 0; v < sorted.n_vertices(); ++v) {
     const auto first = static_cast<Row>(edges_.size());
     for (Row place = sorted.starts[v]; place < sorted.starts[v + 1]; ++place) {

@@ -7,8 +7,8 @@ namespace geodesic {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
-// Sine of the angle within which two directions are one. On lattices vertices lie on a line but for
-// rounding, and a strip that folds back there would be taken to go straight on.
+// Sine of the angle within which two directions are one. On lattices vertices lie on a line except
+// for rounding, and a strip that folds back there would be taken to go straight on.
 constexpr double kSameDirection = 1e-12;
 
 }  // namespace

@@ -7,7 +7,7 @@ namespace geodesic {
 
 using Position = std::ptrdiff_t;  // in a strip
 
-// The cross product, positive where q is on the left of p, or 0 where both are on a line but for
+// The cross product, positive where q is on the left of p, or 0 where both are on a line except for
 // rounding.
 double side(Planar p, Planar q);
 

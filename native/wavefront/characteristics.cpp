@@ -143,7 +143,7 @@ class Way {
   }
 
   // In the order of the distance, and at once again for vertices whose predecessors have changed:
-  // so the others take from them when they are settled.
+  // so the others take from them when they are final.
   void carry_on() {
     const Index n = n_vertices();
     Array<double> later(n);

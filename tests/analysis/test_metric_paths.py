@@ -72,7 +72,7 @@ def test_with_a_constant_cost_paths_are_those_without(mesh):
     for source, target in pairs_of(mesh, 8):
         path, same = (gt.geodesic_path(solver, source, target) for solver in (costly, plain))
         assert is_sound(path)
-        assert path.length == pytest.approx(2.5 * same.length, rel=2e-4)  # equally long ways around
+        assert path.length == pytest.approx(2.5 * same.length, rel=2e-4)  # two paths of one length
         assert path.length_in_space == pytest.approx(path.length / 2.5, rel=1e-12)
 
 
@@ -138,7 +138,7 @@ def test_a_path_leads_to_a_cheap_edge_along_it_and_back():
     )
 
 
-def test_a_dear_wall_is_walked_around():
+def test_an_expensive_wall_is_walked_around():
     x, y, _ = middles(SQUARE).T
     wall = (np.abs(x - 0.5) < 0.1) & (y < 0.75)
     solver = solver_of(SQUARE, cost=np.where(wall, 1e6, 1.0))
@@ -195,7 +195,7 @@ def test_paths_are_symmetric_scale_and_are_never_longer_than_along_edges(kind, r
     assert is_sound(path)
     assert path.faces.max() < COARSE.n_faces
     assert path.length <= along_edges(solver, source, target) * (1 + ROUNDING)
-    assert back.length == pytest.approx(path.length, rel=0.01)  # other ways, almost as long
+    assert back.length == pytest.approx(path.length, rel=0.01)  # another path, almost as long
     scaled = solver_of(COARSE, **{**metric, "cost": 1e-7 * metric["cost"]})
     assert gt.geodesic_path(scaled, source, target).length == pytest.approx(
         1e-7 * path.length, rel=1e-8

@@ -416,7 +416,7 @@ FIELDS = {
     "map": lambda values: gt.exp_map(SOLVER, 0, values),
     "mean": lambda values: gt.geodesic_mean(SOLVER, range(42), weights=values),
 }
-"""What takes numbers at vertices, or several of them."""
+"""Functions that take numbers at vertices, or several of them."""
 
 
 @pytest.mark.parametrize("ask", FIELDS.values(), ids=FIELDS)

@@ -34,7 +34,7 @@ def test_noise_wider_than_half_of_the_spacing_causes_a_warning_with_the_cure(noi
         assert roughness(noisy_torus(noise)) > 0.5
 
 
-def test_points_of_a_volume_are_no_surface():
+def test_points_of_a_volume_are_not_a_surface():
     with pytest.warns(NoisyCloudWarning):
         roughness(gt.PointCloud(np.random.default_rng(0).random((2000, 3))))
 

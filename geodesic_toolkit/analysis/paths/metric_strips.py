@@ -105,14 +105,14 @@ def _next(
 
 
 def _bends(path: Drawn) -> set[int]:
-    """Return the vertices at which a path has points, but for its ends."""
+    """Return the vertices at which a path has points, except for its ends."""
     shares = path.lines.shares[1:-1]
     edges = path.ends[1:-1]
     return {*edges[shares == 0, 0].tolist(), *edges[shares == 1, 1].tolist()} - _ends(path)
 
 
 def _beside(path: Drawn) -> set[int]:
-    """Return the vertices of the edges that a path crosses, but for its ends."""
+    """Return the vertices of the edges that a path crosses, except for its ends."""
     return set(path.ends[1:-1].ravel().tolist()) - _ends(path)
 
 

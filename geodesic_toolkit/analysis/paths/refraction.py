@@ -34,7 +34,7 @@ SUFFICIENT_DECREASE = 1e-4
 """Share of the linear decrease that a step must reach (Armijo)."""
 
 MAX_HALVINGS = 40
-"""Halvings of a step; what remains is then rounding."""
+"""Halvings of a step, after which the rest is rounding."""
 
 SNAPPED = (1e-3, 1e-5, 1e-7)
 """Shares within which a point is moved to the vertex, of which the one of the shortest polyline is

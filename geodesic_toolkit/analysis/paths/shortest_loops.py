@@ -31,7 +31,7 @@ CURES_WITHOUT_LOOPS = (
     "mask=...), which makes holes of them; or give places around it to geodesic_loop(..., "
     "through=True); or measure an isoline of a distance along it, isolines and curve_length"
 )
-"""What the error of surfaces without loops advises."""
+"""Advice in the error of surfaces without loops."""
 
 
 def shortest_loop(solver: GeodesicSolver, at: Any = None, *, min_hole: float = 0.0) -> GeodesicPath:
