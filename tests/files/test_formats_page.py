@@ -7,7 +7,7 @@ import pytest
 
 import geodesic_toolkit as gt
 from geodesic_toolkit.io.curve_files import READERS
-from geodesic_toolkit.io.writing import DISTANCE_SUFFIXES
+from geodesic_toolkit.io.outputs import OF_THE_CORE
 
 PAGE = Path(__file__).parents[2] / "docs" / "formats.md"
 
@@ -31,7 +31,7 @@ def test_every_reader_of_the_package_is_on_the_page(rows):
 
 def test_every_format_of_distances_is_on_the_page(rows):
     written = {suffix for suffix, row in rows.items() if not row[1].strip().startswith("no")}
-    assert written - {".zarr", ".npz"} == set(DISTANCE_SUFFIXES)
+    assert written - {".zarr", ".npz"} == set(OF_THE_CORE)
 
 
 def test_the_formats_of_curves_are_on_the_page():

@@ -554,7 +554,8 @@ def test_the_hemispheres_of_nilearn():
     surface = pytest.importorskip("nilearn.surface")
     left = surface.InMemoryMesh(VERTICES, FACES)
     assert_sphere(gt.as_domain(surface.PolyMesh(left=left)))
-    with pytest.raises(UnsupportedDomainError, match="there are 'left', 'right'"):
+    says = r"give one: mesh.parts\['left'\], mesh.parts\['right'\]"
+    with pytest.raises(UnsupportedDomainError, match=says):
         gt.as_domain(surface.PolyMesh(left=left, right=left))
 
 

@@ -29,7 +29,7 @@ def shapes(folder: Path) -> tuple[gt.TriangleMesh, gt.PointCloud, gt.Graph]:
     assert_type(gt.merge_vertices(mesh, 0.0), tuple[gt.TriangleMesh, Indices])
     assert_type(mesh.vertices, Floats)
     assert_type(mesh.n_vertices, int)
-    cloud = gt.PointCloud(np.random.default_rng(0).random((200, 3)))
+    cloud = gt.PointCloud(gt.testing.shapes.icosphere(2).vertices)
     assert_type(gt.thin(cloud, 0.01), gt.Thinned)
     graph = gt.Graph(3, [[0, 1], [1, 2]], [1.0, 2.0])
     return gt.testing.shapes.icosphere(2), cloud, graph
