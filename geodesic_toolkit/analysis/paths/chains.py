@@ -13,7 +13,7 @@ from geodesic_toolkit import _native
 from geodesic_toolkit.analysis.paths.candidates import Candidate
 from geodesic_toolkit.analysis.paths.fronts import one_place
 from geodesic_toolkit.analysis.paths.insertion import insert_points
-from geodesic_toolkit.analysis.paths.metric import path_on_metric, pulled_through
+from geodesic_toolkit.analysis.paths.metric.paths import path_on_metric, pulled_through
 from geodesic_toolkit.analysis.paths.path import (
     GeodesicPath,
     closed_path,

@@ -19,7 +19,7 @@ from geodesic_toolkit.analysis.paths.cloud import CloudPath, path_on_cloud
 from geodesic_toolkit.analysis.paths.edges import EdgePath, path_along_edges
 from geodesic_toolkit.analysis.paths.fronts import first_to_arrive
 from geodesic_toolkit.analysis.paths.insertion import insert_points
-from geodesic_toolkit.analysis.paths.metric import path_on_metric
+from geodesic_toolkit.analysis.paths.metric.paths import path_on_metric
 from geodesic_toolkit.analysis.paths.path import (
     GeodesicPath,
     joined_pieces,

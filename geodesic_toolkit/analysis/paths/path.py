@@ -10,7 +10,7 @@ import numpy as np
 
 from geodesic_toolkit.analysis.paths.candidates import Candidate
 from geodesic_toolkit.analysis.paths.insertion import Insertion
-from geodesic_toolkit.analysis.paths.metric_length import steps_over
+from geodesic_toolkit.analysis.paths.metric.length import steps_over
 from geodesic_toolkit.analysis.paths.polyline import SAME, Polyline, extent_of, without_repeats
 from geodesic_toolkit.core.frozen import FrozenArrays
 from geodesic_toolkit.core.types import FloatArray, IntArray

@@ -11,7 +11,7 @@ import numpy as np
 from geodesic_toolkit import _native
 from geodesic_toolkit.analysis.paths.fronts import refined_distance
 from geodesic_toolkit.analysis.paths.insertion import Insertion
-from geodesic_toolkit.analysis.paths.measured_faces import FacesAround
+from geodesic_toolkit.analysis.paths.metric.faces import FacesAround
 from geodesic_toolkit.core.frozen import freeze
 from geodesic_toolkit.core.types import BoolArray, FloatArray, IntArray
 from geodesic_toolkit.discretization.element_gradient import ElementGradient

@@ -7,9 +7,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from geodesic_toolkit.analysis.paths.dense_graph import Leg
-from geodesic_toolkit.analysis.paths.measured_faces import FacesAround
-from geodesic_toolkit.analysis.paths.refraction import Polylines, refracted
+from geodesic_toolkit.analysis.paths.metric.dense_graph import Leg
+from geodesic_toolkit.analysis.paths.metric.faces import FacesAround
+from geodesic_toolkit.analysis.paths.metric.refraction import Polylines, refracted
 from geodesic_toolkit.core.types import FloatArray, IntArray
 
 __all__ = ["Drawn", "drawn_through", "shortest_beside"]

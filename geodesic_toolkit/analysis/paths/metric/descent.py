@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from geodesic_toolkit.analysis.paths.measured_faces import FacesAround
+from geodesic_toolkit.analysis.paths.metric.faces import FacesAround
 from geodesic_toolkit.core.types import FloatArray
 
 __all__ = ["Descent"]

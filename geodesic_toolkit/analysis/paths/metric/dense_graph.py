@@ -9,7 +9,7 @@ import numpy as np
 from scipy.sparse import coo_array, csr_array
 from scipy.sparse.csgraph import dijkstra
 
-from geodesic_toolkit.analysis.paths.measured_faces import FacesAround, segment_length
+from geodesic_toolkit.analysis.paths.metric.faces import FacesAround, segment_length
 from geodesic_toolkit.core.types import FloatArray, IntArray
 
 __all__ = ["Leg", "legs_between", "legs_of"]

@@ -8,11 +8,11 @@ from itertools import pairwise
 import numpy as np
 
 from geodesic_toolkit.analysis.paths.candidates import Candidate
-from geodesic_toolkit.analysis.paths.dense_graph import Leg, legs_between, legs_of
 from geodesic_toolkit.analysis.paths.insertion import Insertion, insert_points
-from geodesic_toolkit.analysis.paths.measured_faces import FacesAround, segment_length
-from geodesic_toolkit.analysis.paths.metric_descent import Descent
-from geodesic_toolkit.analysis.paths.metric_strips import Drawn, drawn_through, shortest_beside
+from geodesic_toolkit.analysis.paths.metric.dense_graph import Leg, legs_between, legs_of
+from geodesic_toolkit.analysis.paths.metric.descent import Descent
+from geodesic_toolkit.analysis.paths.metric.faces import FacesAround, segment_length
+from geodesic_toolkit.analysis.paths.metric.strips import Drawn, drawn_through, shortest_beside
 from geodesic_toolkit.analysis.paths.path import GeodesicPath, path_from_candidate
 from geodesic_toolkit.analysis.paths.prepared import PreparedMesh
 from geodesic_toolkit.core.types import BoolArray, FloatArray, IntArray

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from geodesic_toolkit.analysis.paths.measured_faces import segment_length
+from geodesic_toolkit.analysis.paths.metric.faces import segment_length
 from geodesic_toolkit.core.types import FloatArray, IntArray
 from geodesic_toolkit.domains.measured import MeasuredFaces
 from geodesic_toolkit.errors import InvalidSourceError
