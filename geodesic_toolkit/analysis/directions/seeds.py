@@ -77,13 +77,17 @@ def surroundings(
     angles = np.where(between, np.angle(flat), 0.0)
     arrivals = np.where(between, np.angle(frames.to_frames(steps, points.vertices)), 0.0)
     order = np.argsort(np.append(rows, sight.rows), kind="stable")
+    distances = np.append(points.distances, sight.distances)[order]
+    with np.errstate(divide="ignore"):
+        curvatures = 1 / distances  # given, so that what is in sight is not looked for again
     around = SourcePoints(
         np.append(points.vertices, sight.vertices)[order],
         np.append(points.shares, np.zeros(len(seen)))[order],
         np.append(0, np.cumsum(sizes + np.bincount(sight.rows, minlength=points.count))),
         points.n_vertices,
-        np.append(points.distances, sight.distances)[order],
+        distances,
         points.starts,
+        curvatures,
     )
     return Surroundings(
         around,
